@@ -1,21 +1,21 @@
-//! A calibration target: a board of black and white squares, and where a picture of it has their inner corners.
+//! Calibration target: a board of black and white squares, and a detector of its inner corners in a picture.
 
 use glam::{DMat2, DVec2, DVec3};
 use sim_core::camera::Picture;
 use sim_core::math;
 use sim_core::scene::{Material, Mesh, Triangle};
 
-/// A board in the plane z = 0 with its middle in the origin.
+/// Checkerboard in the plane z = 0, centred on the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Board {
-    /// Squares along x and y; black and white in turn.
+    /// Number of squares along x and y, black and white alternating.
     pub squares: [u32; 2],
     /// Side of a square, m.
     pub side: f64,
 }
 
 impl Board {
-    /// Its faces: two for each square, and a white border as wide as a square.
+    /// Mesh of the board: two faces per square, and a white border one square wide.
     pub fn mesh(&self) -> Mesh {
         let grey = |level: f32| Material { colour: [level; 3], ..Material::default() };
         let mut mesh = Mesh { materials: vec![grey(0.1), grey(0.9)], ..Mesh::default() };
@@ -38,25 +38,25 @@ impl Board {
         mesh
     }
 
-    /// The corners in which four squares meet, m.
+    /// Corners shared by four squares, m.
     pub fn inner_corners(&self) -> Vec<DVec3> {
         let [columns, rows] = self.squares;
         (2..=rows).flat_map(|row| (2..=columns).map(move |column| self.corner(column, row))).collect()
     }
 
-    /// By numbers of column and row, the border's included.
+    /// Corner by its column and row, counted with the border.
     fn corner(&self, column: u32, row: u32) -> DVec3 {
         let [columns, rows] = self.squares.map(|count| 0.5 * f64::from(count) + 1.0);
         self.side * DVec3::new(f64::from(column) - columns, f64::from(row) - rows, 0.0)
     }
 }
 
-/// The places in a picture where two dark and two light fields meet crosswise, to a fraction of a pixel: columns to the right,
-/// rows downwards, the first pixel's middle at (0.5, 0.5).
+/// Crossings in a picture at which two dark and two light fields meet diagonally, with sub-pixel accuracy: columns to the right,
+/// rows downwards, the centre of the first pixel at (0.5, 0.5).
 ///
-/// The saddles of the brightness, blurred by a bell curve of 2.5 pixels: looked for at every other pixel, then found by Newton's method
-/// as zeros of the gradient. The four fields are the same turned by half a circle about their crossing, so it stays the
-/// saddle under any blur that is, too.
+/// Finds saddle points of the brightness, blurred by a Gaussian of 2.5 pixels: candidates at every other pixel, refined to zeros
+/// of the gradient by Newton's method. The four fields are symmetric under a half turn about their crossing, so the crossing
+/// remains the saddle point under any blur with that symmetry.
 ///
 /// Source: our choice.
 pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
@@ -84,23 +84,23 @@ pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
     found
 }
 
-/// Standard deviation of the bell curve, in pixels. Pixels that are means over their squares leave an error that falls with its
-/// square (a hundredth of a pixel at 2.5), so squares of the board should be 15 pixels wide.
+/// Standard deviation of the Gaussian, in pixels. The error from pixels that average over their area falls with the square of the
+/// deviation (0.01 pixel at 2.5); the board's squares should therefore be at least 15 pixels wide.
 const BLUR: f64 = 2.5;
-/// How far it is followed, in pixels.
+/// Radius at which the Gaussian is truncated, in pixels.
 const REACH: isize = 11;
-/// Pixels from each place at which a saddle is looked for to the next.
+/// Distance between the starting points of the search for saddles, in pixels.
 const STEP: usize = 2;
-/// Pixels at the picture's border in which no crossing is looked for.
+/// Width of the picture's border in which no crossing is searched, in pixels.
 const MARGIN: usize = 13;
 
 struct Brightness<'p>(&'p Picture<[u8; 3]>);
 
 impl Brightness<'_> {
-    /// First and second derivatives of the blurred brightness.
+    /// First and second derivatives of the blurred brightness at `at`.
     fn around(&self, at: DVec2) -> (DVec2, DMat2) {
         let (column, row) = (at.x.floor() as isize, at.y.floor() as isize);
-        // The bell curve is the product of one along each axis.
+        // The Gaussian is separable.
         let along = |middle: isize, place: f64| {
             (middle - REACH..=middle + REACH).map(move |pixel| {
                 let offset = pixel as f64 + 0.5 - place;
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_crossing_is_found_between_pixels() {
-        // Two lines through the place, turned, each pixel the mean of 16 by 16 points.
+        // Two lines through the crossing, rotated, each pixel the mean of 16 by 16 samples.
         for (place, turn) in
             [(DVec2::new(20.3, 15.8), 0.2), (DVec2::new(19.0, 16.25), 0.6), (DVec2::new(20.5, 15.5), 1.4)]
         {

@@ -1,4 +1,4 @@
-//! A long drive, by the core and by the integrators of other simulators, against its end to 30 digits.
+//! A long drive, by the core and by the integrators of other simulators, compared with its end pose to 30 digits.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -20,17 +20,17 @@ use crate::world::Random;
 pub struct Drive {
     /// Arc length, m, and angle, rad.
     pub displacement: Twist,
-    /// How long it takes, whole seconds, so that it begins and ends with a step of every integrator.
+    /// Duration in whole seconds, so that the drive begins and ends with a step of every integrator.
     pub seconds: u32,
 }
 
-/// Drives one after the other, from the origin on.
+/// Sequence of drives from the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course(pub Vec<Drive>);
 
 impl Course {
-    /// 600 s of drives of 1 to 8 s, in turn a straight line, a curve and a turn on the spot, drawn with a fixed seed: up to 0.5 m/s and
-    /// 2 rad/s, forwards and backwards.
+    /// 600 s of drives of 1 to 8 s, cycling through straight line, curve and turn on the spot, drawn with a fixed seed: up to 0.5 m/s
+    /// and 2 rad/s, forwards and backwards.
     pub fn ten_minutes() -> Self {
         let mut random = Random::new(600);
         let mut drives = Vec::new();
@@ -49,7 +49,7 @@ impl Course {
         Self(drives)
     }
 
-    /// The first drives of this course, of `seconds` together: the last is cut short.
+    /// The first `seconds` of this course; the last drive is cut short.
     pub fn first(&self, seconds: u32) -> Self {
         let mut left = seconds;
         let mut drives = Vec::new();
@@ -64,12 +64,12 @@ impl Course {
         Self(drives)
     }
 
-    /// Seconds that all of it takes.
+    /// Duration of the course in seconds.
     pub fn seconds(&self) -> u32 {
         self.0.iter().map(|drive| drive.seconds).sum()
     }
 
-    /// Where it ends: the closed form of each drive, in numbers of 30 digits.
+    /// End pose of the course: the closed form of each drive, in numbers of 30 digits.
     pub fn end(&self) -> End {
         let mut end = End::default();
         for Drive { displacement: Twist { vx, vy, omega }, .. } in &self.0 {
@@ -89,36 +89,37 @@ impl Course {
     }
 }
 
-/// A pose in numbers of 30 digits.
+/// Pose in numbers of 30 digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct End {
     /// Position, m.
     pub x: Wide,
     /// Position, m.
     pub y: Wide,
-    /// Heading with its whole turns, rad.
+    /// Heading including whole turns, rad.
     pub heading: Wide,
 }
 
 impl End {
-    /// Metres from here to a pose's position.
+    /// Distance to a pose's position, in metres.
     pub fn distance(&self, pose: &Pose) -> f64 {
         let [x, y] = pose.position.to_array().map(Wide::from);
         math::hypot((x - self.x).rounded(), (y - self.y).rounded())
     }
 
-    /// Radians between this heading and a pose's, up to half a turn.
+    /// Angle between this heading and a pose's, in radians, up to half a turn.
     pub fn angle(&self, pose: &Pose) -> f64 {
         let (sin, cos) = (Wide::from(pose.heading.remainder()) - self.heading).sin_cos();
         math::atan2(sin.rounded(), cos.rounded()).abs()
     }
 }
 
-/// Between two questions for the pose at least.
+/// Shortest interval between two queries of the pose.
 const LEAST_ASKED: Time = Time(100);
 
-/// The course as the core drives it in slots of this length: a program that gives the next drive when the one before has ended, in a
-/// world without walls. The true pose after the last drive; on the way the robot is asked for it after each slot, with slots below
+/// True pose at the end of the course as the core drives it in slots of length `slot`, in a world without walls.
+///
+/// A program gives the next drive when the one before has ended. On the way the pose is queried after each slot, for slots below
 /// 100 us after each 100 us.
 ///
 /// # Panics
@@ -143,23 +144,23 @@ pub fn core(course: &Course, slot: Time) -> Pose {
     motion.pose(now)
 }
 
-/// The course by Euler's method in steps of `step` seconds, which must divide a second: heading and speed of the step's start hold
-/// all through it.
+/// End pose by Euler's method in steps of `step` seconds, which must divide a second: heading and speed are held at their
+/// values at the start of the step.
 pub fn euler(course: &Course, step: f64) -> Pose {
     integrate(course, step, |twist, heading, step| velocity(twist, heading) * step)
 }
 
-/// The course by the classical method of Runge and Kutta, of fourth order, in steps of `step` seconds, which must divide a second.
+/// End pose by the classical fourth-order Runge-Kutta method in steps of `step` seconds, which must divide a second.
 pub fn runge_kutta(course: &Course, step: f64) -> Pose {
     integrate(course, step, |twist, heading, step| {
-        // The heading grows evenly, so that both slopes in the middle are the same.
+        // The heading grows linearly, so both midpoint slopes are equal.
         let middle = velocity(twist, heading + 0.5 * step * twist.omega);
         let (first, last) = (velocity(twist, heading), velocity(twist, heading + step * twist.omega));
         (first + 4.0 * middle + last) * (step / 6.0)
     })
 }
 
-/// Velocity in the world, m/s.
+/// Velocity in the world frame, m/s.
 fn velocity(twist: Twist, heading: f64) -> DVec2 {
     let (sin, cos) = math::sin_cos(heading);
     DVec2::new(cos, sin).rotate(DVec2::new(twist.vx, twist.vy))
@@ -179,8 +180,8 @@ fn integrate(course: &Course, step: f64, gain: impl Fn(Twist, f64, f64) -> DVec2
     Pose { position, ..Pose::new(0.0, 0.0, heading) }
 }
 
-/// The course as a robot's own odometry sees it that reads its encoders every `period` and takes each stretch for an arc: in whole ticks
-/// of `ticks_per_turn`, or exactly without.
+/// End pose by the robot's own odometry, which reads the encoders every `period` and takes each stretch for an arc: in whole ticks
+/// of `ticks_per_turn`, or exactly if that is `None`.
 ///
 /// # Panics
 /// If a drive of the course is not finite.
@@ -214,7 +215,7 @@ pub fn odometry(course: &Course, period: Time, ticks_per_turn: Option<f64>) -> P
     read(&mut motion, now)
 }
 
-/// A small differential drive that keeps up with any course.
+/// Small differential drive that is fast enough for any course.
 pub fn model() -> Model {
     Model {
         kind: DriveKind::Differential,
@@ -271,7 +272,7 @@ mod tests {
         let course = Course::ten_minutes().first(60);
         let end = course.end();
         let exact = end.distance(&odometry(&course, Time(10_000), None));
-        // A drive's end is known up to a microsecond, which a period shares with the next drive.
+        // The end of a drive is known to within a microsecond, so one period covers parts of two drives.
         assert!(exact < 1e-7, "arcs of constant twist lose nothing: {exact} m");
         let [fine, coarse] = [10_000.0, 100.0].map(|ticks| end.distance(&odometry(&course, Time(10_000), Some(ticks))));
         assert!(fine < coarse && fine > exact && coarse < 0.2, "{fine} and {coarse} m");

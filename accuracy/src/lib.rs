@@ -1,10 +1,10 @@
 //! Speed against error: brute-force oracles and naive integrators that the core is compared with.
 //!
-//! [`oracle`] answers the questions of `sim_core` the slow and plain way, [`camera`] sees what cameras see, one ray a place,
-//! [`course`] is a long drive with an end known to 30 digits (by numbers of two doubles, [`wide`]), and [`touch`] are contacts
-//! whose instants are known. [`statistics`] says whether a sample is what it should be. [`world`] makes the random scenes, rays
-//! and mazes on which they are compared, the same for tests and benches, [`room`] what cameras are compared on, [`board`] a
-//! calibration target; [`study`] measures how far off each method is and how long it takes, for `eyesim accuracy`.
+//! [`oracle`] solves the problems of `sim_core` by brute force, [`camera`] renders with one ray per image point, [`course`] is a
+//! long drive whose end is known to 30 digits (by numbers of two doubles, [`wide`]), and [`touch`] has contacts at known instants.
+//! [`statistics`] tests samples against their distributions. [`world`] generates the random scenes, rays and mazes shared by tests
+//! and benches, [`room`] the scene for comparing cameras, [`board`] a calibration target. [`study`] measures the error and the time
+//! of each method, for `eyesim accuracy`.
 #![forbid(unsafe_code)]
 
 pub mod board;

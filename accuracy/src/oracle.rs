@@ -5,13 +5,13 @@ use sim_core::math;
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Segment;
 
-/// The nearest of `segments` along a ray: metres from `origin` along the unit vector `direction`, and its place in the
-/// list. `None` when nothing lies within `range` metres.
+/// Nearest of `segments` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
+/// `None` when nothing lies within `range` metres.
 ///
-/// Each wall is made `longer` metres longer at both ends (shorter, if negative). An index that must not let a ray slip
-/// through a corner, yet differ from the truth by no more than rounding, lies between the answers for a small positive
-/// and a small negative `longer`. A wall that is parallel to the ray is met, at the nearer end, when both its ends
-/// are within `longer` of the ray's line; so is a wall that has no length.
+/// Each wall is extended by `longer` metres at both ends (shortened if negative). The result of an index that lets no ray slip
+/// through a corner, and differs from the truth only by rounding, lies between the results for a small positive and a small
+/// negative `longer`. A wall parallel to the ray is hit at its nearer end when both ends are within `longer` of the ray's line;
+/// the same holds for a wall of zero length.
 ///
 /// Source: the ray and the wall's line as two linear equations, solved by Cramer's rule.
 pub fn nearest_wall(
@@ -25,7 +25,7 @@ pub fn nearest_wall(
     nearest(distances, range)
 }
 
-/// The least of these distances that is not above `range`, and its place; the first of equal ones.
+/// Smallest of these distances up to `range`, and its index; the first of equal ones.
 fn nearest(distances: impl Iterator<Item = Option<f64>>, range: f64) -> Option<(f64, usize)> {
     distances
         .enumerate()
@@ -55,12 +55,12 @@ fn distance_to_parallel(a: DVec2, b: DVec2, direction: DVec2, longer: f64) -> Op
     (far >= -longer).then_some(near.max(0.0))
 }
 
-/// The nearest of `triangles` along a ray: metres from `origin` along the unit vector `direction`, and its place in the
-/// list. `None` when nothing lies within `range` metres.
+/// Nearest of `triangles` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
+/// `None` when nothing lies within `range` metres.
 ///
-/// Each triangle is made `wider` metres wider at all its edges (narrower, if negative), so that the answers for a small
-/// positive and a small negative `wider` enclose that of an index which lets no ray slip through a shared edge. Triangles
-/// without area are not met, and neither are those whose plane is parallel to the ray.
+/// Each triangle is widened by `wider` metres at all edges (narrowed if negative): the results for a small positive and a small
+/// negative `wider` enclose that of an index which lets no ray slip through a shared edge. Triangles of zero area, and triangles
+/// whose plane is parallel to the ray, are not hit.
 ///
 /// Source: the ray and two edges as three linear equations, solved by Cramer's rule.
 pub fn nearest_triangle(
@@ -74,7 +74,7 @@ pub fn nearest_triangle(
     nearest(distances, range)
 }
 
-/// One triangle of [`nearest_triangle`], without a range.
+/// Distance to one triangle as in [`nearest_triangle`], without a range.
 pub(crate) fn distance_to_triangle(
     &[a, b, c]: &[DVec3; 3],
     origin: DVec3,
@@ -92,19 +92,19 @@ pub(crate) fn distance_to_triangle(
     let t = -to_a.dot(normal) / determinant;
     let u = direction.dot(to_a.cross(ac)) / determinant;
     let v = direction.dot(ab.cross(to_a)) / determinant;
-    // A share of 1 is the triangle's height over that edge.
+    // A barycentric coordinate of 1 is the triangle's height over that edge.
     let inside =
         [(u, ac), (v, ab), (1.0 - u - v, c - b)].iter().all(|(share, edge)| share * area >= -wider * edge.length());
     (t >= -wider.max(0.0) && inside).then_some(t.max(0.0))
 }
 
-/// Metres between a disc of `radius` around `centre` and the nearest of `segments`; negative when they overlap, infinite
+/// Distance in metres between a disc of `radius` around `centre` and the nearest of `segments`; negative when they overlap, infinite
 /// without segments.
 pub fn clearance(segments: &[Segment], centre: DVec2, radius: f64) -> f64 {
     segments.iter().map(|segment| distance_to_point(segment, centre)).fold(f64::INFINITY, f64::min) - radius
 }
 
-/// Source: the distance to the wall's line where the foot of the perpendicular lies on the wall, else to an end.
+/// Source: the distance to the wall's line if the foot of the perpendicular lies on the wall, else to an end.
 fn distance_to_point(segment: &Segment, point: DVec2) -> f64 {
     let (from_a, from_b, along) = (point - segment.a, point - segment.b, segment.b - segment.a);
     if from_a.dot(along) > 0.0 && from_b.dot(along) < 0.0 {
@@ -114,19 +114,19 @@ fn distance_to_point(segment: &Segment, point: DVec2) -> f64 {
     }
 }
 
-/// Shares of the horizon between two samples where the disc is next to a wall.
+/// Number of samples into which the horizon is divided while the disc is close to a wall.
 const SAMPLES: f64 = 1e5;
 
-/// The first instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`; 0 if it does from the
-/// start, whether it moves off or not. `None` when it never does, and when an argument is not finite.
+/// First instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`; 0 if the disc overlaps one at the
+/// start, even if it moves away. `None` if it touches none, and if an argument is not finite.
 ///
 /// The disc of `radius` metres has its centre in the origin of a frame that starts at `start` and moves with the constant
 /// `twist` (in that frame; see [`Twist::at_offset`] for a centre elsewhere).
 ///
-/// The clearance is sampled and its first change of sign is bisected. Where the clearance is large, the next sample is as
-/// far as the disc can travel within it; else 10^-5 of the horizon away. So a contact may only be missed when the disc
-/// overlaps for less time than that, and by less than it travels in that time. A contact found is exact within rounding:
-/// about 10^-15 m over the speed of approach, which is 10^-9 s unless the disc grazes the wall.
+/// The clearance is sampled and its first change of sign is bisected. The next sample is as far ahead as the disc takes to travel
+/// the clearance, at least 10^-5 of the horizon. A contact is missed only if the disc overlaps for less time than that, and by
+/// less than it travels in that time. A contact found is exact within rounding: about 10^-15 m divided by the speed of approach,
+/// which is 10^-9 s unless the disc grazes the wall.
 pub fn first_contact(segments: &[Segment], start: Pose, twist: Twist, radius: f64, horizon: f64) -> Option<f64> {
     if !(twist.is_finite() && start.position.is_finite() && radius.is_finite() && horizon.is_finite()) {
         return None;
@@ -149,9 +149,9 @@ pub fn first_contact(segments: &[Segment], start: Pose, twist: Twist, radius: f6
     None
 }
 
-/// Where the frame's origin is after `t` seconds, by turning it about its instantaneous centre of rotation.
+/// Position of the frame's origin after `t` seconds, by rotation about the instantaneous centre of rotation.
 ///
-/// Where that is farther away than the path is long, it loses digits: there the path is integrated in short chords.
+/// If that centre is farther away than the path is long, the rotation loses digits: the path is then integrated in short chords.
 fn centre_at(start: &Pose, twist: Twist, t: f64) -> DVec2 {
     let angle = twist.omega * t;
     let forward = start.heading.direction();
@@ -177,8 +177,8 @@ fn centre_at(start: &Pose, twist: Twist, t: f64) -> DVec2 {
     start.position + forward.rotate(mean * t)
 }
 
-/// The least instant between `low`, where `holds` is false, and `high`, where it is true, that no double parts from a
-/// false one.
+/// Bisects the interval from `low`, where `holds` is false, to `high`, where it is true, down to adjacent doubles and returns
+/// the upper one.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = low + 0.5 * (high - low);
@@ -193,16 +193,16 @@ fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// A body in space, in the world frame, in metres.
+/// Solid body, in the world frame, in metres.
 #[derive(Clone, Copy, Debug)]
 pub enum Body {
     /// An upright box.
     Box {
         /// Its centre.
         centre: DVec3,
-        /// Half of its sizes along its own axes.
+        /// Half sizes along its own axes.
         half: DVec3,
-        /// How far its x axis is turned to the left from the world's, rad.
+        /// Counter-clockwise angle from the world's x axis to the box's, rad.
         turn: f64,
     },
     /// An upright cylinder.
@@ -211,20 +211,20 @@ pub enum Body {
         centre: DVec3,
         /// Its radius.
         radius: f64,
-        /// Half of its height.
+        /// Half height.
         half: f64,
     },
-    /// All points within `radius` of the stretch between two points.
+    /// All points within `radius` of a line segment.
     Capsule {
-        /// The stretch's ends.
+        /// Ends of the segment.
         ends: [DVec3; 2],
-        /// Distance from the stretch.
+        /// Distance of the surface from the segment.
         radius: f64,
     },
 }
 
 impl Body {
-    /// Metres from `point` to the body; 0 inside.
+    /// Distance in metres from `point` to the body; 0 inside.
     pub fn distance(&self, point: DVec3) -> f64 {
         match *self {
             Self::Box { centre, half, turn } => {
@@ -247,10 +247,10 @@ impl Body {
     }
 }
 
-/// The nearest of `bodies` along a ray, as [`nearest_wall`]: metres from `origin`, and its place in the list.
+/// Nearest of `bodies` along a ray, as in [`nearest_wall`]: distance in metres from `origin`, and index in the list.
 ///
-/// The ray is followed in steps as long as the distance to the nearest body: that never leads into one, and ends within
-/// `close` metres of the first. A ray that comes so close to a body and misses it, is taken to meet it.
+/// Sphere tracing: each step along the ray is as long as the distance to the nearest body, so no step enters a body, and the march
+/// ends within `close` metres of the first. A ray that passes a body that closely without hitting it counts as a hit.
 pub fn nearest_body(bodies: &[Body], origin: DVec3, direction: DVec3, range: f64, close: f64) -> Option<(f64, usize)> {
     let mut travelled = 0.0;
     while travelled <= range {
@@ -312,7 +312,7 @@ mod tests {
         let start = Pose::new(0.0, 2.0 - 1.95, 0.0);
         let contact = first_contact(&[wall], start, Twist::new(1.95, 1.0), 0.1, 10.0).unwrap();
         assert!((math::sin(contact) * 1.95 - 1.9).abs() < 1e-12, "within 1 pm: {contact}");
-        // At 20 km/s nothing tunnels either.
+        // No tunnelling at 20 km/s.
         let contact = first_contact(&[wall], start, Twist::new(1.95, 1.0).scaled(1e4), 0.1, 1e-2).unwrap();
         assert!((math::sin(contact * 1e4) * 1.95 - 1.9).abs() < 1e-11, "within 10 pm: {contact}");
     }

@@ -1,4 +1,4 @@
-//! A room that cameras see, the same for all renderers.
+//! A furnished room, the common test scene of all renderers.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -15,20 +15,20 @@ use crate::world::Random;
 pub const SIDE: f64 = 8.0;
 /// Height of its walls, m.
 const HEIGHT: f64 = 2.5;
-/// Boxes in it, of 12 triangles each.
+/// Number of boxes in the room, of 12 triangles each.
 const BOXES: usize = 99;
 /// Height of the cameras, m.
 const EYE: f64 = 0.25;
-/// Pixels along a texture's side; it covers a square metre.
+/// Pixels along a texture's side; a texture covers one square metre.
 const TEXELS: u32 = 256;
 
 /// The cameras' horizontal field of view, rad.
 pub const FIELD: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Where a camera stands and how it is turned, with its axes in the world's frame.
+/// Position and orientation of a camera, in the world frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand {
-    /// The camera's place, m.
+    /// Position of the camera, m.
     pub eye: DVec3,
     /// Unit vector along its axis.
     pub forward: DVec3,
@@ -37,7 +37,7 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// The camera's frame in the world's.
+    /// Pose of the camera frame in the world frame.
     pub fn pose(&self) -> Pose3 {
         let rotation = DMat3::from_cols(self.forward, self.left, self.forward.cross(self.left));
         Pose3 { position: self.eye, rotation }
@@ -69,18 +69,18 @@ pub fn room() -> Mesh {
     mesh
 }
 
-/// The room under the sky, without anything else.
+/// The room under the sky, and nothing else.
 pub fn scenery(light: Light) -> Scenery {
     let part = Part { mesh: Arc::new(room()), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], None, light, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })
 }
 
-/// The sun over it, with shadows.
+/// Sunlight over the room, with shadows.
 pub fn light() -> Light {
     Light { towards: DVec3::new(0.36, 0.48, 0.8), ambient: 0.4, fill: 0.0, diffuse: 0.6, shadows: true }
 }
 
-/// So many views at a robot's height, 20 cm off every box at least.
+/// `count` views at a robot's height, at least 20 cm away from every box.
 pub fn stands(count: usize) -> Vec<Stand> {
     let mut random = Random::new(52);
     let blocks = blocks();
@@ -103,7 +103,7 @@ pub fn stands(count: usize) -> Vec<Stand> {
 /// A box on the floor.
 struct Block {
     centre: DVec2,
-    /// Half of its sizes along its own axes, of which the first is `along`.
+    /// Half sizes along its own axes; the first axis is `along`.
     half: DVec2,
     along: DVec2,
     height: f64,
@@ -126,7 +126,7 @@ fn blocks() -> Vec<Block> {
 }
 
 impl Block {
-    /// Its corners from above, counter-clockwise.
+    /// Corners seen from above, counter-clockwise.
     fn corners(&self) -> [DVec2; 4] {
         let (x, y) = (self.along * self.half.x, self.along.perp() * self.half.y);
         [self.centre - x - y, self.centre + x - y, self.centre + x + y, self.centre - x + y]
@@ -139,12 +139,12 @@ impl Block {
     }
 }
 
-/// An upright rectangle on the line from `from` to `to`, seen from that line's right.
+/// Adds an upright rectangle on the line from `from` to `to`, visible from the right of that line.
 fn push_upright(mesh: &mut Mesh, material: u32, from: DVec2, to: DVec2, height: f64) {
     push_square(mesh, material, [from.extend(0.0), to.extend(0.0), to.extend(height), from.extend(height)]);
 }
 
-/// A rectangle by its corners, counter-clockwise as seen, the texture's right along the first side.
+/// Adds a rectangle by its corners, counter-clockwise as seen, the texture's horizontal axis along the first side.
 fn push_square(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
@@ -163,7 +163,7 @@ fn material(number: u32) -> Material {
     Material { name, colour: [1.0; 3], opacity: 1.0, texture }
 }
 
-/// Tiles, bricks, boards or cardboard with a letter L, so that a picture shows which way it is turned.
+/// Texel of tiles, bricks, boards or cardboard with a letter L, so that pictures show the orientation.
 fn texel(number: u32, column: u32, row: u32) -> [u8; 4] {
     let grain =
         ((column.wrapping_mul(0x9e37_79b1) ^ row.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 28) as u8;

@@ -1,34 +1,34 @@
-//! Statistical tests: how probable it is that a sample is as far from what it should be as it is, if it is as it should be.
+//! Statistical tests: p-values of samples under the hypothesis that they follow a given distribution.
 //!
-//! Each gives a p-value, uniform on [0, 1] for a sample that is as it should be, and near 0 for one that is not.
+//! A p-value is uniform on [0, 1] if the hypothesis holds, and near 0 if it does not.
 
 use sim_core::math;
 
-/// Share of the standard normal distribution below `z`.
+/// Cumulative distribution function of the standard normal distribution.
 pub fn normal_cdf(z: f64) -> f64 {
     0.5 * math::erfc(-z / std::f64::consts::SQRT_2)
 }
 
-/// Probability of a standard normal number at least as far from 0 as `z`, on either side.
+/// Probability that a standard normal number is at least as far from 0 as `z`, on either side.
 pub fn two_sided(z: f64) -> f64 {
     math::erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
-/// Number, mean and central moments of a sample.
+/// Count, mean and central moments of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
-    /// How many there are.
+    /// Number of values.
     pub count: f64,
     /// Mean.
     pub mean: f64,
-    /// Variance, of the sample itself.
+    /// Variance of the sample itself (divided by n).
     pub variance: f64,
     /// Fourth central moment.
     pub fourth: f64,
 }
 
 impl Moments {
-    /// Those of `sample`; NaN without any.
+    /// Moments of `sample`; NaN if it is empty.
     pub fn of(sample: &[f64]) -> Self {
         let count = sample.len() as f64;
         let mean = sample.iter().sum::<f64>() / count;
@@ -36,19 +36,19 @@ impl Moments {
         Self { count, mean, variance: of(2), fourth: of(4) }
     }
 
-    /// p-value of the mean being `mean`, where the variance is `variance`.
+    /// p-value of the mean being `mean` if the variance is `variance`.
     pub fn mean_is(&self, mean: f64, variance: f64) -> f64 {
         two_sided((self.mean - mean) / (variance / self.count).sqrt())
     }
 
-    /// p-value of the variance being `variance`: a variance varies by (m4 - v^2) / n.
+    /// p-value of the variance being `variance`: the variance of the sample variance is (m4 - v^2) / n.
     pub fn variance_is(&self, variance: f64) -> f64 {
         let spread = ((self.fourth - self.variance * self.variance) / self.count).sqrt();
         two_sided((self.variance - variance) / spread)
     }
 }
 
-/// Kolmogorov's and Smirnov's distance: the greatest between the distribution of a sample, which is sorted, and `cdf`.
+/// Kolmogorov-Smirnov distance: the greatest difference between the empirical distribution of `sample`, sorted in place, and `cdf`.
 pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     sample.sort_by(f64::total_cmp);
     let count = sample.len() as f64;
@@ -59,7 +59,7 @@ pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 
     steps.fold(0.0, f64::max)
 }
 
-/// p-value of a sample being of the distribution `cdf`, which is continuous; by Stephens' approximation.
+/// Kolmogorov-Smirnov test: p-value of `sample` following the continuous distribution `cdf`, by Stephens' approximation.
 pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     let distance = kolmogorov_distance(sample, cdf);
     let root = (sample.len() as f64).sqrt();
@@ -74,8 +74,8 @@ pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Pearson's chi-squared: p-value of counts whose expectations are `expected`, with the same sum; a class that expects fewer
-/// than 10 goes with the next. By Wilson's and Hilferty's approximation.
+/// Pearson's chi-squared test: p-value of counts whose expectations are `expected`, with the same sum. A class that expects fewer
+/// than 10 is merged with the next. By Wilson's and Hilferty's approximation.
 ///
 /// # Panics
 /// If there are fewer than two classes left, or not as many counts as expectations.
@@ -99,7 +99,7 @@ pub fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
     1.0 - normal_cdf(((statistic / freedom).cbrt() - (1.0 - share)) / share.sqrt())
 }
 
-/// Exact: p-value of `count` hits in `trials`, each with `probability`; twice the smaller tail.
+/// Exact binomial test: p-value of `count` hits in `trials`, each with `probability`; twice the smaller tail.
 pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
     if probability <= 0.0 || probability >= 1.0 {
         let certain = if probability <= 0.0 { 0 } else { trials };
@@ -133,10 +133,10 @@ pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
     (2.0 * tail / all).min(1.0)
 }
 
-/// p-value of two samples, pair by pair, being uncorrelated.
+/// p-value of two samples being pairwise uncorrelated.
 ///
 /// # Panics
-/// If they are not of one length.
+/// If their lengths differ.
 pub fn uncorrelated(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len(), "pairs");
     let (of_a, of_b) = (Moments::of(a), Moments::of(b));
@@ -165,18 +165,18 @@ mod tests {
         assert_eq!(binomial(5, 10, 0.5), 1.0);
         assert!((binomial(0, 3, 0.25) - 2.0 * 27.0 / 64.0).abs() < 1e-15);
         assert_eq!([binomial(0, 9, 0.0), binomial(1, 9, 0.0), binomial(9, 9, 1.0)], [1.0, 0.0, 1.0]);
-        // Far out, where the normal approximation has the right size.
+        // Far in the tail, where the normal approximation has the right magnitude.
         let far = binomial(500_000 + 2_500, 1_000_000, 0.5);
         assert!((far / two_sided(5.0) - 1.0).abs() < 0.02, "{far}");
     }
 
     #[test]
     fn kolmogorov_has_its_published_values() {
-        // A sample in the middles of equal cells is as close as can be; moved by D it is D + 1 / 2n away.
+        // The midpoints of equal cells have the least distance; shifted by D their distance is D + 1 / 2n.
         let sample =
             |count: usize, by: f64| (0..count).map(|k| (k as f64 + 0.5) / count as f64 + by).collect::<Vec<_>>();
         assert_eq!(kolmogorov(&mut sample(1000, 0.0), |x| x), 1.0);
-        // The 5 % point is 1.358 / sqrt(n) for many.
+        // The 5 % point is 1.358 / sqrt(n) for large n.
         let count = 10_000;
         let by = 1.358 / 100.0 - 0.5 / 10_000.0;
         assert!((kolmogorov(&mut sample(count, by), |x| x) - 0.05).abs() < 1e-3);

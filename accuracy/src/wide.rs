@@ -1,39 +1,39 @@
-//! Numbers of about 32 digits, as the sum of two doubles: for references that rounding must not reach.
+//! Double-double numbers of about 32 digits, for references that must not suffer from rounding.
 //!
 //! Source: Dekker, A floating-point technique for extending the available precision, 1971.
 
 use std::f64::consts::FRAC_PI_2;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number as the sum of two doubles, the second at most half a unit in the last place of the first.
+/// Number as the sum of two doubles, the second at most half a unit in the last place of the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wide {
     high: f64,
     low: f64,
 }
 
-/// Half of pi, less what two doubles hold.
+/// Half of pi, to the precision of two doubles.
 const HALF_PI: Wide = Wide { high: FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
 impl Wide {
-    /// The double nearest to it.
+    /// Nearest double.
     pub fn rounded(self) -> f64 {
         self.high
     }
 
-    /// A sum of two doubles without its rounding error being lost.
+    /// Sum of two doubles without loss of its rounding error.
     fn of_sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let part = high - a;
         Self { high, low: (a - (high - part)) + (b - part) }
     }
 
-    /// Sine and cosine of an angle in radians; an error of 1e-31, and 1e-33 for each quarter of a turn.
+    /// Sine and cosine of an angle in radians; error 1e-31, plus 1e-33 per quarter turn.
     pub fn sin_cos(self) -> (Self, Self) {
         let quarters = (self.high / FRAC_PI_2).round();
         let rest = self - HALF_PI * Self::from(quarters);
         let square = rest * rest;
-        // The series of both from their last terms on: the 28th power of pi/4 over 28! is 1e-33.
+        // Taylor series of both from their last terms on: (pi/4)^28 / 28! is 1e-33.
         let series = |first: i32| {
             (first..=28).rev().filter(|power| (power - first) % 2 == 0).fold(Self::default(), |sum, power| {
                 Self::from(1.0) - sum * square / Self::from(f64::from((power + 1) * (power + 2)))
@@ -81,7 +81,7 @@ impl Sub for Wide {
 impl Mul for Wide {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        // Halves of 26 bits, whose products are exact.
+        // Split into halves of 26 bits, whose products are exact.
         let split = |value: f64| {
             let scaled = 134_217_729.0 * value;
             let high = scaled - (scaled - value);

@@ -1,4 +1,4 @@
-//! Random scenes and rays, the same at every call: what the core and the oracles are compared on.
+//! Random scenes and rays for comparing the core with the oracles, the same at every call.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use sim_core::scene::{Bounds, Segment, Walls};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-/// A source of random numbers with a fixed seed.
+/// Random number generator with a fixed seed.
 pub struct Random(ChaCha8Rng);
 
 impl Random {
-    /// The source with this `seed`.
+    /// Generator with this `seed`.
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
@@ -26,7 +26,7 @@ impl Random {
         low + unit * (high - low)
     }
 
-    /// Uniform below `count`, which must be positive.
+    /// Uniform integer below `count`, which must be positive.
     pub fn below(&mut self, count: usize) -> usize {
         (self.0.next_u64() % count as u64) as usize
     }
@@ -36,7 +36,7 @@ impl Random {
         self.between(0.0, 1.0) < probability
     }
 
-    /// Uniform in the rectangle.
+    /// Uniform point in the rectangle.
     pub fn point_in(&mut self, bounds: Bounds) -> DVec2 {
         DVec2::new(self.between(bounds.min.x, bounds.max.x), self.between(bounds.min.y, bounds.max.y))
     }
@@ -104,8 +104,8 @@ pub fn extruded(walls: &[Segment]) -> Vec<[DVec3; 3]> {
     walls.iter().flat_map(side).collect()
 }
 
-/// The faces of a box around the origin with these half sides, each parted in so many squares along both of its sides, of two
-/// triangles each; `place` puts its points where they belong.
+/// Faces of a box around the origin with these half sizes, each divided into `squares` by `squares` squares of two triangles;
+/// `place` transforms its points.
 pub fn cuboid(half: DVec3, squares: u32, place: impl Fn(DVec3) -> DVec3) -> Vec<[DVec3; 3]> {
     let share = |step: u32| (2.0 * f64::from(step) - f64::from(squares)) / f64::from(squares);
     let mut triangles = Vec::new();

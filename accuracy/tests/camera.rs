@@ -1,4 +1,4 @@
-//! Pictures of cameras against the slow reference: every pixel the same to a grey level, but on silhouettes.
+//! Pictures of cameras against the slow reference: every pixel equal to within a grey level, except on silhouettes.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -19,12 +19,12 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_format::{FileError, Files, MeshReader, load_maze, load_scene, load_world};
 
-/// Views of each sample world.
+/// Number of views of each sample world.
 const VIEWS: usize = 100;
 
 const LENSES: [Lens; 2] = [Lens::Pinhole { fov: 1.0 }, Lens::Fisheye { fov: 2.8 }];
 
-/// The repository's files.
+/// File system rooted at the repository.
 struct Disk(String);
 
 impl Files for Disk {
@@ -49,7 +49,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Names of the files in a folder of the repository, in their order.
+/// Sorted names of the files in a folder of the repository.
 fn names(folder: &str) -> Vec<String> {
     let entries = fs::read_dir(root().join(folder)).expect("a folder").flatten();
     let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
@@ -57,7 +57,7 @@ fn names(folder: &str) -> Vec<String> {
     names
 }
 
-/// All scenes, and all worlds without robots.
+/// All scenes, and all worlds as scenes without robots.
 fn scenes() -> Vec<(String, SceneSpec)> {
     let disk = Disk(root().to_string_lossy().into_owned());
     let scene = &|folder: &str, name: String| {
@@ -84,7 +84,7 @@ fn world(scene: &SceneSpec) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions).with_objects(objects)
 }
 
-/// A view from anywhere over the floor, every other one from a robot, and that robot.
+/// View from a random point over the floor, every other one from a robot, and that robot.
 fn any_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2]) -> (View, Option<RobotId>) {
     let lens = LENSES[number / 2 % 2];
     let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|most| random.between(-most, most));
@@ -117,7 +117,7 @@ fn agreement_of(still: &Still, views: impl IntoIterator<Item = (View, Option<Rob
 fn sample_worlds_look_as_the_reference_says() {
     let mut all = Agreement::default();
     for (place, (name, mut scene)) in scenes().into_iter().enumerate() {
-        // Every other one with shadows, whatever it says itself.
+        // Every other scene with shadows, regardless of its own setting.
         scene.world.looks.light.shadows |= place % 2 == 1;
         let disk = Disk(root().to_string_lossy().into_owned());
         let scenery = build::scenery(&scene, &mut MeshReader::new(&disk));

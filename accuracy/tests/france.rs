@@ -1,4 +1,4 @@
-//! The France paper's three sensors on one sweep over a floor and a step: what section 6.3 says of each.
+//! The France paper's three sensors on one sweep over a floor and a step, compared with section 6.3 of the paper.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -55,7 +55,7 @@ fn the_reflectance_sensor_is_biased_as_eq_1_says() {
             assert_eq!(reflectance, 1.0);
             continue;
         }
-        // The printed root; it has digits enough, as the signal is not small here.
+        // The printed root is accurate enough here, as the signal is not small.
         let cos = sim_core::math::cos(incidence);
         let s = (1.0 - d) / (d * d) * cos * cos;
         let printed = (-1.0 + (1.0 + 4.0 * s).sqrt()) / (2.0 * s);

@@ -1,4 +1,4 @@
-//! Where a camera shows things, against where they are: corners of a calibration target and edges of faces.
+//! Positions in pictures against true positions: corners of a calibration target and edges of faces.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use sim_core::pose::Pose3;
 use sim_core::scene::{Material, Mesh, Triangle};
 use sim_core::time::Time;
 
-/// Everything lit alike.
+/// Uniform ambient light.
 const LAMP: Light = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
 const SKY: Sky = Sky { horizon: [128; 3], zenith: [128; 3] };
 
@@ -22,7 +22,7 @@ fn corners_of_a_board_are_found_where_they_are_projected() {
     let still = scenery.still(&empty(), Time::ZERO);
     let mut camera = Camera::default();
     let mut random = Random::new(81);
-    // How far away the board fills the image.
+    // Distance at which the board fills the image.
     for (lens, distance) in
         [(Lens::Pinhole { fov: 0.7 }, 1.15), (Lens::Pinhole { fov: 1.4 }, 0.5), (Lens::Fisheye { fov: 2.6 }, 0.3)]
     {
@@ -48,7 +48,7 @@ fn corners_of_a_board_are_found_where_they_are_projected() {
     }
 }
 
-/// A large face whose first edge goes through `middle` along `edge`, on the side of `inwards`.
+/// Large face whose first edge passes through `middle` along `edge`; the face lies on the side of `inwards`.
 fn half_plane(middle: DVec3, edge: DVec3, inwards: DVec3) -> Scenery {
     let corner = |along: f64, in_: f64| middle + along * edge + in_ * inwards;
     let mesh = Mesh {
@@ -81,7 +81,7 @@ fn an_edge_parts_pixels_where_it_is_projected() {
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let distance = random.between(0.5, 5.0);
             let (edge, inwards) = (random.direction_in_space(), random.direction_in_space());
-            // Where a point of the edge is, that is seen at a place.
+            // Point of the edge that is seen at a point of the image.
             let point = |at: DVec2| from + distance * view.direction(at).expect("within the image");
             let [here, there] = [0.0, 1e-3].map(|along| view.project(point(pixel) + along * edge).expect("ahead"));
             let across = (there - here).perp().normalize_or_zero();

@@ -1,4 +1,4 @@
-//! Hard cases of contact: robots that start in it, wedged and head on, at any speed, far away, in any slot.
+//! Hard cases of contact: robots that start in contact, wedged robots, head-on collisions, at any speed, far from the origin, in any slot.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -32,8 +32,8 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Criterion: contacts that have a formula are found at its instant, 10 km away within the rounding of 1e4 m (2e-12 m) over
-/// the speed of approach.
+/// Criterion: contacts with a closed form are found at its instant, 10 km from the origin within the rounding of 1e4 m (2e-12 m)
+/// divided by the speed of approach.
 #[test]
 fn ten_kilometres_away_contacts_are_where_they_should_be() {
     let mut random = Random::new(21);
@@ -50,7 +50,7 @@ fn ten_kilometres_away_contacts_are_where_they_should_be() {
     }
 }
 
-/// Criterion: from 1 um/s to 1 km/s, head on, the robot rests one skin before the first wall of many, never behind one, also when it
+/// Criterion: from 1 um/s to 1 km/s, head on, the robot stops one skin before the first wall of many, never behind one, even if it
 /// would cross all of them within one slot.
 #[test]
 fn at_any_speed_the_first_of_many_walls_stops_the_robot_in_one_slot() {
@@ -73,8 +73,8 @@ fn at_any_speed_the_first_of_many_walls_stops_the_robot_in_one_slot() {
     }
 }
 
-/// Criterion: two robots head on at speeds that cross each other within one slot rest a skin apart, where the faster has come
-/// farther; the middle of the contact is at the ratio of their speeds within a micrometre.
+/// Criterion: two robots head on, at speeds that would swap them within one slot, stop a skin apart, the faster having travelled
+/// farther; the middle of the contact divides the distance in the ratio of their speeds within a micrometre.
 #[test]
 fn robots_head_on_rest_a_skin_apart_at_any_speed_and_slot() {
     for slot in [1_000, 50_000, 1_000_000] {
@@ -104,8 +104,8 @@ fn robots_head_on_rest_a_skin_apart_at_any_speed_and_slot() {
     }
 }
 
-/// Criterion: a robot that starts in contact, or up to its centre in a wall, goes as far as commanded in the directions that lead away,
-/// and not at all in those that lead deeper.
+/// Criterion: a robot that starts in contact, or up to its centre in a wall, moves as far as commanded in directions that lead
+/// away, and not at all in those that lead deeper.
 #[test]
 fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
     let walls = [wall(-5.0, 0.0, 5.0, 0.0)];
@@ -121,7 +121,7 @@ fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
                 (moved - if is_away { 0.3 } else { 0.0 }).abs() < 1e-12,
                 "depth {depth}, heading {heading}: {moved}"
             );
-            // A turn on the spot is free.
+            // A turn on the spot is unobstructed.
             let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
             motion.command(Time(9), drive(0.0, 9.0, 1.0), &[]).expect("sound");
             assert!(motion.drive_end().is_some(), "depth {depth}");
@@ -129,8 +129,8 @@ fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
     }
 }
 
-/// Criterion: in corners from 2 to 178 degrees the robot rests a skin from both walls or, along the bisector, from the nearer; straight back it comes
-/// out by what is commanded; it can turn there as often as it likes.
+/// Criterion: in corners from 2 to 178 degrees the robot stops a skin from both walls or, along the bisector, from the nearer one; it
+/// reverses out by the commanded distance; it can turn there any number of times.
 #[test]
 fn wedged_in_corners_of_every_angle_a_robot_comes_out() {
     for degrees in [2.0, 10.0, 45.0, 60.0, 90.0, 120.0, 178.0_f64] {
@@ -158,8 +158,8 @@ fn wedged_in_corners_of_every_angle_a_robot_comes_out() {
     }
 }
 
-/// Criterion: through a gap 1 mm wider than itself a robot drives 100 m to its mark, here and 10 km away, with no contact; 0.6 mm
-/// beside the middle it is stopped at the mouth.
+/// Criterion: a robot drives 100 m to its mark through a gap 1 mm wider than itself, at the origin and 10 km away, with no contact;
+/// 0.6 mm off the middle it is stopped at the entrance.
 #[test]
 fn a_gap_of_a_millimetre_more_lets_a_robot_through_for_a_hundred_metres() {
     let half = RADIUS + 0.5e-3;
@@ -186,8 +186,8 @@ fn a_gap_of_a_millimetre_more_lets_a_robot_through_for_a_hundred_metres() {
     }
 }
 
-/// Criterion: a robot that tries a thousand random drives among boxes is never nearer to a wall than the skin, less the rounding of 1e-12 m, and
-/// ends at the same bits in slots of 1 ms and of 1 s.
+/// Criterion: a robot that executes a thousand random drives among boxes is never nearer to a wall than the skin, less the rounding
+/// of 1e-12 m, and its end pose has the same bits in slots of 1 ms and of 1 s.
 #[test]
 fn a_thousand_drives_among_boxes_never_touch_more_than_the_skin() {
     let walls = room_with_boxes(3, DVec2::splat(-2.0), 4.0, 12);

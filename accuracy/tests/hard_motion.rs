@@ -1,4 +1,4 @@
-//! Hard cases of motion: where doubles end, for very long, far away, and in slots from a microsecond to a second.
+//! Hard cases of motion: extreme values of doubles, very long durations, far from the origin, slots from a microsecond to a second.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Noise enough to be seen in every bit.
+/// Noise large enough to affect every bit.
 fn imperfection() -> Imperfection {
     let noise = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
     Imperfection {
@@ -105,7 +105,7 @@ fn poses_are_equal_to_the_bit_in_slots_of_a_microsecond_to_a_second() {
     }
 }
 
-/// Criterion: a drive ends at its angle and its arc to 1e-12 m, from 1e-300 to 1e4 rad/s, turned to either side.
+/// Criterion: a drive ends at its angle and arc length to 1e-12 m, from 1e-300 to 1e4 rad/s, in both directions.
 #[test]
 fn drives_of_every_turning_speed_end_at_their_arcs() {
     let racer = Model { max_wheel_rate: 1e9, ..model() };
@@ -118,7 +118,7 @@ fn drives_of_every_turning_speed_end_at_their_arcs() {
             assert!((end - Time(2_000_007)).0.abs() <= 1, "{end:?} at {omega} rad/s");
             let pose = motion.pose(end);
             assert!((pose.heading.radians() - 2.0 * omega).abs() <= 4e-16 * (2.0 * omega).abs().max(1.0));
-            // Chord and half angle, in 30 digits above where the series is exact.
+            // Chord and half angle, in 30 digits above the limit up to which the series is exact.
             let angle = 2.0 * omega;
             let expected = if angle.abs() < 1e-5 {
                 DVec2::new(1.0 - angle * angle / 6.0, angle / 2.0)
@@ -132,7 +132,7 @@ fn drives_of_every_turning_speed_end_at_their_arcs() {
     }
 }
 
-/// Criterion: after a million rounds of a circle in one piece, and of a spiral of a million curves, the position is right
+/// Criterion: after a million rounds of a circle in one piece, and of a spiral of a million curves, the position is exact up
 /// to the rounding of the commanded rate times the time.
 #[test]
 fn a_million_rounds_of_a_circle_stay_on_it() {
@@ -153,7 +153,7 @@ fn a_million_rounds_of_a_circle_stay_on_it() {
     assert!((state.path - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path);
 }
 
-/// Criterion: ten kilometres away a drive with curves ends as at the origin to 1e-9 m, the rounding of 1e4 m being 2e-12 m.
+/// Criterion: 10 km from the origin a drive with curves ends as at the origin to 1e-9 m, the rounding of 1e4 m being 2e-12 m.
 #[test]
 fn ten_kilometres_away_a_course_is_the_same() {
     let lame = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
@@ -178,7 +178,7 @@ fn ten_kilometres_away_a_course_is_the_same() {
     }
 }
 
-/// Criterion: a million moves of a micrometre are a metre, to the rounding of each; forwards and back is where it was.
+/// Criterion: a million moves of a micrometre add up to a metre, within the rounding of each; forwards and back returns to the start.
 #[test]
 fn a_million_moves_of_a_micrometre_are_a_metre() {
     let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, 0.5));
@@ -199,8 +199,8 @@ fn a_million_moves_of_a_micrometre_are_a_metre() {
     assert!(motion.pose(end).position.length() < 1e-10);
 }
 
-/// Criterion: moves of nothing are done at once and move nothing, also with lag, controllers and imperfections; those of
-/// negative length go back as far as the same move goes forwards.
+/// Criterion: moves of zero length end at once without motion, also with lag, controllers and imperfections; moves of
+/// negative length go back as far as the same positive move goes forwards.
 #[test]
 fn moves_of_nothing_and_backwards_end_for_every_kind_of_robot() {
     let lame = Model { wheel_lag: 0.05, ..model() };
@@ -227,8 +227,8 @@ fn moves_of_nothing_and_backwards_end_for_every_kind_of_robot() {
     }
 }
 
-/// Criterion: controllers that ask for more than the wheels can do reach the limit and no more, and after that a set speed
-/// within it in less than 0.3 s: no sum has been wound up. Gains of any size leave all numbers finite.
+/// Criterion: controllers that demand more than the wheels can do reach the limit and no more, and afterwards reach a set speed
+/// within it in less than 0.3 s: no integrator windup. Gains of any size leave all numbers finite.
 #[test]
 fn saturated_controllers_stay_within_the_limit_and_come_back() {
     let lame = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
@@ -265,7 +265,7 @@ fn saturated_controllers_stay_within_the_limit_and_come_back() {
     }
 }
 
-/// Criterion: a robot that has stood for a year moves then as it does at first.
+/// Criterion: a robot that has stood for a year then moves exactly as at the start.
 #[test]
 fn a_year_later_a_drive_is_the_same() {
     let year = Time(365 * 86_400 * 1_000_000);

@@ -1,6 +1,6 @@
-//! NaN, infinities and the ends of the doubles through every number of a motion's and a world's interface.
+//! NaN, infinities and extreme doubles as every number of a motion's and a world's interface.
 //!
-//! Criterion: each is refused, or taken and all poses stay finite; and the robot then drives to its mark.
+//! Criterion: each is rejected, or accepted with all poses finite; afterwards the robot drives to its mark.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ fn is_finite(motion: &mut Motion, at: Time) -> bool {
     numbers.iter().chain(&state.wheels).all(|number| number.is_finite()) && speed.is_finite()
 }
 
-/// What is asked of a robot with an ugly number; true when it was taken.
+/// Call to a robot with an extreme number; returns true if the number was accepted.
 type Question = Box<dyn Fn(&mut Motion, Time, f64) -> bool>;
 
 fn command(make: impl Fn(f64) -> Command + 'static) -> Question {
@@ -126,13 +126,13 @@ fn every_number_of_a_motion_is_refused_or_leaves_all_finite() {
                 if !is_taken {
                     assert_eq!((motion.revision(), motion.state(at)), (revision, before), "{what} changed something");
                 }
-                // Up to a day ahead, without ticks; the ends of drives too.
+                // Up to a day ahead without ticks, which includes the ends of drives.
                 let ahead = if motion.model().wheel_lag > 0.0 { 1_000_000 } else { 86_400_000_000 };
                 for later in [0, 1, 10_000, 500_000, ahead] {
                     assert!(is_finite(&mut motion, at + Time(later)), "{what}: {:?}", motion.state(at + Time(later)));
                 }
                 motion.contacts(at + Time(ahead));
-                // Back from there it drives as ever.
+                // Once back, the robot drives as usual.
                 let back = at + Time(ahead);
                 motion.stop_control(back);
                 motion.stop_wheel_control(back, 0).expect("a wheel");
@@ -143,7 +143,7 @@ fn every_number_of_a_motion_is_refused_or_leaves_all_finite() {
                 let end = motion.drive_end().unwrap_or_else(|| panic!("{what}: the drive has no end"));
                 let mark = Pose::default().moved(Twist::new(0.5, 0.5)).position;
                 let found = motion.odometry(end).position;
-                // With a lag a curve is a little different.
+                // With a lag a curve deviates slightly.
                 assert!((found - mark).length() < 0.02, "{what}: {found} for {mark}");
             }
         }

@@ -1,5 +1,5 @@
-//! Hard cases of rays among walls, each with what it means to a robot: nothing is seen through a wall, nothing is lost, no
-//! reading depends on where the world has its origin.
+//! Hard cases of rays among walls, by their effect on a robot: nothing is seen through a wall, nothing is lost, no
+//! reading depends on the world's origin.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use glam::DVec2;
 use sim_core::math;
 use sim_core::scene::{Bounds, Segment, WallId, Walls};
 
-/// Corners of a polygon around `centre`, counter-clockwise, each to be seen from there, 0.5 to 2 m away.
+/// Corners of a polygon around `centre`, counter-clockwise, each visible from there, 0.5 to 2 m away.
 fn corners(random: &mut Random, centre: DVec2, count: usize) -> Vec<DVec2> {
     let spacing = TAU / count as f64;
     (0..count)
@@ -19,17 +19,17 @@ fn corners(random: &mut Random, centre: DVec2, count: usize) -> Vec<DVec2> {
         .collect()
 }
 
-/// The closed polygon with these corners.
+/// Closed polygon with these corners.
 fn closed(corners: &[DVec2]) -> Vec<Segment> {
     (0..corners.len()).map(|at| Segment::new(corners[at], corners[(at + 1) % corners.len()])).collect()
 }
 
-/// The number `ulps` units in the last place after `value`.
+/// Number `ulps` units in the last place above `value`.
 fn nudged(value: f64, ulps: i64) -> f64 {
     (0..ulps.abs()).fold(value, |value, _| if ulps > 0 { value.next_up() } else { value.next_down() })
 }
 
-/// A turned and moved copy of a point.
+/// Point after a rotation and a translation.
 fn placed(point: DVec2, turn: f64, offset: DVec2) -> DVec2 {
     let (sin, cos) = math::sin_cos(turn);
     DVec2::new(cos, sin).rotate(point) + offset
@@ -65,7 +65,7 @@ fn of_a_million_rays_none_leaves_a_closed_polygon() {
                     panic!("{count} corners: from {origin} along {direction} at {kind}, the robot sees outside")
                 });
                 assert!(hit.distance <= 2.1, "{count} corners, at {kind}: {hit:?}");
-                // Seen to within 8 units in the last place of 10^6 m.
+                // Hit to within 8 units in the last place of 10^6 m.
                 let off = walls.segment(hit.wall).distance(origin + direction * hit.distance);
                 assert!(off < 4e-9, "{count} corners, at {kind}: {off} m beside the wall");
                 rays += 1;
@@ -94,7 +94,7 @@ fn a_slit_of_a_nanometre_is_seen_through_to_its_end() {
         assert!((through.distance - 10.0).abs() < 1e-9, "within 1 nm: {through:?}");
         let inside = walls.cast(place(5.0, 0.0), direction, 20.0).expect("the end is closed");
         assert!((inside.distance - 5.0).abs() < 1e-9, "within 1 nm: {inside:?}");
-        // Across, it is two walls with a nanometre between them.
+        // Seen across, these are two walls with a nanometre between them.
         let left = placed(DVec2::Y, turn, DVec2::ZERO);
         let across = walls.cast(place(5.0, -1.0), left, 20.0).expect("a wall");
         assert_eq!(across.wall, WallId(1));
@@ -106,15 +106,15 @@ fn a_slit_of_a_nanometre_is_seen_through_to_its_end() {
 
 #[test]
 fn a_wall_met_at_a_grazing_angle_is_met_where_it_is() {
-    // A ray from y = 0 that falls by `angle` a metre meets the wall along y = -h at h / angle: exact numbers, since
-    // all are powers of two. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
+    // A ray from y = 0 that falls by `angle` a metre hits the wall along y = -h at h / angle. All numbers are powers of two and
+    // exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
     for exponent in 20..45 {
         let angle = 1.0 / (1_u64 << exponent) as f64;
         for metres in [1.0, 4.0, 16.0] {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding of 2^-53 of the wall's length moves the place by that over the angle, or the ray starts on the wall.
+            // Rounding by 2^-53 of the wall's length moves the hit by that over the angle, or the ray starts on the wall.
             let off = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
             assert!((hit.distance - metres).abs() <= off || starts_on, "angle {angle}: {hit:?} for {metres}");
@@ -140,7 +140,7 @@ fn of_walls_in_one_place_the_first_is_met_and_points_change_nothing() {
         let (one, other) = (single.cast(origin, direction, 30.0), many.cast(origin, direction, 30.0));
         let (one, other) = (one.expect("a closed room"), other.expect("a closed room"));
         assert!((one.distance - other.distance).abs() < 1e-12, "within 1 pm: {one:?}, {other:?}");
-        // At a corner, which of its walls is nearer is left to rounding.
+        // At a corner, rounding decides which of its walls is nearer.
         assert!(round % 2 == 1 || one == other, "not the first of three: {one:?}, {other:?}");
     }
 }
@@ -155,7 +155,7 @@ fn readings_do_not_depend_on_where_the_world_begins() {
         .map(|wall| Segment::new(snapped(wall.a), snapped(wall.b)))
         .collect();
     let near = Walls::new(scene.clone());
-    // Within 8 units in the last place of the offset: a ray that passes a corner by no more may meet it.
+    // Tolerance of 8 units in the last place of the offset: a ray that passes a corner within it may hit.
     for (offset, ulp) in [(8192.0, 1e-12), (1_048_576.0, 2.4e-10), (1_073_741_824.0, 2.4e-7)] {
         let offset = DVec2::new(offset, -offset);
         let far = Walls::new(scene.iter().map(|wall| Segment::new(wall.a + offset, wall.b + offset)).collect());
@@ -192,14 +192,14 @@ fn a_range_ends_where_it_says() {
             assert_eq!(walls.cast(origin, direction, range), None, "range {range} of {hit:?}");
         }
     }
-    // On a wall, nothing is too short.
+    // For an origin on a wall, no range is too short.
     let on = walls.segments()[0].a;
     for range in [0.0, f64::from_bits(1), 1e-12] {
         assert_eq!(walls.cast(on, DVec2::X, range).map(|hit| hit.distance), Some(0.0), "range {range}");
     }
 }
 
-/// Numbers that programs and files contain when something has gone wrong, and some that are only unusual.
+/// Extreme and unusual numbers, as faulty programs and files produce them.
 const ODD: [f64; 14] = [
     f64::NAN,
     f64::INFINITY,
@@ -255,8 +255,8 @@ fn walls_without_numbers_hide_no_others() {
             for (turn, odd) in odd.into_iter().enumerate() {
                 let walls = Walls::new(vec![odd, good]);
                 let hit = walls.cast(DVec2::new(0.0, 0.5), DVec2::X, 2.0);
-                // The odd wall itself may cross the ray before the good one; of one that is 10^15 m long, 2 m are
-                // less than rounding.
+                // The odd wall itself may cross the ray before the good one; for a wall 10^15 m long, 2 m are
+                // below rounding.
                 let is_in_way = turn == 2 || odd.length() > 1e15;
                 let is_odd = is_in_way && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
                 let is_good = hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);

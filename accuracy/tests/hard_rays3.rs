@@ -1,4 +1,4 @@
-//! Rays where triangles are hard to meet: through shared edges and corners, along their planes, tiny ones in a wide world.
+//! Hard cases of rays among triangles: through shared edges and corners, within their planes, tiny ones in a large world.
 
 use accuracy::oracle;
 use accuracy::world::{Random, cuboid};
@@ -8,10 +8,10 @@ use sim_core::scene::MeshIndex;
 
 type Triangle = [DVec3; 3];
 
-/// What a distance may differ by, m.
+/// Tolerance of distances, m.
 const TOLERANCE: f64 = 1e-9;
 
-/// A surface of squares that closes in both directions: `at` is given the numbers of column and row.
+/// Surface of squares that is closed in both directions; `at` maps column and row to a point.
 fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
     let square = |cell: usize| {
         let (column, row) = (cell % columns, cell / columns);
@@ -22,7 +22,7 @@ fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Ve
     (0..columns * rows).flat_map(square).collect()
 }
 
-/// A ring with a tube of radius 1 m around a circle of 3 m.
+/// Torus with a tube of radius 1 m around a circle of 3 m.
 fn torus() -> Vec<Triangle> {
     let angle = |number: usize, count: usize| std::f64::consts::TAU * number as f64 / count as f64;
     closed(24, 12, |column, row| {
@@ -31,7 +31,7 @@ fn torus() -> Vec<Triangle> {
     })
 }
 
-/// Corners, middles of edges, quarters and any other points of them.
+/// Corner, edge midpoint, quarter point or random point of a random triangle's edge.
 fn on_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
     let [a, b, c] = triangles[random.below(triangles.len())];
     match random.below(4) {
@@ -57,7 +57,7 @@ fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
     for (name, triangles, inside) in meshes {
         let index = MeshIndex::new(&triangles);
         for ray in 0..500_000 {
-            // Every other one from where robots on a grid stand.
+            // Every other ray starts at a grid point, as robots on a grid do.
             let offset = if ray % 2 == 0 {
                 DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64)
                     - DVec3::new(2.0, 2.0, 1.0)
@@ -68,7 +68,7 @@ fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
             let target = on_an_edge(&triangles, &mut random);
             let way = target - origin;
             let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY);
-            // What a ray grazes within the ring, it may pass by.
+            // A ray inside the ring may miss a surface that it only grazes.
             let farthest = if name == "ring" { f64::INFINITY } else { way.length() + TOLERANCE };
             assert!(hit.is_some_and(|hit| hit.distance <= farthest), "{name}: {hit:?} from {origin} to {target}");
         }
@@ -79,7 +79,7 @@ fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
 fn rays_along_an_axis_pass_a_box_of_squares_only_outside() {
     let half = DVec3::splat(2.0);
     let index = MeshIndex::new(&cuboid(half, 4, |at| at));
-    // On the grid of the squares' corners and half-way between, out to beyond the box: rays within the planes of faces, too.
+    // Origins at the squares' corners and half-way between, out to beyond the box: some rays lie within the planes of faces.
     for place in 0..21 * 21 {
         let (u, v) = (f64::from(place % 21) * 0.25 - 2.5, f64::from(place / 21) * 0.25 - 2.5);
         for axis in 0..3 {
@@ -110,7 +110,7 @@ fn tiny_things_are_met_in_a_wide_world() {
     let places: Vec<DVec3> = (0..40)
         .map(|_| DVec3::new(random.between(-9e3, 9e3), random.between(-9e3, 9e3), random.between(0.0, 2.0)))
         .collect();
-    // Boxes of 2 mm, 20 km from end to end.
+    // Boxes of 2 mm spread over 20 km.
     for place in &places {
         triangles.extend(cuboid(DVec3::splat(1e-3), 1, |at| at + *place));
     }

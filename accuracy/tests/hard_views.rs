@@ -1,4 +1,4 @@
-//! Views that are hard to render, against the slow reference where there is nothing simpler to say.
+//! Views that are hard to render, compared with the slow reference unless a simpler criterion exists.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ fn mesh(triangles: &[[DVec3; 3]]) -> Mesh {
     }
 }
 
-/// These meshes and nothing else.
+/// Scenery of these meshes only.
 fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
     let part = |(number, mesh)| Part {
         mesh: Arc::new(mesh),
@@ -39,7 +39,7 @@ fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
     Scenery::new((0..).zip(meshes).map(part).collect(), None, room::light(), SKY)
 }
 
-/// Each of these views as the reference says.
+/// Asserts that each view agrees with the reference.
 fn assert_agrees(what: &str, scenery: &Scenery, views: &[View]) -> Agreement {
     let still = scenery.still(&empty(), Time::ZERO);
     let reference = Reference::new(&still, None);
@@ -73,7 +73,7 @@ fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_
     for view in &views {
         assert!(camera.labels(&still, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
     }
-    // On the face at x = 0.1: what is ahead is the other wall, what is behind is this one's other side.
+    // Camera on the face at x = 0.1: ahead is the other wall, behind is the back of this one.
     let touching = DVec3::new(0.1, 0.5, -0.25);
     let views = [0.0, 0.3, PI, 2.0].map(|yaw| view(Pose3::from_angles(touching, 0.0, 0.0, yaw), PINHOLE, [20, 15]));
     assert_agrees("touching", &scene, &views);
@@ -88,7 +88,7 @@ fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_
 #[test]
 fn faces_may_lie_across_the_cameras_plane() {
     let mut random = Random::new(92);
-    // Large ones around the camera, with corners before and behind it.
+    // Large triangles around the camera, with corners in front of and behind it.
     for scene in 0..12 {
         let mut corner = || 20.0 * random.between(0.05, 1.0) * random.direction_in_space();
         let faces: Vec<[DVec3; 3]> = (0..8).map(|_| [corner(), corner(), corner()]).collect();
@@ -134,7 +134,7 @@ fn a_camera_may_look_straight_up_or_down_or_graze_the_floor() {
                 views.push(view(Pose3::from_angles(at(0.5, 1.0, height), 0.0, -1e-3, yaw), lens, [20, 15]));
             }
         }
-        // Beneath the floor, which is seen from above alone.
+        // Below the floor, which is visible only from above.
         views.push(view(Pose3::from_angles(at(1.0, 1.0, -0.5), 0.0, 0.3, 0.5), lens, [20, 15]));
         views.push(view(Pose3::from_angles(at(1.0, 1.0, 0.0), 0.0, -0.3, 0.5), lens, [20, 15]));
     }
@@ -144,7 +144,7 @@ fn a_camera_may_look_straight_up_or_down_or_graze_the_floor() {
 
 #[test]
 fn far_from_the_origin_things_look_as_they_do_there() {
-    // Powers of two: the places themselves are not rounded.
+    // Powers of two: the offset itself is not rounded.
     let far = DVec3::new(16_384.0, -8192.0, 0.0);
     let mesh = room::room();
     let part = |place: DVec3| Part {
@@ -177,14 +177,14 @@ fn the_sun_may_stand_anywhere() {
         DVec3::new(0.3, -0.2, -0.9),
     ];
     for towards in towards.map(|towards| towards.normalize_or(DVec3::Z)) {
-        // The room, from within and from above.
+        // The room, from inside and from above.
         let light = Light { towards, ..room::light() };
         let above = View::looking(DVec3::new(4.0, 3.0, 9.0), DVec3::new(4.0, 4.0, 0.0)).expect("another place");
         let mut views = vec![view(above, PINHOLE, [32, 24])];
         let within = room::stands(4).into_iter().zip([PINHOLE, FISHEYE, PINHOLE, FISHEYE]);
         views.extend(within.map(|(stand, lens)| view(stand.pose(), lens, [24, 18])));
         assert_agrees(&format!("room, sun {towards}"), &room::scenery(light), &views);
-        // Thin walls on the floor, edge to edge, one of them right beneath the sun.
+        // Thin walls on the floor, edge to edge, one of them exactly in the sun's direction.
         let sheet = |from: DVec2, to: DVec2| {
             let [a, b] = [from, to].map(|end| end.extend(0.0));
             let [c, d] = [b, a].map(|foot| foot + 0.5 * DVec3::Z);
@@ -219,7 +219,7 @@ fn pictures_may_be_a_pixel_or_two_millions() {
     let stand = room::stands(1)[0];
     let pose = stand.pose();
     for size in [[1, 1], [1, 33], [33, 1], [17, 3], [8192, 1], [1920, 1080]] {
-        // The image's longer side is as wide as the lens can see.
+        // The image's longer side covers the lens's full field.
         let share = f64::from(size[0]) / f64::from(size[0].max(size[1]));
         for lens in [PINHOLE, Lens::Fisheye { fov: 3.0 * share }] {
             let view = view(pose, lens, size);
@@ -290,7 +290,7 @@ fn no_sky_shows_through_a_closed_room() {
         let scene = scenery([mesh]);
         let still = scene.still(&empty(), Time::ZERO);
         for turn in 0..1000 {
-            // Every other one from where robots on a grid stand and how they are turned there: edges at the middles of pixels.
+            // Every other view from the position and heading of robots on a grid: edges fall on the centres of pixels.
             let (offset, pose): (DVec3, Pose3) = if turn % 2 == 0 {
                 let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);
                 (

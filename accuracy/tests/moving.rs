@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use sim_core::RobotId;
 use sim_core::scene::{Bounds, Moving};
 
-/// Whether a ray meets a rectangle made larger by `margin`: by the separating axes of the two.
+/// Returns true if a ray hits a rectangle enlarged by `margin`, by the separating axis theorem.
 fn meets(bounds: &Bounds, origin: DVec2, direction: DVec2, range: f64, margin: f64) -> bool {
     let half = 0.5 * (bounds.max - bounds.min) + DVec2::splat(margin);
     let from_centre = origin - 0.5 * (bounds.min + bounds.max);

@@ -1,5 +1,5 @@
-//! Whether noise is what it says: mean, variance and distribution of every model and preset, the bits below, independence of
-//! streams; and whether the tests would notice if it were not.
+//! Noise against its specification: mean, variance and distribution of every model and preset, bits of the generator, independence
+//! of streams; and the power of the tests to detect violations.
 //!
 //! Seeds are fixed, so each test passes always or never. A p-value below [`LEAST`] fails.
 
@@ -18,12 +18,12 @@ use sim_core::spec::Preset;
 use sim_core::time::{TICK, Time};
 use sim_format::{PRESETS, preset};
 
-/// Some hundred p-values are looked at: by chance the least of them would be below this once in a hundred choices of the seed.
+/// Significance level: the smallest of some hundred p-values lies below it by chance for one seed in a hundred.
 const LEAST: f64 = 1e-4;
 const MILLION: u64 = 1_000_000;
 const SEED: u64 = 2026;
 const ROBOT: RobotId = RobotId(1);
-/// Limits so wide that nothing is clamped.
+/// Limits wide enough that no reading is clamped.
 const WIDE: [f64; 2] = [0.0, 100.0];
 
 #[track_caller]
@@ -35,13 +35,13 @@ fn events(purpose: Purpose, name: &str) -> Events {
     Events::new(SEED, ROBOT, purpose, name)
 }
 
-/// The first normal number of each of so many events.
+/// First normal number of each of `count` events.
 fn normals(count: u64) -> Vec<f64> {
     let events = events(Purpose::Range, "PSD_FRONT");
     (0..count).map(|index| events.at(index).normal()).collect()
 }
 
-/// What is wrong with numbers that should be normal with these: the least p-value of mean, variance and distribution.
+/// Test of normality: the smallest p-value of mean, variance and distribution.
 fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
     let moments = Moments::of(sample);
     let of_mean = moments.mean_is(mean, sigma * sigma);
@@ -50,7 +50,7 @@ fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
     of_mean.min(of_variance).min(of_distribution)
 }
 
-/// All presets, from the least errors to the most.
+/// All presets, from the smallest errors to the largest.
 fn presets() -> impl Iterator<Item = Preset> {
     PRESETS.into_iter().filter_map(preset)
 }
@@ -115,7 +115,7 @@ fn the_tests_would_notice() {
     caught("a uniform distribution", kolmogorov(&mut uniform.clone(), normal_cdf));
     let moments = Moments::of(&uniform);
     assert!(moments.mean_is(0.0, 1.0).min(moments.variance_is(1.0)) > LEAST, "which has the right mean and variance");
-    // The sum of four uniform numbers has the right mean and variance, and is nearly normal.
+    // The sum of four uniform numbers has the right mean and variance, and is approximately normal.
     let sums: Vec<f64> =
         sample.chunks(4).map(|four| four.iter().map(|z| normal_cdf(*z) - 0.5).sum::<f64>() * 3.0_f64.sqrt()).collect();
     caught("a sum of four uniform numbers", kolmogorov(&mut sums.clone(), normal_cdf));
@@ -148,7 +148,7 @@ fn streams_of_neighbouring_keys_are_uncorrelated() {
     ];
     for (what, other) in &others {
         passes(what, uncorrelated(&base, other));
-        // Independence is more: squares neither.
+        // Independence requires uncorrelated squares as well.
         let square = |sample: &[f64]| sample.iter().map(|z| z * z).collect::<Vec<_>>();
         passes(&format!("{what}, squares"), uncorrelated(&square(&base), &square(other)));
     }
@@ -163,7 +163,7 @@ fn streams_of_neighbouring_keys_are_uncorrelated() {
     passes("two numbers of one event", uncorrelated(&first, &second));
 }
 
-/// Readings where `exact` is true, drop-outs left out.
+/// Readings for the true distance `exact`, without drop-outs.
 fn readings(errors: &RangeErrors, count: u64, exact: f64) -> Vec<f64> {
     (0..count).filter_map(|index| errors.reading(index, Time::ZERO, WIDE, Some(exact))).collect()
 }
@@ -189,7 +189,7 @@ fn steps_have_the_probabilities_of_their_cells() {
     passes("steps", cells(&sample, 0.01, |x| normal_cdf((x - 5.003) / 0.02)));
 }
 
-/// p-value of a sample of multiples of `step`, of numbers of the distribution `cdf` that were rounded to them.
+/// p-value of a sample that consists of numbers of the distribution `cdf` rounded to multiples of `step`.
 fn cells(sample: &[f64], step: f64, cdf: impl Fn(f64) -> f64) -> f64 {
     let place = |x: f64| (x / step).round() as i64;
     let [low, high] =
@@ -270,7 +270,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
                 assert_eq!((model, errors.reading(3, Time::ZERO, WIDE, Some(EXACT))), (Range::default(), Some(EXACT)));
                 continue;
             }
-            // The run has just begun: all of the drift. What the sensor is by its making shows where nothing else does.
+            // At the start of the run the drift has its full size. A model with `bias_sigma` alone shows the sensor's own bias.
             let made = sensor(Range { bias_sigma: model.bias_sigma, ..Range::default() });
             let offset = made.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
             let (mean, sigma) =
@@ -287,7 +287,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
                 let mut strays: Vec<f64> = sample.into_iter().filter(|read| (read - reading).abs() > 1e-12).collect();
                 passes(&format!("{what}: outliers"), binomial(strays.len() as u64, count, model.outlier));
                 if !strays.is_empty() {
-                    // Their steps are a thousandth of the range at most.
+                    // The step is at most a thousandth of the range.
                     let moments = Moments::of(&strays);
                     passes(&format!("{what}: mean of outliers"), moments.mean_is(50.0, 1e4 / 12.0));
                     passes(&format!("{what}: where outliers are"), kolmogorov(&mut strays, |x| x / 100.0));
@@ -295,7 +295,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
                 continue;
             }
             let cdf = |x: f64| (1.0 - model.outlier) * normal_cdf((x - mean) / sigma) + model.outlier * x / 100.0;
-            // Rounding adds a twelfth of a step's square to the variance, where it is no coarser than the noise.
+            // Rounding adds a twelfth of the squared step to the variance if the step is no coarser than the noise.
             let strays = model.outlier * (50.0 - mean);
             let variance = (1.0 - model.outlier) * (sigma * sigma + strays.powi(2))
                 + model.outlier * (100.0 * 100.0 / 12.0 + (50.0 - mean - strays).powi(2));
@@ -378,7 +378,7 @@ fn images_of_every_preset_are_as_they_say() {
     }
 }
 
-/// exp(-t) I_0(t) by its power series: the middle weight of a discrete Gaussian of variance t.
+/// exp(-t) I_0(t) by its power series: the central weight of a discrete Gaussian of variance t.
 fn middle_weight(t: f64) -> f64 {
     let mut term = sim_core::math::exp(-t);
     let mut sum = 0.0;
@@ -394,8 +394,8 @@ fn the_blur_of_every_preset_is_as_it_says() {
     const DEVIATION: f64 = 30.0;
     let of_presets = presets().map(|preset| preset.profile().camera.blur);
     for blur in of_presets.chain([2.0, 5.0]) {
-        // White noise, of which a filter leaves the sum of its squared weights in each direction; of a discrete Gaussian that sum is
-        // the middle weight of one of twice the variance.
+        // A filter scales the variance of white noise by the sum of its squared weights in each direction; for a discrete Gaussian that
+        // sum is the central weight of a Gaussian of twice the variance.
         let white = Image { sigma: DEVIATION, ..Image::default() };
         let mut pixels = vec![[128_u8]; 1_000_000];
         ImageErrors::new(white, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
@@ -405,7 +405,7 @@ fn the_blur_of_every_preset_is_as_it_says() {
         let share = middle_weight(2.0 * blur * blur);
         let rounding = 1.0 / 12.0;
         let expected = (DEVIATION * DEVIATION + rounding) * share * share + if blur > 0.0 { rounding } else { 0.0 };
-        // Five standard deviations of the variance of so many pixels, of which neighbours are alike.
+        // Five standard deviations of the variance of this many pixels, of which neighbours are correlated.
         let independent = 1e6 / (std::f64::consts::TAU * blur * blur).max(1.0);
         let tolerance = 5.0 * (2.0 / independent).sqrt();
         let Moments { mean, variance, .. } = Moments::of(&levels);
@@ -424,11 +424,11 @@ fn wheels_of_every_preset_are_as_they_say() {
     }
 }
 
-/// What robots are told on their way of 1e6 ticks.
+/// Commanded twist for 1e6 ticks.
 const ORDER: Twist = Twist { vx: 0.2, vy: 0.0, omega: 1.0 };
 const TRACK: f64 = 0.1;
 
-/// True and believed twists of each tick of 100 robots that follow `order` for 10,000 ticks.
+/// True and odometric twists of each tick of 100 robots that follow `order` for 10,000 ticks.
 fn ticks(kind: DriveKind, order: Twist, imperfection: Imperfection) -> [Vec<Twist>; 2] {
     let model = Model {
         kind,
@@ -463,18 +463,18 @@ fn ticks(kind: DriveKind, order: Twist, imperfection: Imperfection) -> [Vec<Twis
     [truth, belief]
 }
 
-/// The constant twist that leads from one pose to another in a tick.
+/// Constant twist that leads from one pose to another in a tick.
 fn twist_between(before: Pose, after: Pose) -> Twist {
     let angle = after.heading.radians() - before.heading.radians();
     let half = 0.5 * angle;
-    // The chord of an arc, seen from the middle of its headings.
+    // Chord of the arc, in the direction of the mean heading.
     let stretch = if half == 0.0 { 1.0 } else { half / sin(half) };
     let way = before.heading.turned(half).direction();
     let chord = after.position - before.position;
     Twist { vx: chord.dot(way) * stretch, vy: way.perp_dot(chord) * stretch, omega: angle }.scaled(1.0 / TICK.seconds())
 }
 
-/// Checks that twists are normal about `mean` with the deviations of `noise`, and that their components are independent.
+/// Checks that twists are normal about `mean` with the deviations of `noise`, and their components independent.
 fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
     let of = |part: fn(&Twist) -> f64| twists.iter().map(part).collect::<Vec<_>>();
     let speed = |x: f64| hypot(noise.speed, noise.speed_share * x);

@@ -7,11 +7,11 @@ use proptest::prelude::*;
 use sim_core::math;
 use sim_core::scene::{Bounds, Segment, WallId, Walls};
 
-/// What a reading may differ by from brute force, in metres.
+/// Tolerance of a reading against brute force, in metres.
 const TOLERANCE: f64 = 1e-9;
 
-/// Checks one ray: not farther than with walls a little too short, not nearer than with walls a little too long. Away
-/// from the ends of walls the two are equal.
+/// Checks one ray: the hit is not farther than with walls slightly too short, and not nearer than with walls slightly too long.
+/// Away from the ends of walls the two are equal.
 fn check(walls: &Walls, origin: DVec2, direction: DVec2, range: f64) {
     let found = walls.cast(origin, direction, range);
     let distance = found.map_or(f64::INFINITY, |hit| hit.distance);
@@ -32,7 +32,7 @@ fn check(walls: &Walls, origin: DVec2, direction: DVec2, range: f64) {
     }
 }
 
-/// A ray from `origin` at `target`, as exactly as doubles can aim.
+/// Direction from `origin` to `target`, as exact as doubles permit.
 fn aimed(origin: DVec2, target: DVec2) -> Option<DVec2> {
     (target - origin).try_normalize()
 }
@@ -55,7 +55,7 @@ fn random_rays_agree_with_brute_force() {
 
 #[test]
 fn no_ray_slips_through_a_corner() {
-    // 0.18 m is the cell of a micro-mouse maze; a robot stands in the middle of a cell, at a crossing, or anywhere.
+    // 0.18 m is the cell size of a micro-mouse maze; a robot stands in the middle of a cell, at a crossing, or anywhere.
     for (seed, corner) in (10..).zip([DVec2::ZERO, DVec2::new(0.1, -0.7), DVec2::new(-1e4, 1e4)]) {
         for cell in [0.18, 1.0] {
             let size = 12;
@@ -78,7 +78,7 @@ fn no_ray_slips_through_a_corner() {
                     wall.a
                 );
                 check(&walls, origin, direction, f64::INFINITY);
-                // The same a hair beside the corner, where only one of its walls is met, and along the axes.
+                // Aimed slightly beside the corner, where only one of its walls is hit, and along the axes.
                 check(&walls, origin, aimed(origin, wall.a + DVec2::splat(1e-7)).unwrap(), f64::INFINITY);
                 for axis in [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y] {
                     check(&walls, origin, axis, 2.0);
@@ -96,7 +96,7 @@ fn a_closed_polygon_holds_every_ray_aimed_at_its_corners() {
                 let (sin, cos) = math::sin_cos(f64::from(number % corners) * 1.234_567 % std::f64::consts::TAU);
                 centre + DVec2::new(cos, sin) * radius
             };
-            // A star polygon: its walls cross, but each corner is shared by two of them.
+            // Star polygon: its walls cross, but each corner is shared by two of them.
             let walls = Walls::new((0..corners).map(|n| Segment::new(corner(n), corner(n + 1))).collect());
             let mut random = Random::new(u64::from(corners));
             for _ in 0..500 {
@@ -157,7 +157,7 @@ fn from_on_a_wall_every_ray_reads_0() {
 
 #[test]
 fn walls_on_the_borders_of_cells_are_never_lost() {
-    // Rows of walls at all pitches: some of them lie on borders of cells, and so do some rays.
+    // Rows of walls at all pitches: some walls and some rays coincide with borders of grid cells.
     for lines in 2..40_u32 {
         let pitch = 1.0 / f64::from(lines);
         let horizontal = (0..=lines).map(|line| {
@@ -194,7 +194,7 @@ fn degenerate_scenes_cost_little_and_answer_right() {
         assert!((hit.distance - 5.0).abs() < TOLERANCE && hit.wall == WallId(0), "{hit:?}");
         assert_eq!(walls.cast(DVec2::ZERO, DVec2::X, 9.0), None);
     }
-    // Three hundred walls of a millimetre, two of them 20,000 km apart; all on one line; and walls of 10^50 m among them.
+    // 300 walls of a millimetre, two of them 20,000 km apart; all walls on one line; and walls of 10^50 m among them.
     let mut random = Random::new(9);
     let tiny = |random: &mut Random, centre: DVec2| {
         let half = random.direction() * 5e-4;
@@ -228,7 +228,7 @@ fn rays_from_far_away_still_arrive() {
     assert_eq!(walls.cast(DVec2::splat(f64::MAX), DVec2::X, f64::INFINITY), None);
 }
 
-/// Coordinates that meet each other, the borders of cells, and the limits of doubles.
+/// Coordinates that coincide with each other, with borders of grid cells, and with the limits of doubles.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-8..=8_i32).prop_map(|steps| f64::from(steps) * 0.25),

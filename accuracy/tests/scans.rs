@@ -1,4 +1,4 @@
-//! The scanner of the core against brute force: every ray of it, over walls, robots and objects, as they are at the call.
+//! The core's scanner against brute force: every ray, over walls, robots and objects, as they are at the time of the call.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
-/// What a reading may differ by from brute force, in metres.
+/// Tolerance of a reading against brute force, in metres.
 const TOLERANCE: f64 = 1e-9;
 
 const SIDE: f64 = 6.0;
@@ -41,7 +41,7 @@ fn model() -> Model {
     }
 }
 
-/// Metres to a disc along a ray; 0 from inside. Source: the quadratic equation of ray and circle.
+/// Distance along a ray to a disc, in metres; 0 from inside. Source: the quadratic equation of ray and circle.
 fn to_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
     let from_centre = origin - centre;
     let c = from_centre.length_squared() - radius * radius;
@@ -53,14 +53,14 @@ fn to_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Optio
     (discriminant >= 0.0 && half_b < 0.0).then(|| -half_b - discriminant.sqrt())
 }
 
-/// The direction in the world of ray `ray` of `points`, by its definition in words.
+/// Direction in the world frame of ray `ray` of `points`, by its documented definition.
 fn direction(heading: f64, sweep: f64, points: u32, ray: u32) -> DVec2 {
     let steps = if sweep > TAU - 1e-9 || points.is_multiple_of(2) { points } else { points - 1 };
     let left = sweep / f64::from(steps.max(1)) * (f64::from(points / 2) - f64::from(ray));
     DVec2::new(math::cos(heading + left), math::sin(heading + left))
 }
 
-/// What a horizontal scan must read: by brute force over walls made a little longer or shorter, robots and discs.
+/// Expected reading of a horizontal scan: by brute force over walls slightly longer or shorter, robots and discs.
 struct Truth<'a> {
     walls: &'a [Segment],
     robots: Vec<Body>,
@@ -80,7 +80,7 @@ impl Truth<'_> {
         };
         let (least, most) = (nearest(1e-9, 1e-12), nearest(-1e-9, -1e-12));
         match found {
-            // A grazed disc is farther away by the root of what it is smaller.
+            // For a grazed disc, shrinking it moves the hit away by the square root of the change.
             Some(metres) => assert!(
                 least - TOLERANCE <= metres
                     && metres <= most.min(self.range) + 1e-5_f64.min(TOLERANCE + (most - least)),
@@ -162,7 +162,7 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
                 let pose = motions[by].pose(at);
                 let fan = Fan { sweep: TAU, points: 360, tilt: 0.0, height: 0.1, range: f64::INFINITY };
                 let found = Scan::new(Mount::default(), fan).distances(&world, id, &pose, at);
-                // What was public at the instant; the rays must agree with it to the last robot.
+                // Motion published at the instant; the rays must agree for every robot.
                 let others = (0..motions.len()).map(RobotId::from_index).filter(|other| *other != id);
                 let truth = Truth {
                     walls: walls.segments(),
@@ -170,7 +170,7 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
                     discs: (1..=3).map(|n| (world.object_pose(ObjectId(n), at).position, 0.05)).collect(),
                     range: f64::INFINITY,
                 };
-                // In the first slot and where somebody was placed, the public motion is not the true one.
+                // In the first slot and after a placement the published motion differs from the true one.
                 if slot > 0 && slot != 4 {
                     for body in &truth.robots {
                         let centre = motions[body.robot.index()].pose(at).position;
@@ -192,7 +192,7 @@ fn tilted_rays_pass_over_low_walls_and_end_at_the_floor() {
     let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
     let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
-    // One ray along x from the origin: the horizontal distance it must have, `None` for nothing within 9 m of the ray.
+    // One ray along x from the origin: its expected horizontal distance, `None` for no return within 9 m of the ray.
     let reads = |height: f64, tilt: f64, expected: Option<f64>| {
         let fan = Fan { sweep: 0.0, points: 1, tilt, height, range: 9.0 };
         let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO)[0];
@@ -208,7 +208,7 @@ fn tilted_rays_pass_over_low_walls_and_end_at_the_floor() {
     reads(0.1, 0.0, Some(1.0));
     reads(0.2, 0.0, Some(2.0));
     reads(0.5, 0.0, Some(4.0));
-    // Upwards from 5 cm: over the first wall from 5 cm a metre on, over the second from 12.5 cm a metre on.
+    // Upwards from 5 cm: passes over the first wall from 5 cm per metre on, over the second from 12.5 cm per metre on.
     let slope = |rise: f64| math::atan(rise);
     reads(0.05, slope(0.049), Some(1.0));
     reads(0.05, slope(0.051), Some(2.0));
@@ -216,14 +216,14 @@ fn tilted_rays_pass_over_low_walls_and_end_at_the_floor() {
     reads(0.05, slope(2.0), Some(4.0));
     // 4 m on the floor are 9 m along a ray at 63.6 degrees.
     reads(0.05, slope(2.1), None);
-    // Downwards from 20 cm: over the first wall, onto the second or onto the floor before it.
+    // Downwards from 20 cm: passes over the first wall, hits the second or the floor before it.
     reads(0.2, -slope(0.09), Some(2.0));
     reads(0.2, -slope(0.0999), Some(2.0));
     reads(0.2, -slope(0.1001), Some(1.0));
     reads(0.2, -slope(0.11), Some(1.0));
     reads(0.2, -slope(0.25), Some(0.8));
     reads(0.0, -0.1, Some(0.0));
-    // Falling beyond its range.
+    // Hits the floor only beyond its range.
     let fan = Fan { sweep: 0.0, points: 1, tilt: -0.01, height: 0.5, range: 3.0 };
     let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO);
     assert_eq!(found, [None]);

@@ -1,4 +1,4 @@
-//! Rays in space against brute force, and where geometry is at its hardest.
+//! Rays in space against brute force, and in degenerate geometry.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ fn normal_of(met: &RayHit) -> DVec3 {
     met.face.expect("a ray in space meets faces").normal
 }
 
-/// A random body of the oracle, and the same as a fixed body of the world.
+/// Random body of the oracle, and the same as a fixed body of the world.
 fn body(random: &mut Random, room: DVec3, corner: DVec3) -> (Body, (Pose, Arc<Figure>)) {
     let mut point =
         || DVec3::new(random.between(0.0, room.x), random.between(0.0, room.y), random.between(0.0, room.z));
@@ -75,7 +75,7 @@ fn rays_meet_the_bodies_that_brute_force_meets() {
             match nearest_body(&bodies, origin, direction, 4.0, 1e-11) {
                 Some((metres, place)) => match found {
                     Some(RayHit { distance, thing, face: Some(Face { normal, .. }) }) => {
-                        // Brute force stops 10 pm short, measured across the surface.
+                        // Brute force stops 10 pm short, measured along the normal.
                         let close = 1e-9 + 2e-11 / normal.dot(direction).abs();
                         assert!((distance - metres).abs() < close, "{distance} for {metres}");
                         assert!(thing == Thing::Fixed(place as u32) || distance == 0.0, "{scene}: {thing:?}");
@@ -112,7 +112,7 @@ fn normals_are_those_of_the_distance_and_point_to_the_ray() {
             assert_eq!(normal, if met.distance == 0.0 { -direction } else { DVec3::Z });
             continue;
         }
-        // Away from the surface, the distance grows by as much as the way along the normal.
+        // Outside the body, the distance grows by the displacement along the normal.
         let outside = origin + direction * met.distance + 1e-3 * normal;
         assert!((body.distance(outside) - 1e-3).abs() < 1e-9, "{body:?} {met:?}");
     }
@@ -136,13 +136,13 @@ fn walls_end_at_their_heights_and_thick_ones_have_tops() {
     assert_eq!(see([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), Some((Thing::Wall(WallId(0)), 2.0, DVec3::NEG_X)), "the edge");
     assert_eq!(see([0.0, 0.0, 1.0 + 1e-12], [1.0, 0.0, 0.0]), None, "both are lower");
     assert_eq!(see([4.0, 0.0, 0.5], [-1.0, 0.0, 0.0]), Some((Thing::Wall(WallId(0)), 2.0, DVec3::X)), "from behind");
-    // Straight down: on the thick wall's top, beside it on the floor.
+    // Straight down: onto the top of the thick wall, and onto the floor beside it.
     let (thing, distance, normal) = see([5.1, 0.9, 2.0], [0.0, 0.0, -1.0]).unwrap();
     assert_eq!((distance, normal), (1.5, DVec3::Z));
     assert!(matches!(thing, Thing::Wall(WallId(1..=4))));
     assert_eq!(see([5.3, 0.9, 2.0], [0.0, 0.0, -1.0]), Some((Thing::Floor, 2.0, DVec3::Z)));
     assert_eq!(see([5.1, 0.9, 2.0], [0.0, 0.0, 1.0]), None);
-    // Down a slope of 1 in 2 over the thin wall onto the top, and onto the floor before the wall.
+    // Down a slope of 1 in 2: over the thin wall onto the top, and onto the floor in front of the wall.
     let (_, distance, normal) = see([3.0, 0.0, 1.5], [2.0, 0.0, -1.0]).unwrap();
     assert!((distance - 5.0_f64.sqrt()).abs() < 1e-15 && normal == DVec3::Z);
     let (thing, distance, _) = see([1.0, 0.0, 0.25], [2.0, 0.0, -1.0]).unwrap();
@@ -154,7 +154,7 @@ fn a_ray_through_the_edge_of_a_thick_wall_does_not_slip_in() {
     let world = two_walls();
     for step in 0..=1000 {
         let step = f64::from(step) * 1e-3;
-        // At the upper edge on the side of the ray's origin, from above at many angles.
+        // At the upper edge on the near side, from above at many angles.
         for edge in [DVec3::new(4.8, -1.0 + 2.0 * step, 0.5), DVec3::new(4.8 + 0.4 * step, -1.0, 0.5)] {
             let origin = DVec3::new(4.0 + 0.5 * step, -1.5, 0.7 + step);
             let direction = (edge - origin).normalize_or_zero();
@@ -183,26 +183,26 @@ fn rays_from_a_surface_along_it_and_in_a_corner() {
     let corner = corner.map(|[ax, ay, bx, by]| Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by)));
     let world = world(Walls::new(corner.to_vec()), Space { fixed, ..Space::default() });
     let distance = |origin, direction| look(&world, origin, direction).map(|met| met.distance);
-    // From on a face, whichever way; from inside.
+    // From a point on a face in any direction; from inside.
     for direction in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.3, 0.2, -0.1]] {
         for origin in [[0.5, 0.0, 0.5], [0.0, 0.0, 1.0], [0.1, 0.2, 0.3], [0.0, 5.0, 0.5], [0.0, 5.0, 1.0]] {
             assert_eq!(distance(origin, direction), Some(0.0), "{origin:?} {direction:?}");
         }
     }
-    // Along the top face, its edge is met; a hair above, nothing.
+    // A ray along the top face hits its edge; slightly above, nothing.
     assert_eq!(distance([-2.0, 0.0, 1.0], [1.0, 0.0, 0.0]), Some(1.5));
     assert_eq!(distance([-2.0, 0.0, 1.0 + 1e-12], [1.0, 0.0, 0.0]), None);
-    // Along a side, down onto the floor beside it.
+    // Down along a side: onto the upper edge, and onto the floor beside the body.
     assert_eq!(distance([0.5, 0.0, 3.0], [0.0, 0.0, -1.0]), Some(2.0), "its upper edge");
     assert_eq!(distance([0.5 + 1e-12, 0.0, 3.0], [0.0, 0.0, -1.0]), Some(3.0));
-    // The ball's highest point, grazed.
+    // Grazing the top of the ball.
     assert!((distance([-2.0, 5.0, 1.0], [1.0, 0.0, 0.0]).unwrap() - 2.0).abs() < 1e-7);
     assert_eq!(distance([-2.0, 5.0, 1.0 + 1e-9], [1.0, 0.0, 0.0]), None);
-    // Into the corner of two walls and the floor, where all three meet.
+    // Into the corner shared by two walls and the floor.
     let depth = 3.0_f64.sqrt();
     let met = look(&world, [8.0, 8.0, 1.0], [1.0, 1.0, -1.0]).unwrap();
     assert!((met.distance - depth).abs() < 1e-15, "{met:?}");
-    // On a wall's foot, on the floor, at its end.
+    // From the foot of a wall, on the floor, at its end.
     assert_eq!(distance([9.0, 5.0, 0.5], [0.0, -1.0, 0.3]), Some(0.0));
     assert_eq!(distance([9.0, 5.0, 0.5], [0.0, 0.0, 1.0]), Some(0.0), "straight up along a wall");
     assert_eq!(distance([7.0, 5.0, 0.0], [0.0, -1.0, -0.3]), Some(0.0));
@@ -267,7 +267,7 @@ fn objects_and_robots_have_heights() {
     let face = met.face.expect("a face");
     assert_eq!((met.distance, met.thing, face.surface), (1.9, Thing::Object(ObjectId(1)), Surface::SMOOTH));
     assert_eq!(face.curvature, DVec2::splat(10.0));
-    // Half way up to its top, the ball is met later.
+    // At three quarters of its height the ball is hit later.
     let met = look(&world, [0.0, 0.0, 0.15], [1.0, 0.0, 0.0]).unwrap();
     assert!((met.distance - (2.0 - 0.75_f64.sqrt() * 0.1)).abs() < 1e-15);
     assert_eq!(look(&world, [2.0, 0.0, 1.0], [0.0, 0.0, -1.0]).map(|met| met.distance), Some(0.8));

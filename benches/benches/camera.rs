@@ -1,6 +1,6 @@
 //! Pictures of a room: frames a second, beside MuJoCo and PyBullet where they are installed.
 //!
-//! A harness of its own: one table holds what is to be compared, all measured in turn within one run.
+//! A custom harness: one table holds all values to compare, measured in turn within one run.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsStr;
@@ -17,14 +17,14 @@ use sim_core::time::Time;
 
 const VIEWS: usize = 10;
 const SIZES: [[u32; 2]; 3] = [[80, 60], [160, 120], [320, 240]];
-/// How often all renderers have their turn, and how often each renders all views in it: the fastest counts.
+/// Number of rounds of all renderers, and repetitions of all views in each: the fastest counts.
 const TURNS: usize = 3;
 const REPEATS: usize = 10;
 
 /// A renderer at a quality, and the seconds that it takes for all views.
 struct Row {
     renderer: &'static str,
-    /// As the peers' script takes it.
+    /// Option for the peers' script.
     shadows: &'static str,
     seconds: f64,
     /// Mean difference of its pictures from ours, grey levels.
@@ -59,7 +59,7 @@ fn main() {
     }
 }
 
-/// Ours first, then each with how many times as fast ours is.
+/// Our renderer first, then each peer with the speed-up of ours over it.
 fn print([width, height]: [u32; 2], (row, ours): &(Row, f64)) {
     let rate = VIEWS as f64 / row.seconds;
     let (times, levels) = (row.seconds / ours, row.difference);
@@ -121,7 +121,7 @@ fn eyesim(still: &Still, size: [u32; 2]) -> (f64, Vec<u8>) {
     (seconds, pixels)
 }
 
-/// The same by the script in `peers/`.
+/// As above, for a peer, by the script in `peers/`.
 fn peer(python: &OsStr, folder: &Path, row: &Row, [width, height]: [u32; 2]) -> (f64, Vec<u8>) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/camera_peers.py");
     let output = Command::new(python)
@@ -135,7 +135,7 @@ fn peer(python: &OsStr, folder: &Path, row: &Row, [width, height]: [u32; 2]) -> 
     (seconds, fs::read(folder.join(row.renderer).with_extension("rgb")).expect("the script writes pictures"))
 }
 
-/// What the peers' script reads.
+/// Input of the peers' script.
 fn write_scene(folder: &Path, mesh: &Mesh) {
     fs::create_dir_all(folder).expect("the target folder can be written");
     let faces = mesh.triangles.iter().flat_map(|triangle| {
@@ -163,7 +163,7 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Everything once: pictures as the reference says.
+/// Smoke test: every picture once, compared with the reference.
 fn assert_right(scenery: &Scenery) {
     let still = scenery.still(&world::empty(), Time::ZERO);
     let reference = Reference::new(&still, None);

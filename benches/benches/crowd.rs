@@ -1,6 +1,6 @@
 //! Whole runs of the real binary: crowds of robots that avoid each other, among cans too, and robots that wait.
 //!
-//! A harness of its own: criterion would run each scene a hundred times, and knows nothing of memory.
+//! A custom harness: criterion would run each scene a hundred times and does not measure memory.
 #![forbid(unsafe_code)]
 
 use std::fs;
@@ -13,7 +13,7 @@ use tests::{Scratch, number, write_crowd};
 
 /// The program of the crowds: reads eight PSDs, sets its speed, waits for the next 50 ms.
 const AVOID: &str = "%sim%/example-programs/avoid";
-/// How often each run is repeated: the fastest counts, since other work on the machine can only slow it down.
+/// Repetitions of each run: the fastest counts, since other work on the machine can only slow it down.
 const REPEATS: usize = 3;
 
 fn main() {
@@ -42,12 +42,12 @@ fn main() {
     }
 }
 
-/// What a run took.
+/// Cost of a run.
 #[derive(Clone, Copy)]
 struct Run {
     simulated: f64,
     real: f64,
-    /// Greatest resident memory in KiB, where the system tells.
+    /// Greatest resident memory in KiB, if the system reports it.
     peak: Option<u64>,
 }
 
@@ -179,7 +179,7 @@ fn watch(child: &mut Child) -> Option<u64> {
     let path = format!("/proc/{}/status", child.id());
     let mut peak = None;
     while child.try_wait().expect("eyesim can be waited for").is_none() {
-        // Of a process that has ended there is no memory any more: the last answer stands.
+        // An ended process has no memory any more: the last reading counts.
         let status = fs::read_to_string(&path).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         peak = line.and_then(|line| line.split_whitespace().next()?.parse().ok()).or(peak);

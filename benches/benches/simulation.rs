@@ -27,7 +27,7 @@ fn simulation() -> Simulation {
     let loaded = load_scene("eight.scene.toml", &files);
     assert!(!loaded.has_errors(), "{:#?}", loaded.diagnostics);
     let mut simulation = Simulation::new(&loaded.scene, &Options::default()).expect("a robot that can be simulated");
-    // It drives a circle for ever.
+    // The robot drives a circle for ever.
     simulation.command(RobotId(1), Command::Twist(Twist::new(0.3, 0.5))).expect("it drives");
     simulation
 }

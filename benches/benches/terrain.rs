@@ -1,7 +1,7 @@
 //! Rays among triangles and walls: speed and error of both indices in one table, beside parry and, where it is installed,
 //! Embree.
 //!
-//! A harness of its own: one table holds what is to be compared, all measured in turn within one run.
+//! A custom harness: one table holds all values to compare, measured in turn within one run.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;
@@ -15,7 +15,7 @@ use benches::terrain::{self, Ray3, Triangle};
 use glam::DVec3;
 use sim_core::scene::{MeshIndex, Segment, Walls};
 
-/// How often each set of rays is cast: the fastest counts, since other work on the machine can only slow it down.
+/// Repetitions of each set of rays: the fastest counts, since other work on the machine can only slow it down.
 const REPEATS: usize = 15;
 
 /// A scene, the sets of rays cast at it, and the distances by brute force of some of them.
@@ -25,19 +25,19 @@ struct Scene {
     /// The walls that the triangles are extruded of, if so.
     walls: Vec<Segment>,
     sets: Vec<Set>,
-    /// Aimed at shared edges: those that meet nothing have leaked.
+    /// Aimed at shared edges: rays without a hit have leaked.
     edges: Vec<Ray3>,
 }
 
 struct Set {
     name: &'static str,
     rays: Vec<Ray3>,
-    /// By brute force: place of a ray and its distance, infinite where it meets nothing.
+    /// By brute force: index of a ray and its distance, infinite without a hit.
     truth: Vec<(usize, f64)>,
 }
 
-/// Casts a list of rays so many times: seconds, of each part of them the fewest, and the distances, infinite where nothing
-/// is met.
+/// Casts a list of rays repeatedly: the seconds, the minimum for each part of the list, and the distances, infinite without
+/// a hit.
 type Caster<'a> = Box<dyn Fn(&[Ray3], usize) -> (f64, Vec<f64>) + 'a>;
 
 fn main() {
@@ -233,7 +233,7 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Rays that meet something by one count and nothing, or something else by more than 1 mm, by the other; and the greatest
+/// Number of rays whose hits disagree: a hit against none, or distances that differ by more than 1 mm; and the greatest
 /// error of the rest, m.
 fn errors(set: &Set, distances: &[f64]) -> (usize, f64) {
     let agree = |one: f64, other: f64| one == other || (one - other).abs() <= 1e-3;
@@ -242,7 +242,7 @@ fn errors(set: &Set, distances: &[f64]) -> (usize, f64) {
     (other.len(), same.iter().map(error).fold(0.0, f64::max))
 }
 
-/// Rays aimed at shared edges that meet nothing.
+/// Number of rays aimed at shared edges without a hit.
 fn leaks(scene: &Scene, caster: &Caster) -> usize {
     caster(&scene.edges, 1).1.iter().filter(|distance| distance.is_infinite()).count()
 }

@@ -43,7 +43,7 @@ class Scene:
         self.fov = float(numbers("fov", 1)[0, 0])
         light = numbers("light", 5)[0]
         self.towards, self.ambient, self.diffuse = light[:3], light[3], light[4]
-        # Of each mesh its material.
+        # Material of each mesh.
         self.meshes = []
         for material in range(MATERIALS):
             self.write_texture(material)

@@ -11,11 +11,11 @@ use sim_core::scene::{Bounds, Segment};
 /// A ray as the sensors cast it: metres in the world frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Origin.
     pub origin: DVec2,
     /// Unit vector.
     pub direction: DVec2,
-    /// How far it is followed.
+    /// Range.
     pub range: f64,
 }
 

@@ -13,11 +13,11 @@ pub type Triangle = [DVec3; 3];
 /// A ray in space.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray3 {
-    /// Where it starts, m.
+    /// Origin, m.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
-    /// How far it is followed, m.
+    /// Range, m.
     pub range: f64,
 }
 
@@ -120,7 +120,7 @@ fn incoherent() -> Vec<Ray3> {
 }
 
 /// Rays from above aimed exactly at corners and at points of edges that triangles of the terrain share; their range ends
-/// 1 m beyond the point. A ray that meets nothing has leaked.
+/// 1 m beyond the point. A ray without a hit has leaked.
 pub fn edge_rays(count: usize) -> Vec<Ray3> {
     let mut random = Random::new(35);
     let mut ray = |turn: usize| {
@@ -150,7 +150,7 @@ pub fn level_rays(rays: &[crate::Ray]) -> Vec<Ray3> {
 }
 
 /// Rays from the middles of the cells of a maze on a grid of 1 m at exact places of the diagonals that part its walls in
-/// triangles; their range ends 1 mm beyond. A ray that meets nothing has leaked.
+/// triangles; their range ends 1 mm beyond. A ray without a hit has leaked.
 pub fn diagonal_rays(walls: &[Segment], count: usize) -> Vec<Ray3> {
     let mut random = Random::new(36);
     let mut ray = || {

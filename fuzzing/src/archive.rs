@@ -1,10 +1,10 @@
-//! Several files in one input: a text with a line `-- PATH --` before each file, as Go's txtar has it.
+//! Several files in one input: a text with a line `-- PATH --` before each file, as in Go's txtar format.
 
 use std::collections::BTreeMap;
 
 use sim_format::{FileError, Files};
 
-/// Folder of the installation in an archive.
+/// Folder of the simulated installation.
 const HOME: &str = "/home/eyesim";
 
 /// The files of an archive, as a file system.
@@ -15,7 +15,7 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// The archive that `bytes` are; what stands before the first header is a file named `input`.
+    /// Splits `bytes` into files; text before the first header becomes a file named `input`.
     pub fn new(bytes: &[u8]) -> Self {
         let mut archive = Self { files: BTreeMap::new(), first: String::new() };
         let mut path = "input".to_owned();
@@ -42,7 +42,7 @@ impl Archive {
         &self.first
     }
 
-    /// The bytes of a file.
+    /// Content of a file.
     pub fn bytes(&self, path: &str) -> Option<&[u8]> {
         self.files.get(path).map(Vec::as_slice)
     }
@@ -56,7 +56,7 @@ impl Archive {
 }
 
 impl Files for Archive {
-    /// Files whose name begins with `locked` exist and cannot be read.
+    /// Simulates unreadable files: those whose name begins with `locked` exist but cannot be read.
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
         match self.files.get(path) {
             Some(_) if path.starts_with("locked") => Err(FileError::Unreadable("permission denied".to_owned())),

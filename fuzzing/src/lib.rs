@@ -1,9 +1,9 @@
-//! What must hold whatever a reader is given.
+//! Invariants that every reader must keep for any input.
 //!
-//! Each [`Target`] gives the bytes of one input to one reader and panics when the reader does, or when what it returned
-//! breaks an invariant: a number that is not finite or out of its documented range, a span that does not lie in the text, a
-//! diagnostic without words. The fuzz targets in `fuzz/` are these functions and nothing else; normal tests give them the
-//! committed inputs. This crate searches for no inputs and reads no files.
+//! Each [`Target`] passes one input to one reader and panics when the reader does, or when the reader's result breaks an invariant:
+//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. The fuzz
+//! targets in `fuzz/` only call these functions; normal tests call them with the committed inputs. This crate generates no inputs
+//! and reads no files.
 #![forbid(unsafe_code)]
 
 pub mod archive;
@@ -11,10 +11,10 @@ mod reader;
 mod spec;
 mod text;
 
-/// A reader with the invariants of what it returns.
+/// A reader and the invariants of its result.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Name, as in `cargo fuzz run NAME`, and of the folders of its inputs.
+    /// Name, as in `cargo fuzz run NAME` and of the folders of its inputs.
     pub name: &'static str,
     /// Panics if the input breaks an invariant.
     pub check: fn(&[u8]),
@@ -41,7 +41,7 @@ pub const TARGETS: &[Target] = &[
     Target::new("load_scene", reader::load_scene),
 ];
 
-/// Checks `input` with the target of this name.
+/// Checks `input` with the target named `target`.
 ///
 /// # Panics
 /// If there is no such target, or the input breaks an invariant.

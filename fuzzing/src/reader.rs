@@ -1,4 +1,4 @@
-//! One function a reader: what it returns for an input is checked.
+//! Checks of the readers, one function per reader.
 
 use glam::DVec3;
 use sim_core::build::MeshSource;
@@ -87,7 +87,7 @@ pub fn load_scene(input: &[u8]) {
     diagnostics(&archive, &loaded.diagnostics);
 }
 
-/// The first file is the mesh of a robot.
+/// Checks the mesh reader; the first file of the archive is the mesh of a robot.
 pub fn mesh(input: &[u8]) {
     let archive = Archive::new(input);
     let path = PathRef { text: archive.first().to_owned(), span: Span::default() };
@@ -100,7 +100,7 @@ pub fn mesh(input: &[u8]) {
     diagnostics(&archive, &reader.finish().0);
 }
 
-/// Checks what is said about the files of an archive.
+/// Checks the diagnostics of the files of an archive.
 fn diagnostics(archive: &Archive, diagnostics: &[Diagnostic]) {
     for diagnostic in diagnostics {
         text::words(diagnostic);

@@ -1,4 +1,4 @@
-//! What holds for the spec of any text: numbers finite and within their documented ranges.
+//! Invariants of every spec: finite numbers within their documented ranges.
 
 use std::f64::consts::TAU;
 use std::fmt::{self, Debug, Write};
@@ -24,10 +24,10 @@ const MIN_SIZE: f64 = 1e-6;
 /// Largest angle that a file may give, in radians: a million degrees.
 const MAX_ANGLE: f64 = 1e6 * TAU / 360.0;
 
-/// Rounding of a conversion to SI units.
+/// Factor that tolerates the rounding of a conversion to SI units.
 const ROUNDING: f64 = 1.0 + 1e-12;
 
-/// Panics unless the spec of a world or maze is sound and its spans lie in `lines`.
+/// Panics unless the spec of a world or maze is valid and its spans lie in `lines`.
 pub fn world(world: &WorldSpec, lines: &Lines<'_>) {
     finite(world);
     length(world.floor.x, "width of the floor");
@@ -59,7 +59,7 @@ pub fn world(world: &WorldSpec, lines: &Lines<'_>) {
     assert!(low.cmple(high).all() && low.is_finite() && high.is_finite(), "bounds {low} {high}");
 }
 
-/// Panics unless the lines of a sim are sound and their spans lie in `lines`.
+/// Panics unless the lines of a sim are valid and their spans lie in `lines`.
 pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
     finite(sim);
     for path in sim.world.iter().map(|line| &line.path).chain(&sim.robot_types).chain(&sim.object_types) {
@@ -113,7 +113,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
     }
 }
 
-/// Panics unless a cost table is sound and its spans lie in `lines`.
+/// Panics unless a cost table is valid and its spans lie in `lines`.
 pub fn costs(table: &CostTable, lines: &Lines<'_>) {
     for entry in &table.entries {
         assert!((1..=3_600_000_000).contains(&entry.cost.0), "{entry:?}");
@@ -122,7 +122,7 @@ pub fn costs(table: &CostTable, lines: &Lines<'_>) {
     }
 }
 
-/// Panics unless a noise profile is sound, its models accept what it says, and its spans lie in `lines`.
+/// Panics unless a noise profile is valid, its models accept its values, and its spans lie in `lines`.
 pub fn noise(noise: &NoiseSpec, lines: &Lines<'_>) {
     for entry in &noise.entries {
         assert!(entry.value.is_finite() && !entry.key.is_empty(), "{entry:?}");
@@ -150,7 +150,7 @@ fn noise_ref(noise: &NoiseRef, lines: &Lines<'_>) {
     }
 }
 
-/// Panics unless the spec of a robot type is sound.
+/// Panics unless the spec of a robot type is valid.
 pub fn robi(robi: &RobiSpec) {
     finite(robi);
     assert!(!robi.name.trim().is_empty() || robi.file.is_empty(), "a robot type has a name: {robi:?}");
@@ -234,7 +234,7 @@ pub fn robi(robi: &RobiSpec) {
     assert!(inputs.analog.is_sorted() && inputs.latches.is_sorted() && robi.hdt.is_sorted(), "{inputs:?}");
 }
 
-/// Panics unless the spec of an object type is sound.
+/// Panics unless the spec of an object type is valid.
 pub fn object_type(object: &ObjectType) {
     finite(object);
     assert!(object.scale > 0.0 && object.mass > 0.0 && object.friction >= 0.0 && object.buoyancy >= 0.0, "{object:?}");
@@ -246,7 +246,7 @@ pub fn object_type(object: &ObjectType) {
     object.colliders.iter().for_each(collider);
 }
 
-/// Panics unless each face of a mesh has its corners, its looks and finite numbers.
+/// Panics unless the indices of a mesh's faces are in range, its numbers finite and its normals unit vectors.
 pub fn mesh(mesh: &Mesh) {
     assert!(mesh.positions.iter().all(|position| position.is_finite()), "positions of {mesh:?}");
     for triangle in &mesh.triangles {
@@ -258,7 +258,7 @@ pub fn mesh(mesh: &Mesh) {
     }
 }
 
-/// Panics unless a scene is sound.
+/// Panics unless a scene is valid.
 pub fn scene(scene: &SceneSpec) {
     finite(scene);
     radio(&scene.radio);
@@ -357,7 +357,7 @@ fn joint(joint: &JointSpec) {
     match joint {
         JointSpec::Fixed(fixed) => angle(*fixed, joint),
         JointSpec::Servo { name, from, to } => {
-            // A camera's servo turns it to both sides of a fixed angle.
+            // A camera's servo turns it to either side of a fixed angle.
             assert!(!name.is_empty() && from.abs().max(to.abs()) <= 2.0 * MAX_ANGLE * ROUNDING, "{joint:?}");
         }
     }
@@ -393,16 +393,16 @@ fn inside(span: Span, lines: &Lines<'_>, what: &impl Debug) {
     lines.check(span, what);
 }
 
-/// Panics if a number of `spec` is infinite or NaN, whatever fields it has: seen in its debug form, outside of texts.
+/// Panics if any number in `spec` is infinite or NaN; searches the `Debug` output outside of string literals.
 fn finite(spec: &impl Debug) {
     let mut search = Search { word: [0; 3], is_text: false, is_escaped: false, is_found: false };
     write!(search, "{spec:?}").expect("the search takes everything");
     assert!(!search.is_found, "a number is not finite: {spec:#?}");
 }
 
-/// Looks for the words `inf` and `NaN` in a debug form, outside of texts.
+/// Searches a `Debug` output for the words `inf` and `NaN` outside of string literals.
 struct Search {
-    /// The last three bytes outside of a text.
+    /// The last three bytes outside of a string literal.
     word: [u8; 3],
     is_text: bool,
     is_escaped: bool,
@@ -417,7 +417,7 @@ impl Write for Search {
                 b'\\' if self.is_text => self.is_escaped = true,
                 b'"' => self.is_text = !self.is_text,
                 _ if self.is_text => {}
-                // `infrareds` is the one name that has these letters: a number is followed by a sign, not a letter.
+                // `infrareds` is the only name with these letters: a number is followed by punctuation, not by a letter.
                 b'a'..=b'z' if self.word == *b"inf" => self.word = [0, 0, byte],
                 _ => {
                     self.is_found |= self.word == *b"inf" || self.word == *b"NaN";

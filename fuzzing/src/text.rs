@@ -1,13 +1,13 @@
-//! What holds for the diagnostics of any text.
+//! Invariants of the diagnostics of any text.
 
 use sim_core::spec::Span;
 use sim_format::{Code, Diagnostic};
 
-/// Diagnostics of one file that are kept at most: 1000, and one that counts the others.
+/// Greatest number of diagnostics kept per file: 1000, and one with the count of the others.
 const MAX_KEPT: usize = 1001;
 
-/// Panics unless the `diagnostics` are those that a reader may give of `text`: each in words, in a place of the text with
-/// the right line and column, sorted, and not more than are kept.
+/// Panics unless the `diagnostics` of `text` are valid: each with words, a span within the text and the right line and column;
+/// sorted, and not more than the maximum.
 pub fn check(text: &str, diagnostics: &[Diagnostic]) {
     assert!(diagnostics.len() <= MAX_KEPT, "{} diagnostics", diagnostics.len());
     let lines = Lines::new(text);
@@ -19,7 +19,7 @@ pub fn check(text: &str, diagnostics: &[Diagnostic]) {
     assert!(sorted.is_sorted_by_key(|diagnostic| diagnostic.span), "not in the order of the text: {diagnostics:#?}");
 }
 
-/// Panics unless a diagnostic says in one line each what is wrong and what would be right.
+/// Panics unless a diagnostic states in one line each the mistake and the expected input.
 pub fn words(diagnostic: &Diagnostic) {
     let Diagnostic { code, message, expected, suggestion, .. } = diagnostic;
     for words in [message, expected].into_iter().chain(suggestion) {
@@ -31,7 +31,7 @@ pub fn words(diagnostic: &Diagnostic) {
 /// The lines of a text, ended by LF, CR LF or CR.
 pub struct Lines<'t> {
     text: &'t str,
-    /// Byte at which each line begins.
+    /// Byte offset of each line's start.
     starts: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! Inputs made to break a reader: huge numbers, huge names, deep nesting, very many lines.
 //!
-//! What must hold of each is checked by the invariants, among them that what is said about a file stays short. Nothing is
-//! measured by a clock: the inputs are so large that a reader whose work grows with their square would come to no end
-//! (10^5 lines squared take minutes, 10^6 hours), and what a load asks of the file system is counted.
+//! Each input must keep the invariants, one of which bounds the length of diagnostics. No test measures time: the inputs are so
+//! large that a reader of quadratic complexity would not finish (10^5 lines squared take minutes, 10^6 hours). Calls to the file
+//! system during a load are counted.
 
 use std::cell::Cell;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ use sim_format::{Code, FileError, Files, Loaded};
 
 const MANY: usize = 100_000;
 
-/// Numbers at the ends of what can be written, and what is none.
+/// Extreme numbers, and words that are not numbers.
 const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -43,7 +43,7 @@ const NUMBERS: &[&str] = &[
     "1,5",
 ];
 
-/// Lines of each format with a place for each number.
+/// Lines of each format with a placeholder `#` for each number.
 const LINES: &[(&str, &[&str])] = &[
     (
         "world",
@@ -175,7 +175,7 @@ fn numbers_of_any_size_hold() {
         for line in *lines {
             for number in NUMBERS {
                 check(target, line.replace('#', number).as_bytes());
-                // One of them alone, so that the others do not hide it.
+                // One number at a time, so that one error does not hide another.
                 let places: Vec<usize> = line.match_indices('#').map(|(place, _)| place).collect();
                 for &place in &places {
                     let one = format!("{}{number}{}", &line[..place], line[place + 1..].replace('#', "1"));
@@ -287,7 +287,7 @@ fn very_long_rows_hold() {
     check("companion", format!("input.analog = {{ {} }}", "1 = 1, ".repeat(MANY)).as_bytes());
 }
 
-/// Counts what is asked of the files of an archive.
+/// Counts the calls to an archive's file system.
 struct Counted {
     archive: Archive,
     asked: Cell<usize>,

@@ -1,4 +1,4 @@
-//! The seeds with pieces changed, removed, doubled and exchanged: what a fuzzer does first, for every run of the tests.
+//! Mutated seeds, with pieces changed, removed, duplicated and exchanged: a fuzzer's first steps, in every test run.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use fuzzing::{TARGETS, check};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// Pieces that mean something in one of the formats, or look as if.
+/// Tokens with a meaning in one of the formats, or similar to such tokens.
 const PIECES: &[&str] = &[
     "\n",
     "\r",
@@ -58,7 +58,7 @@ enum Change {
     Byte(Index, u8),
     Remove(Index, Index),
     Insert(Index, Index),
-    /// The first piece again at the second place.
+    /// Copies the first piece to the second position.
     Copy(Index, Index, Index),
 }
 
@@ -101,7 +101,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| fs::read(path).expect("a readable file")).collect()
 }
 
-/// An input that shows itself as a byte string.
+/// Input with a `Debug` output as a byte string.
 #[derive(Clone)]
 struct Shown(Vec<u8>);
 

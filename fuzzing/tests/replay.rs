@@ -1,4 +1,4 @@
-//! All committed inputs, and the files of EyeSim where they are at hand, through the invariants of their reader.
+//! All committed inputs, and a local corpus of EyeSim files if present, checked against the invariants of their reader.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn replay(target: &str, path: &Path) {
-    // Shown when the check panics.
+    // Printed if the check panics.
     println!("{target}: {}", path.display());
     check(target, &fs::read(path).expect("a readable file"));
 }

@@ -8,7 +8,7 @@ use crate::robot::{release, robios};
 use crate::unit::{Length, Ratio};
 use crate::{Error, Result, Robot};
 
-/// A motor; dropping it stops it.
+/// A motor; dropping the value stops the motor.
 #[derive(Debug)]
 pub struct Motor {
     robot: Robot,
@@ -32,7 +32,7 @@ pub struct Servo {
     handle: ServoHandle,
 }
 
-/// Position of a servo, of its whole range in 255 steps.
+/// Position of a servo: its whole range in 255 steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ServoPosition(pub u8);
 
@@ -50,10 +50,10 @@ impl ServoPosition {
 pub struct Ticks(pub i32);
 
 impl Robot {
-    /// Makes a motor ready.
+    /// Initialises a motor.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] if the robot has no such motor or the driving interface has it.
+    /// [`Error::Unavailable`] if the robot has no such motor or the driving interface uses it.
     #[track_caller]
     pub fn motor(&self, at: MotorAt) -> Result<Motor> {
         match robios!(self, MOTORInit(at.semantics())) {
@@ -62,7 +62,7 @@ impl Robot {
         }
     }
 
-    /// Makes a wheel encoder ready; its count starts at 0.
+    /// Initialises a wheel encoder; its count starts at 0.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such encoder.
@@ -74,7 +74,7 @@ impl Robot {
         }
     }
 
-    /// Makes a servo ready.
+    /// Initialises a servo.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such servo.
@@ -97,7 +97,7 @@ impl Robot {
 }
 
 impl Motor {
-    /// Sets the motor's speed in parts of the full one, -100 (full backwards) to 100 percent; rounded to whole ones.
+    /// Sets the motor's speed as a ratio of full speed, -100 (full backwards) to 100 percent, rounded to whole percent.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for more than 100 percent.
@@ -112,7 +112,7 @@ impl Motor {
 }
 
 impl Encoder {
-    /// Ticks since the reset, more when the wheel turns forward.
+    /// Ticks since the reset; the count increases when the wheel turns forward.
     #[track_caller]
     pub fn ticks(&self) -> Ticks {
         Ticks(robios!(&self.robot, QUADRead(self.handle)))
@@ -127,13 +127,13 @@ impl Encoder {
         checked("QUADReset", Device::Encoder(self.at), robios!(&self.robot, QUADReset(self.handle)))
     }
 
-    /// How far the wheel has rolled since [`reset_distance`](Self::reset_distance).
+    /// Distance rolled by the wheel since [`reset_distance`](Self::reset_distance).
     #[track_caller]
     pub fn distance(&self) -> Length {
         Length::from_robios(robios!(&self.robot, QUADODORead(self.handle)))
     }
 
-    /// Sets how far the wheel has rolled to 0; the count stays.
+    /// Sets the rolled distance to 0; the tick count stays.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.

@@ -15,7 +15,7 @@ use crate::{Error, Result, Robot};
 #[derive(Clone, Copy, Debug)]
 pub struct Audio<'r>(pub(crate) &'r Robot);
 
-/// What the microphone hears at an instant, 0 to 1023; 512 is silence.
+/// Level of the microphone at an instant, 0 to 1023; 512 is silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SoundLevel(pub i32);
 
@@ -29,7 +29,7 @@ impl Audio<'_> {
     /// Plays a tone of 65 to 21,000 Hz; does not wait.
     ///
     /// # Errors
-    /// [`Error::Refused`] for another frequency.
+    /// [`Error::Refused`] for any other frequency.
     #[track_caller]
     pub fn tone(&self, frequency: Frequency, span: Duration) -> Result {
         let span_ms = i32::try_from(span.as_millis()).unwrap_or(i32::MAX);
@@ -37,31 +37,31 @@ impl Audio<'_> {
         checked("AUTone", Device::Speaker, robios!(self.0, AUTone(frequency_hz, span_ms)))
     }
 
-    /// Whether a tone is being played.
+    /// Returns true if a tone is being played.
     #[track_caller]
     pub fn is_sounding(&self) -> bool {
         let is_silent: i32 = robios!(self.0, AUCheckTone());
         is_silent == FALSE
     }
 
-    /// Plays a sample, a WAV file in memory; does not wait. Gives its rate.
+    /// Plays a sample, a WAV file in memory, and returns its rate; does not wait.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it is no sample.
+    /// [`Error::Refused`] if the bytes are not a sample.
     #[track_caller]
     pub fn play(&self, sample: &[u8]) -> Result<Frequency> {
         let rate: i32 = robios!(self.0, AUPlaySample(ByteSlice::from(sample)));
         rate_of("AUPlaySample", Device::Speaker, rate)
     }
 
-    /// Whether a sample is being played.
+    /// Returns true if a sample is being played.
     #[track_caller]
     pub fn is_playing(&self) -> bool {
         let is_silent: i32 = robios!(self.0, AUCheckSample());
         is_silent == FALSE
     }
 
-    /// Records from the microphone until the room is full; gives the rate.
+    /// Records from the microphone until the buffer is full; returns the rate.
     ///
     /// # Errors
     /// [`Error::Refused`] if nothing can be recorded.
@@ -71,21 +71,21 @@ impl Audio<'_> {
         rate_of("AURecordSample", Device::Microphone, rate)
     }
 
-    /// Whether something is being recorded.
+    /// Returns true if a recording is in progress.
     #[track_caller]
     pub fn is_recording(&self) -> bool {
         let is_idle: i32 = robios!(self.0, AUCheckRecord());
         is_idle == FALSE
     }
 
-    /// What the microphone hears now.
+    /// Current level of the microphone.
     #[track_caller]
     pub fn level(&self) -> SoundLevel {
         SoundLevel(robios!(self.0, AUCaptureMic()))
     }
 }
 
-/// A rate that a call has returned, 0 for failure.
+/// Converts the rate returned by a call to a result; a rate of 0 or less is a failure.
 fn rate_of(call: &'static str, device: Device, rate: i32) -> Result<Frequency> {
     if rate > 0 { Ok(Frequency::hertz(rate.into())) } else { Err(Error::Refused { call, device, code: rate }) }
 }

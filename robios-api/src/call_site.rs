@@ -1,4 +1,4 @@
-//! Where in the program's source the call in progress was made, so that messages can say `waits at src/lib.rs:88`.
+//! Source location of the call in progress, for messages such as `waits at src/lib.rs:88`.
 
 use std::panic::Location;
 use std::ptr::null_mut;
@@ -7,16 +7,16 @@ use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering};
 
 use robios_sys::CallSite;
 
-/// Who wants to know.
+/// Reader of the location.
 pub(crate) enum Reader {
-    /// The host that has loaded this library: it reads the variable that [`of_library`] names.
+    /// The host that has loaded this library: it reads the variable that [`of_library`] points to.
     Host,
     /// A fake host in the same library.
     Fake(Arc<LastPlace>),
 }
 
 impl Reader {
-    /// Notes where the call that starts now was made. The one place that publishes it.
+    /// Records the location of the call that starts now. Only this function publishes locations.
     pub(crate) fn note(&self, place: &'static Location<'static>) {
         match self {
             Self::Fake(last) => last.0.store(std::ptr::from_ref(place).cast_mut(), Ordering::Relaxed),
@@ -30,19 +30,19 @@ impl Reader {
     }
 }
 
-/// Where a program of the same library made its last call.
+/// Location of the last call made by a program of the same library.
 #[derive(Debug, Default)]
 pub(crate) struct LastPlace(AtomicPtr<Location<'static>>);
 
 impl LastPlace {
-    /// The place, once there was a call.
+    /// Location of the last call; `None` before the first.
     pub(crate) fn get(&self) -> Option<&'static Location<'static>> {
-        // SAFETY: null, or from a `&'static Location` of `Reader::note`.
+        // SAFETY: the pointer is null or comes from a `&'static Location` in `Reader::note`.
         unsafe { self.0.load(Ordering::Relaxed).as_ref() }
     }
 }
 
-/// A [`CallSite`] that may be written on any thread: its fields are those of that, in their order.
+/// [`CallSite`] with atomic fields, which any thread may write; same fields in the same order.
 #[repr(C)]
 struct LastCall {
     address: AtomicPtr<u8>,
@@ -61,7 +61,7 @@ static LAST: LastCall = LastCall {
     line: AtomicU32::new(0),
 };
 
-/// The variable of this library that the host reads.
+/// Pointer to the variable of this library that the host reads.
 pub(crate) const fn of_library() -> *const CallSite {
     (&raw const LAST).cast()
 }

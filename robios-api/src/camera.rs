@@ -12,10 +12,9 @@ use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage};
 use crate::robot::{release, robios};
 use crate::{Error, Result, Robot};
 
-/// The camera, which is switched off when this is dropped.
+/// The camera; dropping the value switches it off.
 ///
-/// An image shows what was in front of the camera 1/60 s before the end of the call that takes it. Row 0 is on top; images have
-/// no border here.
+/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top; images have no border here.
 #[derive(Debug)]
 pub struct Camera {
     robot: Robot,
@@ -24,16 +23,16 @@ pub struct Camera {
 /// Angle of view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CameraLens {
-    /// That of the robi file.
+    /// Angle of view of the robi file.
     #[default]
     Normal,
-    /// Things are half as large.
+    /// Wide angle: objects appear half as large.
     Wide,
-    /// Things are twice as large.
+    /// Telephoto: objects appear twice as large.
     Tele,
 }
 
-/// Images a second.
+/// Frame rate, in images per second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameRate {
     /// 60.
@@ -54,14 +53,14 @@ pub enum FrameRate {
     Fps0_46875,
 }
 
-/// What becomes of the levels of an image: 128 changes nothing, less is less.
+/// Adjustment of image levels: 128 is neutral, lower values reduce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     /// Brightness.
     pub brightness: u8,
-    /// Hue of colour images; what is added to grey ones, less 128.
+    /// Hue of colour images; offset of grey images, plus 128.
     pub hue_or_offset: u8,
-    /// Saturation of colour images, contrast of grey ones.
+    /// Saturation of colour images; contrast of grey images.
     pub saturation_or_contrast: u8,
 }
 
@@ -105,16 +104,16 @@ impl Robot {
 
 #[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
 impl Camera {
-    /// Size of its images.
+    /// Size of images.
     pub const SIZE: ImageSize = ImageSize::EYECAM;
 
-    /// Size of its images behind the colour filter.
+    /// Size of images with the colour filter.
     pub const BAYER_SIZE: ImageSize = ImageSize::QQVGA;
 
-    /// Takes a grey image; waits until it is there.
+    /// Takes a grey image and waits for it.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is none, here and below.
+    /// [`Error::Refused`] if there is no image, also for the functions below.
     #[track_caller]
     pub fn gray(&self) -> Result<GrayImage> {
         let mut frame = [0; 4800];
@@ -122,7 +121,7 @@ impl Camera {
         Ok(GrayImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
-    /// Takes a colour image; waits until it is there.
+    /// Takes a colour image and waits for it.
     #[track_caller]
     pub fn color(&self) -> Result<ColorImage> {
         let mut frame = [0; 14400];
@@ -130,8 +129,7 @@ impl Camera {
         Ok(ColorImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
-    /// Takes an image of 160 x 120 pixels behind the colour filter of the sensor, rows of green and blue and of red and green
-    /// in turn; waits until it is there.
+    /// Takes a Bayer image of 160 x 120 pixels and waits for it. Rows of green and blue alternate with rows of red and green.
     #[track_caller]
     pub fn bayer(&self) -> Result<GrayImage> {
         let mut frame = [0; 19200];
@@ -139,16 +137,16 @@ impl Camera {
         Ok(GrayImage { size: Self::BAYER_SIZE, bytes: frame.to_vec() })
     }
 
-    /// From now on images come at this rate, and calls wait for the next one.
+    /// Sets the frame rate; calls then wait for the next image.
     #[track_caller]
     pub fn set_frame_rate(&self, rate: FrameRate) -> Result {
         checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(rate.number(), 0, 0)))
     }
 
-    /// Sets what becomes of the levels of images.
+    /// Sets the adjustment of image levels.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a brightness up to 7 with two zeros, which RoBIOS takes for a frame rate.
+    /// [`Error::OutOfRange`] for a brightness up to 7 with two zeros, which RoBIOS interprets as a frame rate.
     #[track_caller]
     pub fn set_levels(&self, levels: Levels) -> Result {
         let Levels { brightness, hue_or_offset, saturation_or_contrast } = levels;
@@ -163,7 +161,7 @@ impl Camera {
         checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(numbers[0], numbers[1], numbers[2])))
     }
 
-    /// The levels, with a brightness that may have followed the scene; the numbers of a frame rate if that was set last.
+    /// Current levels, including automatic brightness; the numbers of the frame rate if that was set last.
     #[track_caller]
     pub fn levels(&self) -> Result<Levels> {
         let mut numbers = [0; 3];
@@ -173,14 +171,14 @@ impl Camera {
         Ok(Levels { brightness, hue_or_offset, saturation_or_contrast })
     }
 
-    /// Whether the brightness follows the scene.
+    /// Switches automatic brightness on or off.
     #[track_caller]
     pub fn set_auto_brightness(&self, is_automatic: bool) -> Result {
         let mode = if is_automatic { AUTOBRIGHTNESS } else { NOAUTOBRIGHTNESS };
         checked("CAMMode", Device::Camera, robios!(&self.robot, CAMMode(mode)))
     }
 
-    /// How far away what the last image shows is, without errors. A function of this simulator.
+    /// Depths of the last image, without noise. An extension of this simulator.
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; Self::SIZE.pixels()];
@@ -189,7 +187,7 @@ impl Camera {
         Ok(DepthImage { size: Self::SIZE, mm })
     }
 
-    /// What the last image shows. A function of this simulator.
+    /// Labels of the last image. An extension of this simulator.
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; Self::SIZE.pixels()];

@@ -8,7 +8,7 @@ use robios_sys::support::stream;
 use crate::Robot;
 use crate::robot::support;
 
-/// The robot's console, written to with `writeln!`; there is no result to look at.
+/// The robot's console, written to with `writeln!`; writing returns no result.
 ///
 /// ```
 /// # use robios_api::prelude::*;
@@ -32,7 +32,7 @@ impl<'r> Console<'r> {
         Self { robot, stream: stream::ERR }
     }
 
-    /// Writes formatted text: what `write!` and `writeln!` call.
+    /// Writes formatted text; called by `write!` and `writeln!`.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) {
         let text = text.to_string();

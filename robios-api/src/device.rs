@@ -1,4 +1,4 @@
-//! The names of a robot's devices, as `hdt_sem.h` and the robi file have them.
+//! Names of a robot's devices, as in `hdt_sem.h` and the robi file.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -13,12 +13,12 @@ macro_rules! names {
                 #[doc = concat!("`", stringify!($CONSTANT), "`")]
                 $Variant,
             )*
-            /// One that only the robi file names: its number there.
+            /// Device named only in the robi file: its number there.
             Other(DeviceSemantics),
         }
 
         impl $Name {
-            /// Its number in `hdt_sem.h`.
+            /// Number of the name in `hdt_sem.h`.
             pub const fn semantics(self) -> DeviceSemantics {
                 match self {
                     $(Self::$Variant => semantics::$CONSTANT,)*
@@ -26,7 +26,7 @@ macro_rules! names {
                 }
             }
 
-            /// The one with this number.
+            /// Name with this number.
             pub const fn from_semantics(semantics: DeviceSemantics) -> Self {
                 match semantics {
                     $(semantics::$CONSTANT => Self::$Variant,)*
@@ -47,35 +47,35 @@ macro_rules! names {
 }
 
 names! {
-    /// Which PSD distance sensor.
+    /// Name of a PSD distance sensor.
     PsdAt {
         Front = PSD_FRONT, FrontLeft = PSD_FRONTLEFT, FrontRight = PSD_FRONTRIGHT, LeftDiagonal = PSD_LEFTDIAG,
         RightDiagonal = PSD_RIGHTDIAG, Left = PSD_LEFT, LeftFront = PSD_LEFTFRONT, LeftBack = PSD_LEFTBACK,
         RightFront = PSD_RIGHTFRONT, RightBack = PSD_RIGHTBACK, Right = PSD_RIGHT, Front2 = PSD_FRONT2,
         Back = PSD_BACK, BackLeft = PSD_BACKLEFT, BackRight = PSD_BACKRIGHT,
     }
-    /// Which motor.
+    /// Name of a motor.
     MotorAt {
         Left = MOTOR_LEFT, Right = MOTOR_RIGHT, FrontLeft = MOTOR_FL, FrontRight = MOTOR_FR, BackLeft = MOTOR_BL,
         BackRight = MOTOR_BR, Drive = MOTOR_DRIVE,
     }
-    /// Which wheel encoder.
+    /// Name of a wheel encoder.
     EncoderAt {
         Left = QUAD_LEFT, Right = QUAD_RIGHT, FrontLeft = QUAD_FL, FrontRight = QUAD_FR, BackLeft = QUAD_BL,
         BackRight = QUAD_BR, Drive = QUAD_DRIVE,
     }
-    /// Which servo.
+    /// Name of a servo.
     ServoAt {
         Servo1 = SERVO1, Servo2 = SERVO2, Servo3 = SERVO3, Servo4 = SERVO4, Servo5 = SERVO5, Servo6 = SERVO6,
         Servo7 = SERVO7, Servo8 = SERVO8, Servo9 = SERVO9, Servo10 = SERVO10, Servo11 = SERVO11, Servo12 = SERVO12,
         Steer = SERVO_STEER, Camera = SERVO_CAMERA,
     }
-    /// Which bumper.
+    /// Name of a bumper.
     BumperAt {
         Right = BUMP_RIGHT, Left = BUMP_LEFT, Front = BUMP_FRONT, Back = BUMP_BACK, FrontLeft = BUMP_FRONTLEFT,
         FrontRight = BUMP_FRONTRIGHT, BackLeft = BUMP_BACKLEFT, BackRight = BUMP_BACKRIGHT,
     }
-    /// Which infrared proximity sensor.
+    /// Name of an infrared proximity sensor.
     InfraredAt {
         Front = IR_FRONT, Left = IR_LEFT, Right = IR_RIGHT, Back = IR_BACK, LeftDiagonal = IR_LEFTDIAG,
         RightDiagonal = IR_RIGHTDIAG, FrontLeft = IR_FRONTLEFT, FrontRight = IR_FRONTRIGHT, BackLeft = IR_BACKLEFT,
@@ -83,7 +83,7 @@ names! {
     }
 }
 
-/// A device of the robot, as errors name it.
+/// A device of the robot, as named in errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Device {
@@ -127,9 +127,9 @@ pub enum Device {
     Legs,
     /// The camera.
     Camera,
-    /// Images of files.
+    /// Image files.
     Image,
-    /// Commands of the machine that simulates.
+    /// Shell commands of the computer that runs the simulator.
     Shell,
     /// The radio.
     Radio,
@@ -137,7 +137,7 @@ pub enum Device {
     Tasks,
     /// A semaphore.
     Semaphore,
-    /// A device that RoBIOS-7 knows by number: what it is, and the number.
+    /// A numbered device of RoBIOS-7: its kind and its number.
     Numbered(&'static str, u8),
 }
 

@@ -1,4 +1,4 @@
-//! Driving: the VW interface, in the frame that it starts in: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Its frame is that of the robot at the start: x forward, y left, angles counter-clockwise.
 
 use std::cell::Cell;
 
@@ -27,7 +27,7 @@ impl Position {
         Length::of_vector(other.x - self.x, other.y - self.y)
     }
 
-    /// How far to turn to head for another position, from -180 to 180 degrees.
+    /// Turn that makes the robot face another position, from -180 to 180 degrees.
     pub fn turn_to(self, other: Self) -> Angle {
         (Angle::towards(other.x - self.x, other.y - self.y) - self.phi).wrapped()
     }
@@ -42,12 +42,12 @@ pub struct Velocity {
     pub turn: TurnRate,
 }
 
-/// What remains of a drive.
+/// Remainder of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remaining {
-    /// Of a straight drive or a curve: its length.
+    /// Remaining length of a straight drive or a curve.
     Length(Length),
-    /// Of a turn on the spot.
+    /// Remaining angle of a turn on the spot.
     Angle(Angle),
 }
 
@@ -62,7 +62,7 @@ pub struct ControlGains {
 
 /// The driving interface; dropping it stops the robot.
 ///
-/// There is one; it takes the motors and encoders of the wheels.
+/// Only one exists at a time; it takes the motors and encoders of the wheels.
 ///
 /// ```
 /// # use robios_api::prelude::*;
@@ -83,10 +83,10 @@ pub struct Drive {
 }
 
 impl Robot {
-    /// Makes the driving interface ready; position and heading are 0 then.
+    /// Initialises the driving interface; position and heading start at 0.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] if the robot cannot drive or something else has its motors.
+    /// [`Error::Unavailable`] if the robot cannot drive or its motors are in use.
     #[track_caller]
     pub fn drive(&self) -> Result<Drive> {
         let handle: VWHandle = robios!(self, VWInit(semantics::VW_DRIVE, 1));
@@ -117,7 +117,7 @@ impl Drive {
         self.set_speed(Speed::ZERO, TurnRate::ZERO)
     }
 
-    /// The speed as the encoders show it.
+    /// Speed by odometry.
     #[track_caller]
     pub fn velocity(&self) -> Velocity {
         let mut speed = SpeedType::default();
@@ -125,7 +125,7 @@ impl Drive {
         Velocity { forward: Speed::from_robios(speed.v), turn: TurnRate::from_robios(speed.w) }
     }
 
-    /// Where the robot is, as the encoders show it.
+    /// Position by odometry.
     #[track_caller]
     pub fn position(&self) -> Position {
         let mut position = PositionType::default();
@@ -137,7 +137,7 @@ impl Drive {
         }
     }
 
-    /// Says where the robot is; it does not move.
+    /// Sets the position of the odometry; the robot does not move.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the position.
@@ -214,7 +214,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// What remains of the drive in progress; 0 when done.
+    /// Remainder of the drive in progress; 0 when done.
     #[track_caller]
     pub fn remaining(&self) -> Remaining {
         let remaining: f32 = robios!(&self.robot, VWDriveRemain(self.handle));
@@ -225,7 +225,7 @@ impl Drive {
         }
     }
 
-    /// Whether the drive has ended.
+    /// Returns true if the drive has ended.
     #[track_caller]
     pub fn is_done(&self) -> bool {
         let done: i32 = robios!(&self.robot, VWDriveDone(self.handle));
@@ -241,7 +241,7 @@ impl Drive {
         checked("VWDriveWait", Device::Drive, robios!(&self.robot, VWDriveWait(self.handle)))
     }
 
-    /// Whether a motor is stalled: the robot stands against something.
+    /// Returns true if a motor is stalled: the robot stands against an obstacle.
     #[track_caller]
     pub fn is_stalled(&self) -> bool {
         let stalled: i32 = robios!(&self.robot, VWStalled(self.handle));

@@ -1,4 +1,4 @@
-//! Values as messages: the format `postcard`.
+//! Encoding of values as messages, in the `postcard` format.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -6,25 +6,25 @@ use serde::de::DeserializeOwned;
 use crate::radio::Message;
 use crate::{Error, Result};
 
-/// The bytes of a value.
+/// Encodes a value.
 pub(crate) fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>> {
     postcard::to_stdvec(value).map_err(unsuitable)
 }
 
-/// The bytes of a value, of which none is 0.
+/// Encodes a value as bytes none of which is 0 (COBS).
 pub(crate) fn encoded_without_zero<T: Serialize>(value: &T) -> Result<Vec<u8>> {
     let mut bytes = postcard::to_stdvec_cobs(value).map_err(unsuitable)?;
-    // Its last byte is the 0 that ends every text.
+    // The last byte is the 0 that terminates a COBS frame.
     bytes.pop();
     Ok(bytes)
 }
 
-/// The value of [`encoded`] bytes.
+/// Decodes a value from [`encoded`] bytes.
 pub(crate) fn decoded<T: DeserializeOwned>(message: &Message) -> Result<T> {
     whole(&message.bytes).ok_or_else(|| garbled(message))
 }
 
-/// The value of [`encoded_without_zero`] bytes.
+/// Decodes a value from [`encoded_without_zero`] bytes.
 pub(crate) fn decoded_without_zero<T: DeserializeOwned>(message: &Message) -> Result<T> {
     let mut bytes = message.bytes.clone();
     bytes.push(0);
@@ -32,7 +32,7 @@ pub(crate) fn decoded_without_zero<T: DeserializeOwned>(message: &Message) -> Re
     len.and_then(|len| whole(&bytes[..len])).ok_or_else(|| garbled(message))
 }
 
-/// The value of bytes to the last of them.
+/// Decodes a value that takes up all of the bytes.
 fn whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::take_from_bytes(bytes).ok().filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
 }

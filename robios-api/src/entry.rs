@@ -1,5 +1,5 @@
-//! The way into a program and out of it: the exported symbol, and what stands between the program's `main` and the
-//! host. No panic passes it.
+//! Entry and exit of a program: the exported symbol, and the layer between the program's `main` and the host. No panic
+//! crosses this layer.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
@@ -17,12 +17,12 @@ use crate::{Robot, call_site};
 /// Exit code of a program whose `main` returned an error, as of any Rust program.
 const EXIT_FAILED: c_int = 1;
 
-/// Makes a function the robot program of this library: exports it under the name that the simulator looks for.
+/// Exports a function as the robot program of this library, under the symbol that the simulator looks up.
 ///
-/// The function takes `&Robot` and returns nothing or a [`Result`](crate::Result), of whatever error (one of `anyhow`
-/// as well). Its robot tells the generation of RoBIOS: [`robios_api::Robot`](crate::Robot) is one of RoBIOS 6,
-/// [`robios_api::robios7::Robot`](crate::robios7::Robot) one of RoBIOS-7. Once in a library, whose `Cargo.toml` has `crate-type = ["cdylib"]`. The panic strategy must be
-/// `unwind`, which is the default.
+/// The function takes `&Robot` and returns nothing or a [`Result`](crate::Result) with any error type (`anyhow`'s
+/// included). The type of its robot selects the generation: [`robios_api::Robot`](crate::Robot) is RoBIOS 6,
+/// [`robios_api::robios7::Robot`](crate::robios7::Robot) is RoBIOS-7. Use it once in a library whose `Cargo.toml` has
+/// `crate-type = ["cdylib"]`. The panic strategy must be `unwind`, which is the default.
 ///
 /// ```standalone_crate
 /// # mod program {
@@ -57,7 +57,7 @@ macro_rules! program {
                 argc: ::core::ffi::c_int,
                 argv: *const *const ::core::ffi::c_char,
             ) -> ::core::ffi::c_int {
-                // SAFETY: the host keeps to the contract of `robios_sys::Run`, of which this is one.
+                // SAFETY: the host upholds the contract of `robios_sys::Run`, and this function is one.
                 unsafe { $crate::entry::run(host, robot, argc, argv, $main) }
             }
 
@@ -70,9 +70,9 @@ macro_rules! program {
 
 pub use robios_sys::{Host, Program};
 
-/// What the program's function may return.
+/// Return type of a program's function.
 pub trait Outcome {
-    /// The text of the failure, if it is one.
+    /// Text of the failure; `None` for success.
     fn failure(self) -> Option<String>;
 }
 
@@ -82,7 +82,7 @@ impl Outcome for () {
     }
 }
 
-/// Any error, with its sources.
+/// Any error, with the chain of its sources.
 impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
     fn failure(self) -> Option<String> {
         let error = self.err()?.into();
@@ -96,22 +96,22 @@ impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
     }
 }
 
-/// What a function without end returns.
+/// Return type of a function that never returns.
 impl Outcome for Never {
     fn failure(self) -> Option<String> {
         self
     }
 }
 
-/// `!`, which stable Rust names in no other way.
+/// The type `!`, named through a trait because stable Rust has no other way.
 type Never = <fn() -> ! as sealed::Function>::Output;
 
-/// A robot of one generation of RoBIOS: what a program's function gets.
+/// Robot of one generation of RoBIOS: the argument of a program's function.
 pub trait Machine: sealed::Sealed + Sized {
     /// The generation, 6 or 7.
     const GENERATION: u32;
 
-    /// The same robot, as this generation sees it.
+    /// Wraps a robot in the type of this generation.
     #[doc(hidden)]
     fn of(robot: &Robot) -> Self;
 }
@@ -133,14 +133,14 @@ impl Machine for crate::robios7::Robot {
 }
 
 mod sealed {
-    /// Only the robots of this crate are machines.
+    /// Restricts [`Machine`](super::Machine) to the robots of this crate.
     pub trait Sealed {}
     impl Sealed for crate::Robot {}
     impl Sealed for crate::robios7::Robot {}
 
-    /// A function, by which its result is named.
+    /// Function type, which gives access to its return type.
     pub trait Function {
-        /// Its result.
+        /// Return type of the function.
         type Output;
     }
     impl<T> Function for fn() -> T {
@@ -148,7 +148,7 @@ mod sealed {
     }
 }
 
-/// The description of a program that [`program!`](crate::program) exports; `main` tells its generation.
+/// Description of a program, exported by [`program!`](crate::program); the type of `main` selects the generation.
 pub const fn program<M: Machine, O: Outcome>(_main: fn(&M) -> O, run: robios_sys::Run) -> Program {
     let (language, call_site) = (robios_sys::language::RUST, call_site::of_library());
     match M::GENERATION {
@@ -157,7 +157,7 @@ pub const fn program<M: Machine, O: Outcome>(_main: fn(&M) -> O, run: robios_sys
     }
 }
 
-/// Runs a program's `main` between the host and the library, and gives its exit code.
+/// Runs a program's `main` for the host and returns its exit code.
 ///
 /// # Safety
 /// The arguments are those of [`robios_sys::Run`], for a host of the robot's generation.
@@ -172,10 +172,10 @@ pub unsafe fn run<M: Machine, O: Outcome>(
     unsafe { run_for(call_site::Reader::Host, host, context, argc, argv, main) }
 }
 
-/// As [`run`], for whoever reads where calls are made.
+/// As [`run`], with a given reader of call sites.
 ///
 /// # Safety
-/// As of [`run`].
+/// As for [`run`].
 pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     reader: call_site::Reader,
     host: *const Host,
@@ -195,7 +195,7 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     robot.common().failure.get().copied().unwrap_or(code)
 }
 
-/// Runs a task's function, reports how it failed if it did, and gives its exit code.
+/// Runs a task's function, reports its failure to the host and returns its exit code.
 fn contain(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     let outcome = {
         let _inside = Inside::enter();
@@ -215,7 +215,7 @@ fn contain(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     }
 }
 
-/// Runs the function of a task beside `main`'s; its failure is the program's.
+/// Runs the function of a task other than `main`; its failure is a failure of the program.
 pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>) -> Status {
     match contain(robot, function) {
         0 => Status::OK,
@@ -227,7 +227,7 @@ pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>)
     }
 }
 
-/// What a timer's function does that unwound: reports a panic, and leaves the rest to the call around it.
+/// Reports the panic of a timer's function; the enclosing call then ends the program. [`Stopped`] is not reported.
 pub(crate) fn leave_callback(robot: &Robot, payload: Box<dyn Any + Send>) {
     if !payload.is::<Stopped>() {
         report(robot, failure::PANIC, &panic_text(payload));
@@ -235,20 +235,20 @@ pub(crate) fn leave_callback(robot: &Robot, payload: Box<dyn Any + Send>) {
     }
 }
 
-/// Tells the host why the program ends.
+/// Reports the program's failure to the host.
 fn report(robot: &Robot, kind: i32, text: &str) {
     if let Some(tables) = robot.tables() {
-        // SAFETY: the tables are valid until the robot is closed; text lives, and the result may be null. The status
-        // says nothing: the program ends anyway.
+        // SAFETY: the tables are valid until the robot is closed, the text outlives the call, and the result may be null.
+        // The status is ignored: the program ends anyway.
         let _ =
             unsafe { ((*tables.support).failed)(tables.context, kind, ByteSlice::from(text), std::ptr::null_mut()) };
     }
 }
 
-/// The program's arguments without its name, which is the first.
+/// Arguments of the program without the first, its name.
 ///
 /// # Safety
-/// `argv` has `argc` strings that end in 0, or is null.
+/// `argv` is null or has `argc` strings that end in 0.
 unsafe fn arguments(argc: c_int, argv: *const *const c_char) -> Vec<String> {
     if argv.is_null() {
         return Vec::new();
@@ -260,13 +260,13 @@ unsafe fn arguments(argc: c_int, argv: *const *const c_char) -> Vec<String> {
 }
 
 thread_local! {
-    /// How many programs run on this thread: more than one only in a test of this crate.
+    /// Number of programs that run on this thread: more than one only in a test of this crate.
     static INSIDE: Cell<u32> = const { Cell::new(0) };
-    /// The last panic of the program on this thread: place and text.
+    /// Location and text of the program's last panic on this thread.
     static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// While it lives, panics of this thread are the program's.
+/// Guard during whose lifetime panics of this thread belong to the program.
 struct Inside;
 
 impl Inside {
@@ -284,8 +284,8 @@ impl Drop for Inside {
 
 /// Keeps panics of a program off standard error: the host shows them with the robot's name.
 ///
-/// A library has its own copy of `std` and so its own hook. In a unit test the hook is shared with the test harness,
-/// which goes on to get all others.
+/// A library has its own copy of `std` and thus its own hook. In a unit test the hook is shared with the test harness,
+/// which still receives all other panics.
 fn install_hook() {
     static INSTALLED: Once = Once::new();
     INSTALLED.call_once(|| {
@@ -300,7 +300,7 @@ fn install_hook() {
     });
 }
 
-/// A panic as `src/lib.rs:12:5: text`.
+/// Formats a panic as `src/lib.rs:12:5: text`.
 fn shown(panic: &PanicHookInfo<'_>) -> String {
     let text = panic.payload_as_str().unwrap_or("a panic without a text");
     match panic.location() {
@@ -309,7 +309,7 @@ fn shown(panic: &PanicHookInfo<'_>) -> String {
     }
 }
 
-/// What a panic that was caught says, with its place if the hook has seen it.
+/// Text of a caught panic, with its location if the hook has recorded it.
 fn panic_text(payload: Box<dyn Any + Send>) -> String {
     LAST_PANIC.take().unwrap_or_else(|| match payload.downcast::<String>() {
         Ok(text) => *text,

@@ -1,4 +1,4 @@
-//! What can go wrong in a call, and with which device.
+//! Errors of calls, and the devices that they concern.
 
 use crate::device::Device;
 use crate::os::RobotNumber;
@@ -6,57 +6,57 @@ use crate::os::RobotNumber;
 /// The result of most calls.
 pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 
-/// A call that could not do what it was asked for.
+/// Error of a call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The robot has no such device, or it is in use: the driving interface takes motors and encoders.
+    /// The robot has no such device, or the device is in use: the driving interface takes motors and encoders.
     #[error("the robot has no {0}, or it is in use already (the robi file lists what there is)")]
     Unavailable(Device),
-    /// RoBIOS did not carry the call out.
+    /// RoBIOS refused the call.
     #[error("`{call}` was refused for the {device} with {code}")]
     Refused {
         /// The RoBIOS function.
         call: &'static str,
         /// The device.
         device: Device,
-        /// What the function returned.
+        /// Return code of the function.
         code: i32,
     },
-    /// A value that the device cannot take; nothing was called.
+    /// A value is out of range; no call was made.
     #[error("`{value}` is no {what}, accepted: {accepted}")]
     OutOfRange {
-        /// What the value was for.
+        /// Kind of value that was expected.
         what: &'static str,
         /// The value.
         value: String,
-        /// What is accepted.
+        /// Accepted values.
         accepted: &'static str,
     },
-    /// What cannot go together; nothing was called.
+    /// The requested combination is not possible; no call was made.
     #[error("{what} is not possible, instead: {instead}")]
     Unsuitable {
-        /// What was asked for, and with what.
+        /// Requested combination.
         what: &'static str,
-        /// What to use in its place.
+        /// Replacement to use.
         instead: &'static str,
     },
-    /// A message that is none of the expected kind, as one whose bits were inverted on its way.
+    /// A message is not of the expected kind, for example because bits were inverted in transmission.
     #[error("the message of {} bytes from robot {from} is no {expected}", bytes.len())]
     Garbled {
-        /// Its sender.
+        /// Sender of the message.
         from: RobotNumber,
-        /// What was received.
+        /// Received bytes.
         bytes: Vec<u8>,
-        /// What it should have been.
+        /// Expected kind of content.
         expected: &'static str,
     },
-    /// A sensor that was started gave no result in time.
+    /// A started sensor delivered no result in time.
     #[error("the {0} gave no result within a second")]
     NoResult(Device),
 }
 
-/// Turns the return code of a RoBIOS function to a result: 0 is good.
+/// Converts the return code of a RoBIOS function to a result: 0 is success.
 pub(crate) fn checked(call: &'static str, device: Device, code: i32) -> Result {
     if code == 0 { Ok(()) } else { Err(Error::Refused { call, device, code }) }
 }

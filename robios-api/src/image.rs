@@ -1,4 +1,4 @@
-//! Images: what cameras give, and what image processing works on. Of both generations.
+//! Images of cameras and of image processing, for both generations.
 
 use crate::Length;
 use crate::lcd::Pixel;
@@ -21,27 +21,27 @@ impl ImageSize {
     /// 640 x 480 pixels.
     pub const VGA: Self = Self { columns: 640, rows: 480 };
 
-    /// A size of columns and rows.
+    /// Creates a size from columns and rows.
     pub const fn new(columns: u16, rows: u16) -> Self {
         Self { columns, rows }
     }
 
-    /// Pixels of a row.
+    /// Number of columns.
     pub const fn columns(self) -> u16 {
         self.columns
     }
 
-    /// Pixels of a column.
+    /// Number of rows.
     pub const fn rows(self) -> u16 {
         self.rows
     }
 
-    /// All pixels.
+    /// Number of pixels.
     pub const fn pixels(self) -> usize {
         self.columns as usize * self.rows as usize
     }
 
-    /// Places of all pixels: from the top, each row from the left.
+    /// Coordinates of all pixels: from the top, each row from the left.
     pub fn places(self) -> impl Iterator<Item = Pixel> {
         (0..i32::from(self.rows)).flat_map(move |y| (0..i32::from(self.columns)).map(move |x| Pixel { x, y }))
     }
@@ -56,7 +56,7 @@ impl ImageSize {
     }
 }
 
-/// A grey image: a byte a pixel, 0 is black, row 0 on top.
+/// A grey image: one byte per pixel, 0 is black, row 0 on top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GrayImage {
     pub(crate) size: ImageSize,
@@ -70,22 +70,22 @@ pub struct ColorImage {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// How far away what each pixel of an image shows is, along its line of sight; row 0 on top.
+/// A depth image: distance along the line of sight of each pixel; row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthImage {
     pub(crate) size: ImageSize,
-    /// Infinite for the sky.
+    /// Distances in millimetres; infinite for the sky.
     pub(crate) mm: Vec<f32>,
 }
 
-/// What each pixel of an image shows; row 0 on top.
+/// A label image: surface or body seen in each pixel; row 0 on top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelImage {
     pub(crate) size: ImageSize,
     pub(crate) numbers: Vec<i32>,
 }
 
-/// What a pixel shows.
+/// Label of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Seen {
     /// Nothing.
@@ -175,7 +175,7 @@ impl ColorImage {
         Some(Color { red, green, blue })
     }
 
-    /// Each pixel with its place: from the top, each row from the left.
+    /// Coordinates and colour of each pixel: from the top, each row from the left.
     pub fn pixels(&self) -> impl Iterator<Item = (Pixel, Color)> {
         let colors =
             self.bytes.as_chunks().0.iter().map(|[red, green, blue]| Color { red: *red, green: *green, blue: *blue });
@@ -189,7 +189,7 @@ impl DepthImage {
         self.size
     }
 
-    /// The distance of what one pixel shows; `None` for the sky, and outside of the image.
+    /// Distance seen in one pixel; `None` for the sky and outside of the image.
     pub fn distance(&self, at: Pixel) -> Option<Length> {
         self.size.index_of(at).and_then(|index| within_sight(self.mm[index]))
     }
@@ -206,12 +206,12 @@ impl LabelImage {
         self.size
     }
 
-    /// What one pixel shows; `None` outside of the image.
+    /// Label of one pixel; `None` outside of the image.
     pub fn seen(&self, at: Pixel) -> Option<Seen> {
         self.size.index_of(at).map(|index| Seen::from_number(self.numbers[index]))
     }
 
-    /// Each pixel with its place and what it shows, row by row.
+    /// Coordinates and label of each pixel, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = (Pixel, Seen)> {
         self.size.places().zip(self.numbers.iter().map(|number| Seen::from_number(*number)))
     }

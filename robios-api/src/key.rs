@@ -24,7 +24,7 @@ impl Key {
     /// All keys from left to right.
     pub const ALL: [Self; 4] = [Self::Key1, Self::Key2, Self::Key3, Self::Key4];
 
-    /// Its code in RoBIOS.
+    /// Code of the key in RoBIOS.
     pub const fn code(self) -> i32 {
         match self {
             Self::Key1 => KEY1,
@@ -48,12 +48,12 @@ impl Robot {
             if let Some(key) = Key::from_code(robios!(self, KEYGet())) {
                 return key;
             }
-            // A host without keys fails at once: time must pass all the same.
+            // A host without keys fails at once: the sleep lets virtual time pass.
             self.sleep(Duration::from_millis(10));
         }
     }
 
-    /// Waits for a certain key; others are dropped.
+    /// Waits for a certain key; other keys are discarded.
     #[track_caller]
     pub fn wait_for_key(&self, key: Key) {
         while robios!(self, KEYWait(key.code())) != 0 {

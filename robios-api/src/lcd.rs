@@ -11,7 +11,7 @@ use crate::key::Key;
 use crate::robot::robios;
 use crate::{Result, Robot};
 
-/// The display, written to with `write!` and `writeln!`; there is no result to look at.
+/// The display, written to with `write!` and `writeln!`; writing returns no result.
 ///
 /// ```
 /// # use robios_api::prelude::*;
@@ -26,7 +26,7 @@ use crate::{Result, Robot};
 #[derive(Clone, Copy, Debug)]
 pub struct Lcd<'r>(pub(crate) &'r Robot);
 
-/// A place on the display where text is written, see [`Lcd::at`].
+/// A text position on the display, see [`Lcd::at`].
 #[derive(Clone, Copy, Debug)]
 pub struct LcdPlace<'r> {
     robot: &'r Robot,
@@ -34,32 +34,32 @@ pub struct LcdPlace<'r> {
     column: u8,
 }
 
-/// What happens to text that leaves the last line.
+/// Behaviour of text that overflows the last line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
-    /// It starts again in the first line.
+    /// Text continues in the first line.
     Wrap,
     /// All lines move up.
     Scroll,
 }
 
-/// Whether the cursor is shown.
+/// Visibility of the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cursor {
-    /// It is.
+    /// The cursor is shown.
     Shown,
-    /// It is not.
+    /// The cursor is hidden.
     Hidden,
 }
 
-/// What drawing does to a pixel.
+/// Effect of drawing on a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// Clears it.
+    /// Clears the pixel.
     White,
-    /// Sets it.
+    /// Sets the pixel.
     Black,
-    /// Inverts it.
+    /// Inverts the pixel.
     Invert,
 }
 
@@ -73,7 +73,7 @@ impl Ink {
     }
 }
 
-/// A pixel: x from the left, y from the top, (0, 0) to (127, 63); drawing may lead outside.
+/// A pixel: x from the left, y from the top, (0, 0) to (127, 63); shapes may extend beyond the display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel {
     /// From the left.
@@ -83,14 +83,14 @@ pub struct Pixel {
 }
 
 impl<'r> Lcd<'r> {
-    /// Writes formatted text at the cursor: what `write!` and `writeln!` call. `\n` starts a new line.
+    /// Writes formatted text at the cursor; called by `write!` and `writeln!`. `\n` starts a new line.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) {
         let text = text.to_string();
         let _: i32 = robios!(self.0, LCDPutString(ByteSlice::from(text.as_str())));
     }
 
-    /// A place to write to: row 0 (top) to 6, column 0 (left) to 15.
+    /// A text position to write to: row 0 (top) to 6, column 0 (left) to 15.
     pub fn at(&self, row: u8, column: u8) -> LcdPlace<'r> {
         LcdPlace { robot: self.0, row, column }
     }
@@ -98,13 +98,13 @@ impl<'r> Lcd<'r> {
     /// Moves the cursor: row 0 (top) to 6, column 0 (left) to 15.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the place is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
     #[track_caller]
     pub fn move_cursor(&self, row: u8, column: u8) -> Result {
         checked("LCDSetPos", Device::Lcd, robios!(self.0, LCDSetPos(row.into(), column.into())))
     }
 
-    /// Where the cursor is: row and column.
+    /// Row and column of the cursor.
     #[track_caller]
     pub fn cursor(&self) -> (u8, u8) {
         let (mut row, mut column) = (0, 0);
@@ -118,7 +118,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios!(self.0, LCDClear());
     }
 
-    /// Sets how text behaves.
+    /// Sets the text mode.
     #[track_caller]
     pub fn set_mode(&self, overflow: Overflow, cursor: Cursor) {
         let overflow = match overflow {
@@ -132,7 +132,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios!(self.0, LCDMode(overflow | cursor));
     }
 
-    /// Writes the texts above the keys, at most 4 characters each; `""` leaves one as it is, `" "` clears it.
+    /// Writes the texts above the keys, at most 4 characters each; `""` leaves a text unchanged, `" "` clears it.
     #[track_caller]
     pub fn menu(&self, texts: [&str; 4]) {
         let [first, second, third, fourth] = texts.map(ByteSlice::from);
@@ -159,7 +159,7 @@ impl<'r> Lcd<'r> {
         checked("LCDSetPixel", Device::Lcd, code)
     }
 
-    /// Whether a pixel is set; `None` if it is not on the display.
+    /// Returns true if a pixel is set; `None` if it is not on the display.
     #[track_caller]
     pub fn pixel(&self, pixel: Pixel) -> Option<bool> {
         match robios!(self.0, LCDGetPixel(pixel.y, pixel.x)) {
@@ -169,13 +169,13 @@ impl<'r> Lcd<'r> {
         }
     }
 
-    /// Draws a line, both ends included; what lies outside of the display is left out.
+    /// Draws a line, both ends included; parts outside of the display are clipped.
     #[track_caller]
     pub fn line(&self, from: Pixel, to: Pixel, ink: Ink) {
         let _: i32 = robios!(self.0, LCDLine(from.x, from.y, to.x, to.y, ink.code()));
     }
 
-    /// Fills a rectangle, all edges included; what lies outside of the display is left out.
+    /// Fills a rectangle, all edges included; parts outside of the display are clipped.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if `bottom_right` does not lie below and to the right of `top_left`.
@@ -197,7 +197,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios!(self.0, LCDPutGraphic(image));
     }
 
-    /// Shows the upper 54 rows of a colour image in black and white; the image is overwritten with that.
+    /// Shows the upper 54 rows of a colour image in black and white, which overwrites the image.
     #[track_caller]
     pub fn put_color_graphic(&self, image: &mut ColImage) {
         let _: i32 = robios!(self.0, LCDPutColorGraphic(image));
@@ -205,10 +205,10 @@ impl<'r> Lcd<'r> {
 }
 
 impl LcdPlace<'_> {
-    /// Writes formatted text at the place: what `write!` and `writeln!` call.
+    /// Writes formatted text at the position; called by `write!` and `writeln!`.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the place is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) -> Result {
         let text = text.to_string();

@@ -1,4 +1,4 @@
-//! Legs, of both generations: functions of this simulator, RoBIOS has none.
+//! Legs, for both generations: an extension of this simulator, not part of RoBIOS.
 
 use robios_sys::ByteRoom;
 
@@ -7,7 +7,7 @@ use crate::error::checked;
 use crate::unit::{Angle, Length, Speed, TurnRate};
 use crate::{Error, Result, Robot};
 
-/// The legs of a walking robot. Dropping them changes nothing: it walks on.
+/// The legs of a walking robot. Dropping the value changes nothing: the robot walks on.
 ///
 /// ```
 /// # use robios_api::prelude::*;
@@ -46,15 +46,15 @@ pub struct Gait(pub u8);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum LegJoint {
-    /// At the hip, about the upright axis: positive to the left.
+    /// Hip joint about the vertical axis: positive to the left.
     Yaw = 1,
-    /// At the hip, about the axis ahead.
+    /// Hip joint about the forward axis.
     Roll = 2,
-    /// At the hip: positive where the thigh is forward.
+    /// Hip joint: positive with the thigh forward.
     Pitch = 3,
-    /// Positive where the knee is bent.
+    /// Knee joint: positive when bent.
     Knee = 4,
-    /// Of legs with a foot: positive where the toes are up.
+    /// Ankle joint of legs with a foot: positive with the toes up.
     Ankle = 5,
 }
 
@@ -64,13 +64,13 @@ pub enum LegJoint {
 pub enum LegLink {
     /// From hip to knee.
     Thigh = 1,
-    /// From the knee on.
+    /// From the knee down.
     Shank = 2,
-    /// Of legs that have one.
+    /// Foot, of legs that have one.
     Foot = 3,
 }
 
-/// Where a link is, in the frame of the body: x forward, y left, z up.
+/// Pose of a link in the frame of the body: x forward, y left, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinkPose {
     /// Forward.
@@ -79,15 +79,15 @@ pub struct LinkPose {
     pub y: Length,
     /// Up.
     pub z: Length,
-    /// About the link's x.
+    /// Rotation about the link's x.
     pub roll: Angle,
-    /// Upwards: the frame is turned by yaw, then by pitch, then by roll.
+    /// Pitch, positive upwards. The frame is rotated by yaw, then by pitch, then by roll.
     pub pitch: Angle,
-    /// To the left.
+    /// Yaw, positive to the left.
     pub yaw: Angle,
 }
 
-/// Calls a function of the table that the program has.
+/// Calls a function of the table of the program's generation.
 macro_rules! leg {
     ($robot:expr, $name:ident($($argument:expr),*)) => {
         if $robot.tables().is_some_and(|tables| tables.robios.is_null()) {
@@ -125,17 +125,17 @@ impl crate::robios7::Robot {
 }
 
 impl Legs {
-    /// How many there are.
+    /// Number of legs.
     pub fn count(&self) -> usize {
         self.count.into()
     }
 
-    /// All of them, in order.
+    /// All legs, in order.
     pub fn all(&self) -> impl Iterator<Item = Leg> + use<> {
         (1..=self.count).map(Leg)
     }
 
-    /// Walks in another gait from now on; each leg takes it up when it is lifted next.
+    /// Switches to another gait; each leg changes when it is next lifted.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such gait.
@@ -144,8 +144,8 @@ impl Legs {
         checked("LEGSetGait", Device::Legs, leg!(&self.robot, LEGSetGait(gait.0.into())))
     }
 
-    /// Walks at this speed until the next command, to whole mm/s and degrees/s: forward, to the left, and turning. What is
-    /// beyond the legs is slowed down as a whole.
+    /// Walks at this speed until the next command: forward, to the left, and turning, rounded to whole mm/s and degrees/s. A
+    /// speed beyond the capability of the legs is scaled down as a whole.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the command.
@@ -164,7 +164,7 @@ impl Legs {
         self.set_speed(Speed::ZERO, Speed::ZERO, TurnRate::ZERO)
     }
 
-    /// Sets how high feet are lifted, to a millimetre, each from its next step on.
+    /// Sets the height to which feet are lifted, rounded to 1 mm; each leg applies it from its next step on.
     ///
     /// # Errors
     /// [`Error::Refused`] for a height below 0 or beyond the legs.
@@ -173,7 +173,7 @@ impl Legs {
         checked("LEGSetStep", Device::Legs, leg!(&self.robot, LEGSetStep(height.to_robios7())))
     }
 
-    /// The angle of a joint now, by its encoder, which makes no errors.
+    /// Current angle of a joint from its encoder, without noise.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such leg, or it has no such joint.
@@ -185,7 +185,7 @@ impl Legs {
         Ok(Angle::degrees(degrees.into()))
     }
 
-    /// Where a link is now in the frame of the body, by the angles of the joints.
+    /// Current pose of a link in the frame of the body, computed from the joint angles.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such leg, or it has no such link.
@@ -200,10 +200,10 @@ impl Legs {
         Ok(LinkPose { x, y, z, roll, pitch, yaw })
     }
 
-    /// How high the frame of the body is above the world's floor now, as the legs tell it.
+    /// Current height of the body frame above the world's floor, computed from the legs.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS does not tell it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn height(&self) -> Result<Length> {
         let mut mm = 0_f32;
@@ -211,7 +211,7 @@ impl Legs {
         Ok(Length::millimetres(mm.into()))
     }
 
-    /// Whether a foot is on the ground now.
+    /// Returns true if a foot is on the ground.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such leg.
@@ -223,11 +223,11 @@ impl Legs {
         }
     }
 
-    /// Moves where a leg treads, forward and to the left of the gait's foothold, and how much higher it is lifted on the way, to
-    /// a millimetre; until it is said again.
+    /// Corrects the steps of a leg until the next correction: offset of the foothold from the gait's, forward and to the left, and
+    /// additional lift, each rounded to 1 mm.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is no such leg or it cannot reach so far.
+    /// [`Error::Refused`] if there is no such leg or the foothold is out of its reach.
     #[track_caller]
     pub fn correct(&self, leg: Leg, forward: Length, left: Length, higher: Length) -> Result {
         let [forward, left, higher] = [forward, left, higher].map(Length::to_robios7);

@@ -1,8 +1,8 @@
 //! The safe Rust RoBIOS API for robot programs.
 //!
-//! A program is a function that gets the [`Robot`]; everything that the robot has is asked for there, and what is
-//! asked for is released when it is dropped. Lengths, angles, speeds and times have their units. A program is built
-//! as a library (`crate-type = ["cdylib"]`) that [`program!`] gives its entry.
+//! A program is a function that takes a [`Robot`]. Devices are obtained from the robot and released when they are
+//! dropped. Lengths, angles, speeds and times are quantities with units. A program is built as a library
+//! (`crate-type = ["cdylib"]`); [`program!`] exports its entry point.
 //!
 //! ```standalone_crate
 //! # mod program {
@@ -30,13 +30,13 @@
 //! # }
 //! ```
 //!
-//! This is RoBIOS 6; [`robios7`] is the other generation. What both have in common (quantities, errors, console, random numbers,
-//! time) is one. The robot that a program's function gets tells its generation.
+//! This is the API of RoBIOS 6; [`robios7`] is that of RoBIOS-7. Both share quantities, errors, console, random numbers and
+//! time. The type of the robot that the program's function takes selects the generation.
 //!
 //! [`fake`] runs a program in a unit test without a simulator.
 //!
 //! # Outside the guarantee
-//! A run is a function of its files and its seed only if its programs are. `std` offers what is not:
+//! A run is reproducible from its files and its seed only if its programs are deterministic. Parts of `std` are not:
 //!
 //! | instead of | use |
 //! |---|---|
@@ -49,7 +49,7 @@
 //! | `std::process::exit`, which would end the simulator | return from the program's function |
 //!
 //! # Features
-//! `serde`: messages of the radio as values of types that it can serialise, `send_as` and `receive_as` of [`Radio`].
+//! `serde`: sends and receives serialisable values by radio, with `send_as` and `receive_as` of [`Radio`].
 //!
 //! Image processing of RoBIOS 6 is not offered yet.
 
@@ -109,7 +109,7 @@ pub use time::{Ticker, TimeOfDay, Timer, TimersHeld};
 pub use tv_remote::{TvCode, TvCoding, TvMode, TvRemote, TvSettings};
 pub use unit::{Angle, Frequency, Length, Ratio, Speed, TurnRate, Units};
 
-/// What most programs use: `use robios_api::prelude::*;`.
+/// Items that most programs import: `use robios_api::prelude::*;`.
 pub mod prelude {
     pub use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The machine: what it is, its system variables, its errors, and the table of its devices.
+//! The machine: its type, system variables, errors and device table.
 
 use std::time::Duration;
 
@@ -21,23 +21,23 @@ impl std::fmt::Display for RobotNumber {
     }
 }
 
-/// The kind of machine.
+/// Type of machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MachineType {
-    /// It drives.
+    /// Driving robot.
     Vehicle,
-    /// It stands.
+    /// Stationary robot.
     Platform,
-    /// It walks.
+    /// Walking robot.
     Walker,
 }
 
-/// A row of the table of devices.
+/// A row of the device table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceEntry {
-    /// Which device.
+    /// The device.
     pub device: Device,
-    /// Its name in the robi file.
+    /// Name of the device in the robi file.
     pub name: String,
 }
 
@@ -64,7 +64,7 @@ impl Robot {
         RobotNumber(robios!(self, OSMachineID()))
     }
 
-    /// The kind of machine.
+    /// Type of machine.
     #[track_caller]
     pub fn machine_type(&self) -> MachineType {
         match robios!(self, OSMachineType()) {
@@ -91,7 +91,7 @@ impl Robot {
     #[track_caller]
     pub fn halt(&self, message: &str, number: i32) -> ! {
         let _: i32 = robios!(self, OSError(ByteSlice::from(message), number, 1));
-        // Only a host that takes the error lightly comes here.
+        // Reached only if the host returns from a fatal error.
         loop {
             self.sleep(Duration::from_secs(1));
         }
@@ -106,13 +106,13 @@ impl Robot {
     /// Sets a system variable of this robot, 0 to 15.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for another number.
+    /// [`Error::Refused`](crate::Error::Refused) for any other number.
     #[track_caller]
     pub fn set_variable(&self, number: u8, value: i32) -> Result {
         checked("OSPutVar", Device::Variables, robios!(self, OSPutVar(number.into(), value)))
     }
 
-    /// The robot's devices, as its table has them; those of a kind that is not known here are left out.
+    /// Devices of the robot by its device table; devices of unknown kinds are omitted.
     #[track_caller]
     pub fn devices(&self) -> Vec<DeviceEntry> {
         let mut devices = Vec::new();
@@ -130,7 +130,7 @@ impl Robot {
         devices
     }
 
-    /// Whether the table of devices is sound.
+    /// Returns true if the device table is valid.
     #[track_caller]
     pub fn has_valid_devices(&self) -> bool {
         let code: i32 = robios!(self, HDT_Validate());
@@ -138,7 +138,7 @@ impl Robot {
     }
 }
 
-/// The device of a row of the table.
+/// Device of a row of the device table.
 fn device_of(entry: &HDTEntry) -> Option<Device> {
     let semantics = entry.semantics;
     Some(match entry.type_id {
@@ -155,7 +155,7 @@ fn device_of(entry: &HDTEntry) -> Option<Device> {
     })
 }
 
-/// Text that a call has written to a room, of the length that it returned.
+/// Text that a call has written to a buffer, with the length that the call has returned.
 pub(crate) fn text_of(room: &[u8], len: i32) -> String {
     let len = usize::try_from(len).unwrap_or(0).min(room.len());
     String::from_utf8_lossy(&room[..len]).into_owned()

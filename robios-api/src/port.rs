@@ -4,35 +4,35 @@ use crate::device::Device;
 use crate::robot::robios;
 use crate::{Error, Result, Robot};
 
-/// Latches, parallel port and analogue inputs: bytes as they stand on the wires.
+/// Latches, parallel port and analogue inputs, as raw bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Ports<'r>(pub(crate) &'r Robot);
 
-/// Value of an analogue input, of 10 bits.
+/// Value of an analogue input, 10 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct AnalogValue(pub u16);
 
 impl AnalogValue {
-    /// As a part of the full range, 0 to 1.
+    /// Fraction of the full range, 0 to 1.
     pub fn fraction(self) -> f64 {
         f64::from(self.0) / 1023.0
     }
 }
 
 impl Ports<'_> {
-    /// Reads an input latch, 0 to 3; 0 for another one.
+    /// Reads input latch 0 to 3; 0 for other numbers.
     #[track_caller]
     pub fn input_latch(&self, number: u8) -> u8 {
         robios!(self.0, OSReadInLatch(number.into()))
     }
 
-    /// Reads an output latch, 0 to 3; 0 for another one.
+    /// Reads output latch 0 to 3; 0 for other numbers.
     #[track_caller]
     pub fn output_latch(&self, number: u8) -> u8 {
         robios!(self.0, OSReadOutLatch(number.into()))
     }
 
-    /// Writes an output latch, 0 to 3: new = (old & `mask`) | `value`. Gives the old byte.
+    /// Writes output latch 0 to 3: new = (old & `mask`) | `value`. Returns the old byte.
     #[track_caller]
     pub fn write_output_latch(&self, number: u8, mask: u8, value: u8) -> u8 {
         robios!(self.0, OSWriteOutLatch(number.into(), mask, value))
@@ -71,7 +71,7 @@ impl Ports<'_> {
     /// Reads an analogue input, 0 to 15.
     ///
     /// # Errors
-    /// [`Error::Refused`] for another channel.
+    /// [`Error::Refused`] for any other channel.
     #[track_caller]
     pub fn analog(&self, channel: u8) -> Result<AnalogValue> {
         let value: i32 = robios!(self.0, OSGetAD(channel.into()));
@@ -81,7 +81,7 @@ impl Ports<'_> {
         }
     }
 
-    /// Puts the analogue converter to rest.
+    /// Switches the analogue converter to idle.
     #[track_caller]
     pub fn rest_analog(&self) {
         let _: i32 = robios!(self.0, OSOffAD(1));

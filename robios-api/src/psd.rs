@@ -1,4 +1,4 @@
-//! PSD distance sensors, in continuous mode: a new value every 60 ms.
+//! PSD distance sensors, in continuous mode: a new sample every 60 ms.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::robot::{locked, release, robios};
 use crate::unit::Length;
 use crate::{Error, Result, Robot};
 
-/// Most points of a scan.
+/// Maximum number of points of a scan.
 const MAX_POINTS: usize = 65_536;
 
 /// Length of a measuring cycle.
@@ -19,7 +19,7 @@ const CYCLE: Duration = Duration::from_millis(60);
 /// The sensors in use: RoBIOS starts all of them together and releases all of them together.
 #[derive(Default)]
 pub(crate) struct PsdState {
-    /// One element for each living [`Psd`], which may share a handle.
+    /// Handle of each live [`Psd`]; several may share a handle.
     handles: Vec<PSDHandle>,
     is_measuring: bool,
 }
@@ -30,7 +30,7 @@ impl PsdState {
     }
 }
 
-/// A distance sensor that measures on and on; the last one that is dropped ends measuring.
+/// A distance sensor that measures continuously; dropping the last one ends measuring.
 #[derive(Debug)]
 pub struct Psd {
     robot: Robot,
@@ -39,19 +39,19 @@ pub struct Psd {
 }
 
 impl Robot {
-    /// Makes a distance sensor ready and waits for its first value.
+    /// Initialises a distance sensor and waits for its first sample.
     ///
-    /// Several are faster started together: [`psds`](Self::psds).
+    /// Several sensors start faster together: [`psds`](Self::psds).
     ///
     /// # Errors
-    /// [`Error::Unavailable`] if the robot has no such sensor; [`Error::NoResult`] if it does not measure.
+    /// [`Error::Unavailable`] if the robot has no such sensor; [`Error::NoResult`] if no sample arrives.
     #[track_caller]
     pub fn psd(&self, at: PsdAt) -> Result<Psd> {
         let [psd] = self.psds([at])?;
         Ok(psd)
     }
 
-    /// Makes distance sensors ready and waits for their first values, 60 ms.
+    /// Initialises distance sensors and waits for their first samples, 60 ms.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -71,8 +71,8 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unavailable`] names the first sensor that the robot does not have; [`Error::NoResult`] if they do not
-    /// measure.
+    /// [`Error::Unavailable`] names the first sensor that the robot does not have; [`Error::NoResult`] if no sample
+    /// arrives.
     #[track_caller]
     pub fn psds<const N: usize>(&self, at: [PsdAt; N]) -> Result<[Psd; N]> {
         let mut missing = None;
@@ -93,7 +93,7 @@ impl Robot {
         Ok(psds)
     }
 
-    /// Starts all sensors in use and waits for their first values.
+    /// Starts all sensors in use and waits for their first samples.
     #[track_caller]
     fn measure(&self, device: Device) -> Result {
         let was_measuring = std::mem::replace(&mut locked(&self.0.common.psd).is_measuring, true);
@@ -101,16 +101,16 @@ impl Robot {
             let _: i32 = robios!(self, PSDStop());
         }
         let mask = locked(&self.0.common.psd).mask();
-        // What was measuring before ends its cycle first.
+        // Sensors that were measuring before finish their cycle first.
         self.poll(device, || robios!(self, PSDStart(mask, TRUE)) == 0)?;
         if was_measuring {
-            // There is a result already, but not of the new sensors.
+            // The available result does not include the new sensors yet.
             self.sleep(CYCLE);
         }
         self.poll(device, || robios!(self, PSDCheck()) != FALSE)
     }
 
-    /// Asks every 10 ms, for a second at most.
+    /// Polls every 10 ms, for a second at most.
     #[track_caller]
     fn poll(&self, device: Device, mut is_ready: impl FnMut() -> bool) -> Result {
         for _ in 0..100 {
@@ -124,33 +124,33 @@ impl Robot {
 }
 
 impl Psd {
-    /// Which sensor it is.
+    /// Name of the sensor.
     pub fn at(&self) -> PsdAt {
         self.at
     }
 
-    /// The distance that the last complete cycle has measured; `None` if nothing was within range.
+    /// Distance measured by the last complete cycle; `None` if out of range.
     #[track_caller]
     pub fn distance(&self) -> Option<Length> {
         let distance_mm: i32 = robios!(&self.robot, PSDGet(self.handle));
         (distance_mm != PSD_OUT_OF_RANGE).then(|| Length::millimetres(distance_mm.into()))
     }
 
-    /// The raw value that the last complete cycle has measured: larger is nearer.
+    /// Raw value measured by the last complete cycle: larger is nearer.
     #[track_caller]
     pub fn raw(&self) -> RawDistance {
         let raw: i32 = robios!(&self.robot, PSDGetRaw(self.handle));
         RawDistance(raw.clamp(0, 255) as u8)
     }
 
-    /// What the distance of the last complete cycle was made of; `None` if nothing has been measured. A function of this
+    /// Signal underlying the distance of the last complete cycle; `None` if nothing has been measured. An extension of this
     /// simulator.
     #[track_caller]
     pub fn signal(&self) -> Option<Signal> {
         Signal::from_robios(robios!(&self.robot, PSDGetSignal(self.handle)))
     }
 
-    /// When the last complete cycle has measured, since the robot's start, to a hundredth of a second.
+    /// Time of the last complete cycle since the robot's start, to a hundredth of a second.
     #[track_caller]
     pub fn measured_at(&self) -> Duration {
         let hundredths: i32 = robios!(&self.robot, PSDGet(0));
@@ -158,25 +158,25 @@ impl Psd {
     }
 }
 
-/// What a PSD sensor gives before its table turns it to a distance, 0 to 255.
+/// Raw output of a PSD sensor, 0 to 255, before its table converts it to a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RawDistance(pub u8);
 
-/// What the distance of a range sensor is made of: of a reflectance sensor its signal, in 1/m; of a sonar the energy of the
-/// echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo and 0 without.
+/// Signal from which a range sensor derives the distance: that of a reflectance sensor, in 1/m; the echo energy of a sonar, 1 for
+/// a perfect reflector 1 m ahead; for other sensors 1 with an echo and 0 without.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Signal(pub f64);
 
 impl Signal {
-    /// The answer of `PSDGetSignal`: negative for none.
+    /// Converts the result of `PSDGetSignal`; negative is none.
     pub(crate) fn from_robios(signal: f32) -> Option<Self> {
         (signal >= 0.0).then_some(Self(signal.into()))
     }
 }
 
 impl Robot {
-    /// Scans once with the laser scanner: the distances of all points that the robi file says, from left to right, the middle
-    /// one straight ahead; `None` where nothing is within range. A function of this simulator.
+    /// Scans once with the laser scanner: distances of all points set in the robi file, from left to right, the middle one straight
+    /// ahead; `None` if out of range. An extension of this simulator.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no scanner.

@@ -1,6 +1,6 @@
 //! The radio: messages between robots.
 //!
-//! What the channel does to messages is the scene's: they may be late, lost, or arrive with bits inverted.
+//! The channel is defined by the scene: messages may be late, lost, or arrive with inverted bits.
 
 use std::time::Duration;
 
@@ -16,33 +16,33 @@ use crate::robot::{Common, locked, release, robios};
 use crate::serial::Baud;
 use crate::{Error, Result, Robot};
 
-/// Most bytes of a message: `MAXMSGLEN`.
+/// Maximum length of a message in bytes: `MAXMSGLEN`.
 pub const MAX_MESSAGE: usize = MAXMSGLEN as usize;
 
-/// How often a call that waits for a message no longer than a time looks for one.
+/// Polling interval of calls that wait for a message with a timeout.
 pub(crate) const LOOK: Duration = Duration::from_millis(1);
 
-/// The radio, which is on; dropping the last one switches it off.
+/// The radio, switched on; dropping the last instance switches it off.
 #[derive(Debug)]
 pub struct Radio {
     robot: Robot,
 }
 
-/// What the radio is set to before it is switched on; `None` leaves it as it is.
+/// Settings of the radio, applied before it is switched on; `None` leaves a setting unchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RadioSettings {
-    /// Speed of sending and receiving: who listens at another one hears nothing. The scene's if it was never set.
+    /// Bit rate of sending and receiving; a receiver at another rate hears nothing. Initially that of the scene.
     pub speed: Option<Baud>,
-    /// The radio's address. The robot's number if it was never set.
+    /// Address of the radio. Initially the robot's number.
     pub id: Option<RobotNumber>,
 }
 
 /// A message that was received.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// The address of its sender.
+    /// Address of the sender.
     pub from: RobotNumber,
-    /// What it says; the channel may have inverted bits.
+    /// Payload; the channel may have inverted bits.
     pub bytes: Vec<u8>,
 }
 
@@ -51,24 +51,24 @@ pub struct Message {
 pub struct RadioStatus {
     /// The radio's address.
     pub id: RobotNumber,
-    /// How many messages were sent.
+    /// Number of messages sent.
     pub sent: u32,
-    /// How many were received.
+    /// Number of messages received.
     pub received: u32,
-    /// How many wait to be received.
+    /// Number of messages that wait to be received.
     pub waiting: u32,
 }
 
 impl RobotNumber {
-    /// The address of all robots.
+    /// The broadcast address.
     pub const ALL: Self = Self(BROADCAST as u8);
 }
 
 impl Message {
-    /// What it says, as text.
+    /// Payload as text.
     ///
     /// # Errors
-    /// [`Error::Garbled`] if it is not UTF-8.
+    /// [`Error::Garbled`] if the payload is not UTF-8.
     pub fn text(&self) -> Result<&str> {
         let garbled = |_error| Error::Garbled { from: self.from, bytes: self.bytes.clone(), expected: "text" };
         std::str::from_utf8(&self.bytes).map_err(garbled)
@@ -76,14 +76,14 @@ impl Message {
 }
 
 impl Common {
-    /// Counts a radio; true for the first, which switches it on.
+    /// Counts a new radio; returns true for the first, which switches the radio on.
     pub(crate) fn add_radio(&self) -> bool {
         let mut radios = locked(&self.radios);
         *radios += 1;
         *radios == 1
     }
 
-    /// Counts a radio no more; true for the last, which switches it off.
+    /// Counts a dropped radio; returns true for the last, which switches the radio off.
     pub(crate) fn remove_radio(&self) -> bool {
         let mut radios = locked(&self.radios);
         *radios -= 1;
@@ -122,7 +122,7 @@ impl Robot {
     /// Switches the radio on, with these settings.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it, as other settings while the radio is on.
+    /// [`Error::Refused`] if RoBIOS refuses it, for example other settings while the radio is on.
     #[track_caller]
     pub fn radio_with(&self, settings: RadioSettings) -> Result<Radio> {
         if settings != RadioSettings::default() {
@@ -131,7 +131,7 @@ impl Robot {
             all.id = settings.id.map_or(all.id, |id| id.0.into());
             checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&all)))?;
         }
-        // Counted before the call, at whose end another task may run and ask for the radio, too.
+        // Counted before the call: at its end another task may run and request the radio as well.
         if self.common().add_radio()
             && let Err(error) = checked("RADIOInit", Device::Radio, robios!(self, RADIOInit()))
         {
@@ -150,11 +150,10 @@ impl Robot {
 }
 
 impl Radio {
-    /// Sends a message to one robot; does not wait. That it was sent does not say that it arrives.
+    /// Sends a message to one robot; does not wait. Success does not mean that the message arrives.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes; [`Error::Refused`] with 1 while what was sent before fills the
-    /// radio's buffer.
+    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes; [`Error::Refused`] with 1 while the radio's send buffer is full.
     #[track_caller]
     pub fn send(&self, to: RobotNumber, bytes: &[u8]) -> Result {
         if bytes.len() > MAX_MESSAGE {
@@ -170,7 +169,7 @@ impl Radio {
     /// Sends a message to all robots; does not wait.
     ///
     /// # Errors
-    /// As of [`send`](Self::send).
+    /// As for [`send`](Self::send).
     #[track_caller]
     pub fn broadcast(&self, bytes: &[u8]) -> Result {
         self.send(RobotNumber::ALL, bytes)
@@ -189,19 +188,19 @@ impl Radio {
         Ok(Message { from: RobotNumber(from), bytes: room[..len].to_vec() })
     }
 
-    /// The next message, if one waits.
+    /// The next message that waits, if any.
     ///
     /// # Errors
-    /// As of [`receive`](Self::receive).
+    /// As for [`receive`](Self::receive).
     #[track_caller]
     pub fn try_receive(&self) -> Result<Option<Message>> {
         if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
     }
 
-    /// Waits for a message, no longer than a time; `None` if none has come. Looks every millisecond.
+    /// Waits for a message for at most `span`; `None` at the timeout. Polls every millisecond.
     ///
     /// # Errors
-    /// As of [`receive`](Self::receive).
+    /// As for [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
         let end = self.robot.now() + span;
@@ -214,7 +213,7 @@ impl Radio {
         }
     }
 
-    /// How many messages wait to be received.
+    /// Number of messages that wait to be received.
     #[track_caller]
     pub fn waiting(&self) -> usize {
         let count: i32 = robios!(&self.robot, RADIOCheck());
@@ -233,7 +232,7 @@ impl Radio {
         Ok(RadioStatus { id: RobotNumber(raw.id.clamp(0, 255) as u8), sent, received, waiting })
     }
 
-    /// What it is set to.
+    /// Current settings of the radio.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.
@@ -245,7 +244,7 @@ impl Radio {
     }
 }
 
-/// Messages of types: encoded by `postcard`, without a checksum. With the feature `serde`.
+/// Typed messages, encoded by `postcard` without a checksum. Requires the feature `serde`.
 #[cfg(feature = "serde")]
 impl Radio {
     /// Sends a value to one robot; does not wait.
@@ -277,28 +276,28 @@ impl Radio {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if it takes more than [`MAX_MESSAGE`] bytes, or cannot be encoded; else as of
+    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise as for
     /// [`send`](Self::send).
     #[track_caller]
     pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
         self.send(to, &encoding::encoded(value)?)
     }
 
-    /// Waits for a value, and gives it with the address of its sender.
+    /// Waits for a value and returns it with the address of its sender.
     ///
     /// # Errors
-    /// [`Error::Garbled`] for a message that is no such value to its last byte, as one whose bits were inverted may be (another may
-    /// be a wrong value: whoever has to know adds a checksum); else as of [`receive`](Self::receive).
+    /// [`Error::Garbled`] for a message that does not decode to such a value to its last byte. Inverted bits cause this error or a
+    /// wrong value; a checksum detects the latter. Otherwise as for [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;
         Ok((message.from, self.decode(&message)?))
     }
 
-    /// The value that a message says.
+    /// Decodes the value of a message.
     ///
     /// # Errors
-    /// [`Error::Garbled`], as of [`receive_as`](Self::receive_as).
+    /// [`Error::Garbled`], as for [`receive_as`](Self::receive_as).
     pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
         encoding::decoded(message)
     }

@@ -8,7 +8,7 @@ use robios_sys::support::purpose;
 use crate::Robot;
 use crate::robot::support;
 
-/// The robot's random numbers; each is a call. Works with `rand` and its distributions (`rand_core::Rng`).
+/// The robot's random number generator; each number costs a call. Works with `rand` and its distributions (`rand_core::Rng`).
 #[derive(Debug)]
 pub struct Random<'r>(&'r Robot);
 
@@ -23,13 +23,13 @@ impl<'r> Random<'r> {
         support!(self.0, random(purpose::RUST))
     }
 
-    /// A number in [0, 1), evenly distributed, with 53 bits.
+    /// A number in [0, 1), uniformly distributed, with 53 bits.
     #[track_caller]
     pub fn fraction(&self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A quantity of a range, evenly distributed.
+    /// A quantity in a range, uniformly distributed.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -47,21 +47,21 @@ impl<'r> Random<'r> {
         range.start + (range.end - range.start) * self.fraction()
     }
 
-    /// One of some things, each as likely; `None` if there are none.
+    /// A uniformly chosen element of a slice; `None` if the slice is empty.
     #[track_caller]
     pub fn choice<'a, T>(&self, of: &'a [T]) -> Option<&'a T> {
-        // Rounding: 2^64 is no multiple of the length, the error in probability is below 2^-40 for all real slices.
+        // 2^64 is no multiple of the length: the error in probability is below 2^-40 for all real slices.
         let index = (u128::from(self.bits()) * of.len() as u128) >> 64;
         of.get(index as usize)
     }
 
-    /// True or false, as likely.
+    /// True or false, with equal probability.
     #[track_caller]
     pub fn flip(&self) -> bool {
         self.bits() >> 63 == 1
     }
 
-    /// Starts the stream anew, at a place that the seed chooses; robots still differ.
+    /// Restarts the stream at a position derived from the seed; different robots still get different numbers.
     #[track_caller]
     pub fn seed(&self, seed: u64) {
         let _: i32 = support!(self.0, seed(purpose::RUST, seed));

@@ -1,4 +1,4 @@
-//! The robot that a program runs on: the way to everything that it has, and the one place where the ABI is called.
+//! The robot of a program: access to its devices and services, and the macros that call the ABI.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -18,39 +18,39 @@ use crate::random::Random;
 use crate::robios7::State as State7;
 use crate::task::TaskState;
 
-/// The robot: every device and service is asked for here.
+/// The robot, from which all devices and services are obtained.
 ///
-/// A clone is the same robot. It belongs to the task that got it: each [task](Robot::multi_tasking) gets its own.
+/// Clones refer to the same robot. The value belongs to one task: each [task](Robot::multi_tasking) gets its own.
 #[derive(Clone)]
 pub struct Robot(pub(crate) Rc<Inner>);
 
-/// What all clones of a task's robot and its devices share.
+/// State shared by all clones of a task's robot and its devices.
 pub(crate) struct Inner {
-    /// `None` once the task has ended: a device that outlives it (in a thread-local, say) does nothing any more.
+    /// `None` once the task has ended: calls of a device that outlives the task (in a thread-local, say) then do nothing.
     tables: Cell<Option<Tables>>,
     is_stopped: Cell<bool>,
     pub(crate) robios7: State7,
     pub(crate) common: Arc<Common>,
 }
 
-/// What all tasks of a program share. No lock of it is held during a call.
+/// State shared by all tasks of a program. None of its locks is held during a call.
 pub(crate) struct Common {
     arguments: Vec<String>,
     call_site: call_site::Reader,
     pub(crate) psd: Mutex<PsdState>,
-    /// How many [`Radio`](crate::Radio)s there are, of either generation.
+    /// Number of [`Radio`](crate::Radio)s, of either generation.
     pub(crate) radios: Mutex<usize>,
     pub(crate) tasks: Mutex<TaskState>,
-    /// The exit code after a failure that has been reported already, as from within a timer's function or a task.
+    /// Exit code of a failure that was already reported, for example by a timer's function or a task.
     pub(crate) failure: OnceLock<i32>,
 }
 
-/// What a lock of [`Common`] protects, also after a panic: every change of it is one step.
+/// Locks a value, also after a panic: every change to it is a single step, so that no panic leaves it half done.
 pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where the calls go; all valid until the program's `run` returns, see [`Robot::new`], and for all of its tasks.
+/// Tables and context of the host, valid for all tasks until the program's `run` returns, see [`Robot::new`].
 #[derive(Clone, Copy)]
 pub(crate) struct Tables {
     pub support: *const SupportTable,
@@ -61,21 +61,21 @@ pub(crate) struct Tables {
     pub context: *mut c_void,
 }
 
-// SAFETY: the tables are constant, and the context is only handed back to the host, which takes calls from every task of its
-// robot.
+// SAFETY: the tables are constant, and the context is only passed back to the host, which accepts calls from every task of
+// its robot.
 unsafe impl Send for Tables {}
 // SAFETY: as above.
 unsafe impl Sync for Tables {}
 
-/// Payload of the unwinding that leaves a program after [`Status::STOP`].
+/// Panic payload that unwinds a program after [`Status::STOP`].
 pub(crate) struct Stopped;
 
 impl Robot {
-    /// The robot of a host.
+    /// Creates the robot of `main`.
     ///
     /// # Safety
-    /// `host` and `context` are what the program's `run` got, for the generation that is called, and [`close`](Self::close) is called
-    /// before it returns.
+    /// `host` and `context` are the arguments of the program's `run`, only functions of the program's generation are called, and
+    /// [`close`](Self::close) is called before `run` returns.
     pub(crate) unsafe fn new(
         host: *const Host,
         context: *mut c_void,
@@ -96,7 +96,7 @@ impl Robot {
         Self::of_task(tables, Arc::new(common))
     }
 
-    /// The robot as one of its tasks has it. Whoever makes it closes it before the task ends.
+    /// Creates the robot of one task. The caller must close it before the task ends.
     pub(crate) fn of_task(tables: Tables, common: Arc<Common>) -> Self {
         Self(Rc::new(Inner {
             tables: Cell::new(Some(tables)),
@@ -106,12 +106,12 @@ impl Robot {
         }))
     }
 
-    /// What all tasks of its program share.
+    /// State shared by all tasks of the program.
     pub(crate) fn common(&self) -> &Arc<Common> {
         &self.0.common
     }
 
-    /// Ends the way to the host: calls of what is left of the program do nothing from here on.
+    /// Disconnects from the host: later calls do nothing.
     pub(crate) fn close(&self) {
         self.0.tables.set(None);
     }
@@ -120,10 +120,10 @@ impl Robot {
         self.0.tables.get()
     }
 
-    /// Leaves the program if the host wants it.
+    /// Unwinds the program unless the status is [`Status::OK`].
     ///
-    /// While unwinding already (a call in a `drop`), a second unwinding would abort the host: the call then just
-    /// returns a result of 0.
+    /// During unwinding (a call in a `drop`) a second unwinding would abort the host: the call then returns a result of 0
+    /// instead.
     pub(crate) fn obey(&self, status: Status) {
         if status != Status::OK {
             self.0.is_stopped.set(true);
@@ -133,15 +133,15 @@ impl Robot {
         }
     }
 
-    /// Notes where a call is made. The place of the first call that was answered with [`Status::STOP`] stays: what the
-    /// program calls while it is left is not where it was.
+    /// Records the location of a call. After the first call that was answered with [`Status::STOP`] the location is kept:
+    /// calls made while the program unwinds do not replace it.
     pub(crate) fn note_call_site(&self, place: &'static Location<'static>) {
         if !self.0.is_stopped.get() {
             self.0.common.call_site.note(place);
         }
     }
 
-    /// What the program was given on the command line, without the program's own name.
+    /// Command line arguments of the program, without its name.
     pub fn arguments(&self) -> &[String] {
         &self.0.common.arguments
     }
@@ -156,7 +156,7 @@ impl Robot {
         Console::output(self)
     }
 
-    /// The console for what went wrong.
+    /// The console for error messages.
     pub fn console_error(&self) -> Console<'_> {
         Console::error(self)
     }
@@ -183,7 +183,7 @@ impl std::fmt::Debug for Robot {
     }
 }
 
-/// Calls a function of the RoBIOS table and gives its result; leaves the program if the host wants it.
+/// Calls a function of the RoBIOS 6 table and returns its result; unwinds the program if the host stops it.
 ///
 /// Pointers among the arguments must come from references that live until the call returns.
 macro_rules! robios {
@@ -225,7 +225,7 @@ macro_rules! call {
 }
 pub(crate) use call;
 
-/// Calls a function of a RoBIOS table from a `drop`: never leaves the program. Gives whether the call was made.
+/// Calls a function of a RoBIOS table from a `drop`, without unwinding. True if the host carried the call out.
 macro_rules! release {
     ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
         $crate::robot::release!($robot, robios, $name($($argument),*))

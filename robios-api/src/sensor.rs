@@ -24,7 +24,7 @@ pub struct Infrared {
     handle: IRHandle,
 }
 
-/// The compass, which measures on and on.
+/// The compass, which measures continuously.
 #[derive(Debug)]
 pub struct Compass {
     robot: Robot,
@@ -35,12 +35,12 @@ pub struct Compass {
 pub enum Calibration {
     /// Forget the calibration.
     Reset,
-    /// Take the heading; once in each of two opposite ones.
+    /// Take a reading; needed once in each of two opposite headings.
     Take,
 }
 
 impl Robot {
-    /// Makes a bumper ready.
+    /// Initialises a bumper.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such bumper.
@@ -52,7 +52,7 @@ impl Robot {
         }
     }
 
-    /// Makes an infrared proximity sensor ready.
+    /// Initialises an infrared proximity sensor.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such sensor.
@@ -64,7 +64,7 @@ impl Robot {
         }
     }
 
-    /// Makes the compass ready and starts it.
+    /// Initialises the compass and starts it.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has none.
@@ -81,8 +81,8 @@ impl Robot {
 }
 
 impl Bumper {
-    /// Whether something has bumped since the last check, and if so when the first time, since the robot's start, to
-    /// a hundredth of a second.
+    /// Time of the first contact since the last check, counted from the robot's start, to a hundredth of a second; `None`
+    /// without contact.
     #[track_caller]
     pub fn bumped(&self) -> Option<Duration> {
         let mut hundredths = 0;
@@ -92,7 +92,7 @@ impl Bumper {
 }
 
 impl Infrared {
-    /// Whether something is near.
+    /// Returns true if an object is near.
     #[track_caller]
     pub fn is_near(&self) -> bool {
         let near: i32 = robios!(&self.robot, IRRead(self.handle));
@@ -103,14 +103,14 @@ impl Infrared {
 impl Compass {
     /// The heading clockwise from north (the world's +y), [0, 360) degrees; `None` before the first result.
     ///
-    /// As a compass has it: clockwise, unlike all other angles here.
+    /// Clockwise, as on a compass, unlike all other angles here.
     #[track_caller]
     pub fn bearing(&self) -> Option<Angle> {
         let bearing_deg: i32 = robios!(&self.robot, COMPASSGet());
         (bearing_deg >= 0).then(|| Angle::degrees(bearing_deg.into()))
     }
 
-    /// Whether a result is there.
+    /// Returns true if a result is available.
     #[track_caller]
     pub fn is_ready(&self) -> bool {
         let ready: i32 = robios!(&self.robot, COMPASSCheck());

@@ -9,14 +9,14 @@ use crate::error::checked;
 use crate::robot::robios;
 use crate::{Error, Result, Robot};
 
-/// A serial interface that is set up.
+/// An open serial interface.
 #[derive(Debug)]
 pub struct Serial {
     robot: Robot,
     interface: i32,
 }
 
-/// Which serial interface.
+/// Name of a serial interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SerialAt {
     /// The first.
@@ -45,10 +45,10 @@ pub enum Baud {
 }
 
 impl Baud {
-    /// All of them.
+    /// All rates.
     pub const ALL: [Self; 6] = [Self::B4800, Self::B9600, Self::B19200, Self::B38400, Self::B57600, Self::B115200];
 
-    /// Its number in RoBIOS.
+    /// Value of the rate in RoBIOS.
     pub(crate) const fn rate(self) -> i32 {
         match self {
             Self::B4800 => SER4800,
@@ -71,7 +71,7 @@ pub enum Handshake {
 }
 
 impl Robot {
-    /// Sets a serial interface up.
+    /// Opens a serial interface.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot does not have it.
@@ -92,10 +92,10 @@ impl Robot {
 }
 
 impl Serial {
-    /// Sends bytes, a call each, as they need not be text.
+    /// Sends bytes, one call for each, since they need not be text.
     ///
     /// # Errors
-    /// [`Error::Refused`] at the first byte that is not taken.
+    /// [`Error::Refused`] at the first byte that is not accepted.
     #[track_caller]
     pub fn send(&self, bytes: &[u8]) -> Result {
         for byte in bytes {
@@ -108,7 +108,7 @@ impl Serial {
     /// Sends text in one call.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it is not taken.
+    /// [`Error::Refused`] if the text is not accepted.
     #[track_caller]
     pub fn send_text(&self, text: &str) -> Result {
         let code = robios!(&self.robot, OSSendRS232(text.into(), self.interface));
@@ -127,25 +127,25 @@ impl Serial {
         Ok(byte)
     }
 
-    /// How many bytes have been received and not read.
+    /// Number of bytes received and not yet read.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS cannot tell.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn bytes_received(&self) -> Result<usize> {
         count_of("OSCheckInRS232", robios!(&self.robot, OSCheckInRS232(self.interface)))
     }
 
-    /// How many bytes have not been sent yet.
+    /// Number of bytes not yet sent.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS cannot tell.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn bytes_unsent(&self) -> Result<usize> {
         count_of("OSCheckOutRS232", robios!(&self.robot, OSCheckOutRS232(self.interface)))
     }
 
-    /// Drops what has been received.
+    /// Discards received bytes.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.
@@ -154,7 +154,7 @@ impl Serial {
         checked("OSFlushInRS232", Device::Serial, robios!(&self.robot, OSFlushInRS232(self.interface)))
     }
 
-    /// Drops what has not been sent.
+    /// Discards bytes not yet sent.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.
@@ -164,7 +164,7 @@ impl Serial {
     }
 }
 
-/// A count that a call has returned, below 0 for failure.
+/// Converts the count returned by a call to a result; a negative count is a failure.
 fn count_of(call: &'static str, code: i32) -> Result<usize> {
     usize::try_from(code).map_err(|_negative| Error::Refused { call, device: Device::Serial, code })
 }

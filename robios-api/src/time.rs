@@ -56,16 +56,16 @@ impl Robot {
         }
     }
 
-    /// For loops that run at regular times: [`Ticker::wait`] waits for the next multiple of the period.
+    /// Ticker for periodic loops: [`Ticker::wait`] waits for the next multiple of the period.
     ///
     /// A period of 0 is taken as 1 us.
     pub fn ticker(&self, period: Duration) -> Ticker {
         Ticker { robot: self.clone(), period_us: period.as_nanos().div_ceil(1000).max(1) as u64 }
     }
 
-    /// Calls a function at regular times, until the returned timer is dropped.
+    /// Calls a function periodically, until the returned timer is dropped.
     ///
-    /// The function runs inside whatever call the program makes at that time, never inside itself. It must be short
+    /// The function runs inside the call in progress at that time and is never re-entered. It must be short
     /// and must not wait. It gets the robot; devices can be moved into it.
     ///
     /// ```
@@ -97,7 +97,7 @@ impl Robot {
         )
     }
 
-    /// Holds timers back until the guard is dropped, as switching interrupts off does.
+    /// Holds timers back until the guard is dropped, like disabling interrupts.
     #[track_caller]
     pub fn hold_timers(&self) -> TimersHeld {
         let _: i32 = robios!(self, OSDisable());
@@ -114,10 +114,10 @@ impl Robot {
         TimeOfDay { hours, minutes, seconds, hundredths }
     }
 
-    /// Sets the robot's clock; its hundredths are left out. Virtual time goes on as it is.
+    /// Sets the robot's clock, ignoring the hundredths. Virtual time is not affected.
     ///
     /// # Errors
-    /// [`Error::Refused`] for another hour than 0 to 23, another minute or second than 0 to 59.
+    /// [`Error::Refused`] for an hour outside 0 to 23, or a minute or second outside 0 to 59.
     #[track_caller]
     pub fn set_clock(&self, time: TimeOfDay) -> Result {
         let code = robios!(self, OSSetTime(time.hours.into(), time.minutes.into(), time.seconds.into()));
@@ -139,7 +139,7 @@ pub struct Ticker {
 }
 
 impl Ticker {
-    /// Waits until the next multiple of the period since the robot's start; those that are past are left out.
+    /// Waits until the next multiple of the period since the robot's start; missed multiples are skipped.
     #[track_caller]
     pub fn wait(&self) {
         let now_us = self.robot.now().as_micros() as u64;
@@ -147,7 +147,7 @@ impl Ticker {
     }
 }
 
-/// How many ticks a period has.
+/// Number of timer ticks in a period.
 fn scale_of(period: Duration) -> Result<i32> {
     let scale = i32::try_from(period.as_nanos() / TIMER_TICK.as_nanos()).unwrap_or(0);
     if scale == 0 || period != TIMER_TICK * scale as u32 {
@@ -171,8 +171,8 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// A timer that the host attaches by `attach`, which gives its handle, and forgets by `detach`, which gives whether the call
-    /// was made.
+    /// Creates a timer. `attach` registers the callback with the host and returns its handle; `detach` unregisters it and returns
+    /// true if the host carried the call out.
     #[track_caller]
     pub(crate) fn attach(
         robot: &Robot,
@@ -189,7 +189,7 @@ impl Timer {
         }
     }
 
-    /// A timer whose function may be called on the thread of any task.
+    /// Creates a timer whose function may be called on the thread of any task.
     #[track_caller]
     pub(crate) fn of_any_task(robot: &Robot, period: Duration, function: Box<SendFunction>) -> Result<Self> {
         let scale = scale_of(period)?;
@@ -209,7 +209,7 @@ impl Timer {
 impl Drop for Timer {
     fn drop(&mut self) {
         if !(self.detach)(&self.robot, self.handle) {
-            // The host has not said that it forgets the pointer: the function must live on.
+            // The host may still hold the pointer: the function is leaked.
             std::mem::forget(self.job.take());
         }
     }
@@ -221,7 +221,7 @@ impl std::fmt::Debug for Timer {
     }
 }
 
-/// Timers are held back while it lives, see [`Robot::hold_timers`].
+/// Guard that holds timers back, see [`Robot::hold_timers`].
 #[derive(Debug)]
 #[must_use = "timers are held back only while it lives"]
 pub struct TimersHeld {
@@ -234,7 +234,7 @@ impl Drop for TimersHeld {
     }
 }
 
-/// What a timer calls.
+/// Function of a timer, with its robot.
 struct Job {
     robot: Robot,
     function: RefCell<Box<Function>>,
@@ -246,17 +246,17 @@ impl Drop for Job {
     }
 }
 
-/// What a timer calls with its robot.
+/// Function of a timer.
 pub(crate) type Function = dyn FnMut(&Robot);
 
-/// What a timer calls on the thread of whatever task runs.
+/// Function of a timer that may be called on the thread of any task.
 struct SendJob {
     tables: Tables,
     common: Arc<Common>,
     function: Mutex<Box<SendFunction>>,
 }
 
-/// What a timer calls where there are tasks.
+/// Function of a timer in a program with tasks.
 pub(crate) type SendFunction = dyn FnMut(&Robot) + Send;
 
 impl SendJob {
@@ -272,20 +272,20 @@ impl SendJob {
 
 impl Job {
     fn run(&self) {
-        // Never nested, as the host promises; if it were, the inner call would be left out.
+        // The host never nests these calls; a nested call would be skipped.
         if let Ok(mut function) = self.function.try_borrow_mut() {
             function(&self.robot);
         }
     }
 }
 
-/// What the host calls at the timer's times.
+/// Callback of a timer, called by the host.
 ///
 /// # Safety
 /// `data` is the `Job` of a [`Timer`] that has not been detached, on the thread of its robot.
 unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
     let job = data.cast_const().cast::<Job>();
-    // SAFETY: the timer holds one count of the job that the pointer came from. A second one keeps the job alive if
+    // SAFETY: the timer holds one reference to the job that the pointer came from. A second one keeps the job alive if
     // the function drops its own timer.
     let job = unsafe {
         Rc::increment_strong_count(job);
@@ -298,7 +298,7 @@ unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
     })
 }
 
-/// What the host calls at the times of a timer of [`Timer::of_any_task`].
+/// Callback of a timer of [`Timer::of_any_task`], called by the host.
 ///
 /// # Safety
 /// `data` is the `SendJob` of a [`Timer`] that has not been detached, on the thread of a task of its robot.
@@ -318,7 +318,7 @@ unsafe extern "C" fn call_send_job(data: *mut c_void) -> Status {
     status
 }
 
-/// Calls a timer's function; no panic gets past.
+/// Calls a timer's function and catches its panics.
 fn contain(robot: &Robot, function: impl FnOnce()) -> Status {
     match catch_unwind(AssertUnwindSafe(function)) {
         Ok(()) => Status::OK,

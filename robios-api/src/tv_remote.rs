@@ -20,7 +20,7 @@ pub struct TvRemote {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TvCode(pub i32);
 
-/// How a remote control tells bits.
+/// Bit encoding of a remote control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TvCoding {
     /// By the length of the pause between pulses.
@@ -33,38 +33,38 @@ pub enum TvCoding {
     Raw,
 }
 
-/// Which codes count.
+/// Rule by which codes are accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TvMode {
-    /// Only complete ones.
+    /// Only complete codes are accepted.
     Complete,
-    /// Incomplete ones too.
+    /// Incomplete codes are accepted too.
     Sloppy,
     /// A special code repeats the last one.
     RepeatCode,
 }
 
-/// How codes are received.
+/// Settings of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TvSettings {
-    /// How bits are told.
+    /// Bit encoding.
     pub coding: TvCoding,
-    /// Bits of a code.
+    /// Number of bits of a code.
     pub bits: u8,
-    /// Bits that toggle from one press to the next.
+    /// Mask of the bits that toggle from one press to the next.
     pub toggle_mask: i32,
-    /// Bits that are inverted.
+    /// Mask of the inverted bits.
     pub inverted_mask: i32,
-    /// Which codes count.
+    /// Rule by which codes are accepted.
     pub mode: TvMode,
-    /// How many codes are kept, 1 to 4.
+    /// Number of codes that the buffer holds, 1 to 4.
     pub kept: u8,
-    /// How long a key is held before it repeats, in steps of 10 ms.
+    /// Time after which a held key repeats, in steps of 10 ms.
     pub repeat_delay: Duration,
 }
 
 impl Robot {
-    /// Starts receiving with the settings of the table of devices.
+    /// Starts receiving with the settings of the device table.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no receiver.
@@ -73,7 +73,7 @@ impl Robot {
         self.tv_remote_of(robios!(self, IRTVInitHDT(semantics::IRTV)))
     }
 
-    /// Starts receiving with settings of its own.
+    /// Starts receiving with the given settings.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no receiver.
@@ -120,7 +120,7 @@ impl TvRemote {
         code_of(robios!(&self.robot, IRTVGet()))
     }
 
-    /// Drops the codes that have been received.
+    /// Discards received codes.
     #[track_caller]
     pub fn drop_received(&self) {
         let () = robios!(&self.robot, IRTVFlush());
@@ -133,7 +133,7 @@ impl Drop for TvRemote {
     }
 }
 
-/// A code that a call has returned, 0 for none.
+/// Converts the code returned by a call; 0 is none.
 fn code_of(code: i32) -> Option<TvCode> {
     (code != 0).then_some(TvCode(code))
 }

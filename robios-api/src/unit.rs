@@ -1,6 +1,6 @@
-//! Quantities with their units: what a robot program says and hears are lengths, angles and speeds, not numbers.
+//! Quantities with units: the API takes and returns lengths, angles and speeds instead of numbers.
 //!
-//! [`Units`] makes them of plain numbers: `0.4.metres()`, `90.degrees()`, `50.millis()`.
+//! [`Units`] converts plain numbers to quantities: `0.4.metres()`, `90.degrees()`, `50.millis()`.
 
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -13,30 +13,30 @@ macro_rules! quantity {
         pub struct $Name(f64);
 
         impl $Name {
-            /// None of it.
+            /// Zero.
             pub const ZERO: Self = Self(0.0);
 
-            #[doc = concat!("So much, in ", $unit, ".")]
+            #[doc = concat!("Creates the quantity from its value in ", $unit, ".")]
             pub const fn $new(value: f64) -> Self {
                 Self(value)
             }
 
-            #[doc = concat!("Its value in ", $unit, ".")]
+            #[doc = concat!("Value in ", $unit, ".")]
             pub const fn $get(self) -> f64 {
                 self.0
             }
 
-            /// Its size without the sign.
+            /// Absolute value.
             pub const fn abs(self) -> Self {
                 Self(self.0.abs())
             }
 
-            /// The smaller one of two.
+            /// The smaller of two quantities.
             pub const fn min(self, other: Self) -> Self {
                 Self(self.0.min(other.0))
             }
 
-            /// The larger one of two.
+            /// The larger of two quantities.
             pub const fn max(self, other: Self) -> Self {
                 Self(self.0.max(other.0))
             }
@@ -118,19 +118,19 @@ quantity! {
     Frequency in "hertz": hertz, as_hertz
 }
 quantity! {
-    /// A part of a whole, such as of a motor's full power.
+    /// A ratio in percent, such as of a motor's power to its full power.
     Ratio in "percent": percent, as_percent
 }
 
 macro_rules! crossing {
     ($($Name:ident),*) => {$(
         impl $Name {
-            /// As it crosses to RoBIOS.
+            /// Converts to the number passed to RoBIOS 6.
             pub(crate) const fn to_robios(self) -> f32 {
                 self.0 as f32
             }
 
-            /// As it comes from RoBIOS.
+            /// Converts from the number returned by RoBIOS 6.
             pub(crate) const fn from_robios(value: f32) -> Self {
                 Self(value as f64)
             }
@@ -142,12 +142,12 @@ crossing!(Length, Angle, Speed, TurnRate);
 macro_rules! crossing7 {
     ($($Name:ident: $new:ident, $get:ident, $unit:literal;)*) => {$(
         impl $Name {
-            #[doc = concat!("As it crosses to RoBIOS-7: whole ", $unit, ", rounded.")]
+            #[doc = concat!("Converts to the number passed to RoBIOS-7: whole ", $unit, ", rounded.")]
             pub(crate) fn to_robios7(self) -> i32 {
                 self.$get().round() as i32
             }
 
-            /// As it comes from RoBIOS-7.
+            /// Converts from the number returned by RoBIOS-7.
             pub(crate) fn from_robios7(value: i32) -> Self {
                 Self::$new(value.into())
             }
@@ -162,78 +162,78 @@ crossing7! {
 }
 
 impl Speed {
-    /// So much, in millimetres per second.
+    /// Creates the quantity from its value in millimetres per second.
     pub const fn millimetres_per_second(value: f64) -> Self {
         Self(value / 1000.0)
     }
 
-    /// Its value in millimetres per second.
+    /// Value in millimetres per second.
     pub const fn as_millimetres_per_second(self) -> f64 {
         self.0 * 1000.0
     }
 }
 
 impl Length {
-    /// So much, in millimetres.
+    /// Creates the quantity from its value in millimetres.
     pub const fn millimetres(value: f64) -> Self {
         Self(value / 1000.0)
     }
 
-    /// Its value in millimetres.
+    /// Value in millimetres.
     pub const fn as_millimetres(self) -> f64 {
         self.0 * 1000.0
     }
 
-    /// The distance of a point from the origin.
+    /// Distance of a point from the origin.
     pub fn of_vector(x: Self, y: Self) -> Self {
         Self(libm::hypot(x.0, y.0))
     }
 }
 
 impl Angle {
-    /// So much, in degrees.
+    /// Creates the quantity from its value in degrees.
     pub const fn degrees(value: f64) -> Self {
         Self(value.to_radians())
     }
 
-    /// Its value in degrees.
+    /// Value in degrees.
     pub const fn as_degrees(self) -> f64 {
         self.0.to_degrees()
     }
 
-    /// Its sine. As all functions here it is the same on every platform, which those of `std` are not.
+    /// Sine. Like all functions here it gives the same bits on every platform, unlike those of `std`.
     pub fn sin(self) -> f64 {
         libm::sin(self.0)
     }
 
-    /// Its cosine.
+    /// Cosine.
     pub fn cos(self) -> f64 {
         libm::cos(self.0)
     }
 
-    /// Its tangent.
+    /// Tangent.
     pub fn tan(self) -> f64 {
         libm::tan(self.0)
     }
 
-    /// The direction of a point, from -180 to 180 degrees; 0 for the origin.
+    /// Direction from the origin to a point, from -180 to 180 degrees; 0 for the origin itself.
     pub fn towards(x: Length, y: Length) -> Self {
         Self(libm::atan2(y.0, x.0))
     }
 
-    /// The same direction, from -180 to 180 degrees.
+    /// Equivalent angle from -180 to 180 degrees.
     pub fn wrapped(self) -> Self {
         Self(libm::remainder(self.0, std::f64::consts::TAU))
     }
 }
 
 impl TurnRate {
-    /// So much, in degrees per second.
+    /// Creates the quantity from its value in degrees per second.
     pub const fn degrees_per_second(value: f64) -> Self {
         Self(value.to_radians())
     }
 
-    /// Its value in degrees per second.
+    /// Value in degrees per second.
     pub const fn as_degrees_per_second(self) -> f64 {
         self.0.to_degrees()
     }
@@ -255,7 +255,7 @@ impl Mul<Duration> for TurnRate {
 
 macro_rules! shown {
     ($($Name:ident: $get:ident, $unit:literal;)*) => {$(
-        /// With its unit; width and precision are those of the number: `{:.3}` gives three decimals.
+        /// Formats the quantity with its unit; width and precision apply to the number: `{:.3}` gives three decimals.
         impl Display for $Name {
             fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
                 self.$get().fmt(f)?;
@@ -273,7 +273,7 @@ shown! {
     Ratio: as_percent, " %";
 }
 
-/// Quantities of plain numbers.
+/// Conversion of plain numbers to quantities.
 ///
 /// ```
 /// use robios_api::prelude::*;
@@ -285,54 +285,54 @@ shown! {
 /// assert_eq!(0.2.metres_per_second() * 5.seconds(), 1.metres());
 /// ```
 pub trait Units: Into<f64> {
-    /// So many metres.
+    /// Length in metres.
     fn metres(self) -> Length {
         Length::metres(self.into())
     }
-    /// So many millimetres.
+    /// Length in millimetres.
     fn millimetres(self) -> Length {
         Length::millimetres(self.into())
     }
-    /// So many radians, counter-clockwise.
+    /// Angle in radians, counter-clockwise.
     fn radians(self) -> Angle {
         Angle::radians(self.into())
     }
-    /// So many degrees, counter-clockwise.
+    /// Angle in degrees, counter-clockwise.
     fn degrees(self) -> Angle {
         Angle::degrees(self.into())
     }
-    /// So many metres per second.
+    /// Speed in metres per second.
     fn metres_per_second(self) -> Speed {
         Speed::metres_per_second(self.into())
     }
-    /// So many millimetres per second.
+    /// Speed in millimetres per second.
     fn millimetres_per_second(self) -> Speed {
         Speed::millimetres_per_second(self.into())
     }
-    /// So many radians per second, counter-clockwise.
+    /// Rate of turn in radians per second, counter-clockwise.
     fn radians_per_second(self) -> TurnRate {
         TurnRate::radians_per_second(self.into())
     }
-    /// So many degrees per second, counter-clockwise.
+    /// Rate of turn in degrees per second, counter-clockwise.
     fn degrees_per_second(self) -> TurnRate {
         TurnRate::degrees_per_second(self.into())
     }
-    /// So many hertz.
+    /// Frequency in hertz.
     fn hertz(self) -> Frequency {
         Frequency::hertz(self.into())
     }
-    /// So many hundredths.
+    /// Ratio in percent.
     fn percent(self) -> Ratio {
         Ratio::percent(self.into())
     }
-    /// So many seconds.
+    /// Duration in seconds.
     ///
     /// # Panics
     /// If the number is negative, not finite or beyond [`Duration::MAX`].
     fn seconds(self) -> Duration {
         Duration::from_secs_f64(self.into())
     }
-    /// So many milliseconds.
+    /// Duration in milliseconds.
     ///
     /// # Panics
     /// If the number is negative, not finite or beyond [`Duration::MAX`].

@@ -4,7 +4,7 @@ use robios_api::fake::{Fake, FakeLeg};
 use robios_api::prelude::*;
 use robios_api::{Gait, Leg, LegJoint, LegLink, Legs, LinkPose};
 
-/// Two legs: a bent one, which is lifted from 1 s on, and a stiff one that tells nothing else; the body sinks by 10 mm/s.
+/// Two legs: one with a bent knee, lifted from 1 s on, and one without scripts of joints; the body sinks by 10 mm/s.
 fn biped() -> Fake {
     let shank = LinkPose { x: 10.millimetres(), z: -0.4.metres(), pitch: -20.degrees(), ..LinkPose::default() };
     Fake::new()

@@ -1,4 +1,4 @@
-//! Real libraries of robot programs, loaded as the simulator does and run against the fake host's tables.
+//! Libraries of robot programs, loaded as by the simulator and run against the tables of the fake host.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};

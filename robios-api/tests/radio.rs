@@ -107,7 +107,7 @@ mod types {
         [Said::Nothing, pose, Said::Many(vec![0, 1, 500])]
     }
 
-    /// What is sent comes back.
+    /// Echoes every message.
     fn echo() -> Fake {
         Fake::new().answer(|sent| Some((1.millis(), Message { from: RobotNumber(2), bytes: sent.bytes.clone() })))
     }
@@ -135,7 +135,7 @@ mod types {
         assert!(run.expect_finished().sent().iter().all(|sent| !sent.bytes.contains(&0)));
     }
 
-    /// Every message with any one or two bits inverted, and any piece of it: a value or an error.
+    /// Flips any one or two bits of every message, and truncates it anywhere: the result is a value or an error.
     #[test]
     fn garbled_values_are_errors_or_values() {
         fn garbled(bytes: &[u8]) -> Vec<Vec<u8>> {

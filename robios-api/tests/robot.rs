@@ -1,4 +1,4 @@
-//! Programs against the fake robot: what is called and released, how they end, and that nothing gets out.
+//! Programs on the fake robot: calls and releases, ends of programs, and containment of panics.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use robios_api::fake::{End, Fake};
 use robios_api::prelude::*;
 use robios_api::{AnalogValue, Ink, Pixel, Remaining, Ticks, TimeOfDay, Timer};
 
-/// What a program returns that is a closure: it fixes the type of its errors.
+/// Return type of a program that is a closure: fixes the type of its errors.
 const DONE: Result = Ok(());
 
 #[test]
@@ -205,7 +205,7 @@ fn timers_are_held_back() {
         assert_eq!(count.get(), 0);
         drop(held);
         robot.sleep(1.seconds());
-        // One for all that were missed, then ten.
+        // One call for all missed times, then ten.
         assert_eq!(count.get(), 11);
         DONE
     });
@@ -259,7 +259,7 @@ fn motors_and_encoders_agree() {
             motor.set(50.percent())?;
         }
         robot.sleep(2.seconds());
-        // A quarter of a metre per second, but for the hundreds of microseconds that the calls take.
+        // 0.25 m/s, less the call costs of some 100 us each.
         assert!((encoder.distance() - 0.5.metres()).abs() < 1.millimetres());
         assert!((499..=500).contains(&encoder.ticks().0));
         encoder.reset()?;

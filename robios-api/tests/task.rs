@@ -8,13 +8,13 @@ use robios_api::fake::{End, Fake, Run};
 use robios_api::prelude::*;
 use robios_api::{Priority, TaskMode};
 
-/// Works for a time without leaving the processor.
+/// Computes for a time without leaving the processor.
 fn work(robot: &Robot, span: Duration) {
     let end = robot.now() + span;
     while robot.now() < end {}
 }
 
-/// The texts that a program has written to the console.
+/// Texts that a program has written to the console.
 fn lines(run: &Run) -> Vec<&str> {
     run.console().lines().collect()
 }

@@ -94,7 +94,7 @@ _is_stopped = False
 _callbacks = {}
 
 
-# ---- what comes out of a call, and what goes in ----
+# ---- results and arguments of calls ----
 
 
 class _Number(int):
@@ -110,7 +110,7 @@ class _Values(tuple):
     def __setitem__(self, index, value):
         index = range(len(self))[index]
         value = _Number(value) if type(value) is int else value
-        # Nobody but the one who sets it has looked at a tuple that was made for him.
+        # The tuple was made for this caller, so that no other code has seen it.
         place = id(self) + tuple.__basicsize__ + index * _ctypes.sizeof(_ctypes.c_void_p)
         _ctypes.pythonapi.Py_IncRef(_ctypes.py_object(value))
         old = tuple.__getitem__(self, index)
@@ -464,7 +464,7 @@ def _bytes(value, name):
     return _struct.pack("<I", _NULL) if data is None else _struct.pack("<I", len(data)) + data
 
 
-# Calls that wait, and how long they may keep the channel where other threads of the program want it, too.
+# Maximum time for which a waiting call may hold the channel while other threads of the program need it.
 _SLICE_US = 10000
 
 
@@ -539,7 +539,7 @@ def _request(row, values):
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
         if _raised is not None:
-            # The call has given way to what a timer's function raised: the program goes on with that.
+            # The call was abandoned because a timer's function raised an exception, which the program now gets.
             raised, _raised, _is_stopped = _raised, None, False
             raise raised from None
         raise
@@ -580,7 +580,7 @@ def _request(row, values):
 
 # @FUNCTIONS@
 
-# ---- functions whose form in Python is not that of the call ----
+# ---- functions whose signature in Python differs from that of the call ----
 
 
 def _formatted(text, values):
@@ -1020,7 +1020,7 @@ MOTORPIDoff = MOTORPIDOff
 LCDFontSize = LCDSetFontSize
 VWDriveRemain, VWDriveDone, VWDriveWait, VWDriveReady = VWRemain, VWDone, VWWait, VWDone
 
-# ---- the library behind the original, for programs that call it with ctypes ----
+# ---- the library of the original, for programs that call it with ctypes ----
 
 
 class _Foreign:
@@ -1070,7 +1070,7 @@ def _cdll(loader):
 lib = _Library()
 _functions = {name: value for name, value in globals().items() if name[:2].isupper() and hasattr(value, "__code__")}
 
-# What else the original brings: a name that the program has already stays what it is.
+# Further names of the original; a name that the program has already defined is kept.
 _ELSE = {"ctypes": _ctypes, "sys": _sys, "os": _os}
 _ELSE.update((_name, getattr(_ctypes, _name)) for _name in dir(_ctypes) if not _name.startswith("_"))
 __all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"] + [*_ELSE, "np"]

@@ -1,7 +1,7 @@
-// The part of the shim that only programs with parts in C++ have, compiled by the C++ compiler and linked beside shim.c.
+// C++ part of the shim, for programs with parts in C++: compiled by the C++ compiler and linked beside shim.c.
 //
-// It leaves a program that the host stops by forced unwinding, as pthread_exit does, so that destructors of automatic
-// objects run; it tells of an exception that nobody catches; and it gives std::random_device the robot's own numbers.
+// It leaves a stopped program by forced unwinding, as pthread_exit does, so that destructors of automatic
+// objects run; it reports uncaught exceptions; and it feeds std::random_device from the robot's own stream.
 #include <cxxabi.h>
 #include <unwind.h>
 
@@ -16,7 +16,7 @@
 
 struct frame;
 
-// Of shim.c.
+// Defined in shim.c.
 extern "C" {
 HIDDEN [[noreturn]] void eyesim_jump(struct frame *frame);
 HIDDEN [[noreturn]] void eyesim_uncaught(const char *text);
@@ -26,17 +26,17 @@ HIDDEN std::uint32_t eyesim_entropy();
 
 namespace {
 
-// The exception that no handler names: the way out of the program.
+// Exception that leaves the program; its type is private, so that no handler names it.
 struct Leaving {
     _Unwind_Exception exception; // first: the unwinder hands it back
     struct frame *frame;
 };
 
-// Called for each function that is left, the innermost first.
+// Called for each unwound frame, the innermost first.
 _Unwind_Reason_Code step(int, _Unwind_Action actions, _Unwind_Exception_Class, _Unwind_Exception *,
                          _Unwind_Context *context, void *frame)
 {
-    // The stack grows down: what lies above the frame is the host's.
+    // The stack grows down: everything above the frame belongs to the host.
     const bool is_out = (actions & _UA_END_OF_STACK) != 0 ||
                         _Unwind_GetCFA(context) >= reinterpret_cast<std::uintptr_t>(frame);
     if (is_out)
@@ -44,13 +44,13 @@ _Unwind_Reason_Code step(int, _Unwind_Action actions, _Unwind_Exception_Class, _
     return _URC_NO_REASON;
 }
 
-// A `catch (...)` that does not throw on: the rest of the stack is left without destructors.
+// Called if a `catch (...)` does not rethrow: the rest of the stack is left without destructors.
 void swallowed(_Unwind_Reason_Code, _Unwind_Exception *exception)
 {
     eyesim_jump(reinterpret_cast<Leaving *>(exception)->frame);
 }
 
-// Name of a type as the program writes it. Allocates: the program has ended.
+// Demangled name of a type. May allocate, since the program has ended.
 const char *name_of(const std::type_info &type)
 {
     int status = 0;
@@ -83,7 +83,7 @@ const char *name_of(const std::type_info &type)
 
 } // namespace
 
-// Runs the destructors between here and `frame`, and jumps there. Returns where the stack cannot be walked.
+// Runs the destructors between here and `frame`, and jumps there. Returns if the stack cannot be walked.
 extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
 {
     Leaving *leaving = static_cast<Leaving *>(std::calloc(1, sizeof(Leaving)));
@@ -94,7 +94,7 @@ extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
     _Unwind_ForcedUnwind(&leaving->exception, step, frame);
 }
 
-// std::random_device of libstdc++ would ask the processor.
+// std::random_device of libstdc++ would use the processor's generator.
 extern "C" {
 void device_init(void *, const void *) NAMED(_ZNSt13random_device7_M_initERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE);
 void device_init_old(void *, const void *) NAMED(_ZNSt13random_device7_M_initERKSs);

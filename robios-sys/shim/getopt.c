@@ -12,7 +12,7 @@ WEAK int optopt = '?';
 static const char *next_letter; /* within a group such as -abc */
 static int skipped;             /* arguments that are none of an option and stood before the current one */
 
-/* Moves the next option in front of the arguments that are none; returns 0 if there is no option. */
+/* Moves the next option in front of the non-option arguments; returns 0 if there is no option. */
 static int to_next_option(int argc, char **argv, int may_move)
 {
     int at = optind;
@@ -30,7 +30,7 @@ static int to_next_option(int argc, char **argv, int may_move)
     return 1;
 }
 
-/* Moves the argument of an option, which stands behind arguments that are none, next to it. */
+/* Moves the argument of an option next to it, past the non-option arguments between them. */
 static char *take_argument(int argc, char **argv)
 {
     int at = optind + skipped;

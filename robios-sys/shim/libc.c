@@ -1,7 +1,7 @@
-/* The functions of the C library that must not break out of the robot or of virtual time; part of shim.c.
+/* Interposed functions of the C library, which confine the program to its robot and to virtual time; part of shim.c.
  *
- * Each is defined under its own name for the linker and another one here, so that it cannot clash with how the
- * system's headers declare it. docs/c-library.md lists them. */
+ * Each has its name in the C library for the linker and another name in this source, so that it cannot clash with the
+ * declarations of the system's headers. docs/c-library.md lists them. */
 #include <err.h>
 #include <errno.h>
 #include <error.h>
@@ -30,14 +30,14 @@
 enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
 enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4, FAILED_EXCEPTION = 6, FAILED_IMAGE = 7 };
 
-/* ---- console: lines go to the host; nothing of it is left in a FILE ---- */
+/* ---- console: lines go to the host; no text is left in a FILE ---- */
 
 /* The streams of this library, instead of the host's. */
 WEAK FILE *stdin;
 WEAK FILE *stdout;
 WEAK FILE *stderr;
 
-/* Sends what has been collected. The program is not left from here: a FILE may be in use. */
+/* Sends the collected text. Never leaves the program, since a FILE may be in use. */
 static void send_line(struct console *console)
 {
     int32_t result = 0;
@@ -80,13 +80,13 @@ static FILE *opened(struct console *console, const char *mode)
     FILE *stream = fopencookie(console, mode, functions);
     if (stream != NULL) {
         setvbuf(stream, NULL, _IONBF, 0);
-        /* A thread that is parked for ever after a fault must not hold a lock that ends of the process wait for. */
+        /* A thread that is parked for ever after a fault must not hold a lock that the exit of the process waits for. */
         __fsetlocking(stream, FSETLOCKING_BYCALLER);
     }
     return stream;
 }
 
-/* Before the streams of C++ are made of these: from GCC 13 on with priority 90. */
+/* Runs before the streams of C++ are constructed from these: with priority 90 from GCC 13 on. */
 __attribute__((constructor(50))) static void open_console(void)
 {
     stdin = opened(NULL, "r");
@@ -118,7 +118,7 @@ static void flush_console(void)
     send_line(&self.err);
 }
 
-/* After output: leaves the program if the host wants so; other tasks may run, as they may not where a FILE is in use. */
+/* Runs after output, with no FILE in use: leaves the program if the host has stopped it, and lets other tasks run. */
 static int written(int result)
 {
     if (self.wants_out && !self.frame->is_left)
@@ -143,7 +143,7 @@ static struct console *console_of(int descriptor)
         return written(result_);                                                                                        \
     } while (0)
 
-/* Those that name their stream are replaced for one reason: that a program which only prints can be stopped. */
+/* Functions with a stream argument are interposed only so that a program which only prints can be stopped. */
 LIBC(int, fputc, (int c, FILE *stream))
 {
     return written(fputc_unlocked(c, stream));
@@ -217,7 +217,7 @@ LIBC(int, fflush, (FILE *stream))
 {
     if (stream != NULL)
         return fflush_unlocked(stream);
-    /* Not the streams of other robots and of the host. */
+    /* Does not flush the streams of other robots and of the host. */
     fflush_unlocked(stdout);
     return fflush_unlocked(stderr);
 }
@@ -292,7 +292,7 @@ LIBC(ssize_t, writev, (int descriptor, const struct iovec *parts, int count))
     written(0);
     return len;
 }
-/* Those of the robot's own streams, which have none. */
+/* Descriptors of the robot's own streams, which have none in the system. */
 LIBC(int, fileno, (FILE *stream))
 {
     if (stream == NULL || (stream != stdin && stream != stdout && stream != stderr))
@@ -332,7 +332,7 @@ static int add_at_end(struct at_end **list, struct at_end function)
     return 0;
 }
 
-/* Calls what is to be called at the end, the last first; each once, even when one of them ends the program again. */
+/* Calls the functions registered for the end, in reverse order; each once, even if one of them ends the program again. */
 static void call_at_end(struct at_end **list, int exit_code)
 {
     while (*list != NULL) {
@@ -349,7 +349,7 @@ static void call_at_end(struct at_end **list, int exit_code)
 }
 
 #ifdef EYESIM_CPP
-/* Destructors of objects that belong to a thread. */
+/* Destructors of thread-local objects. */
 static __thread struct at_end *at_thread_end;
 
 static void end_thread(void)
@@ -364,7 +364,7 @@ LIBC(int, __cxa_thread_atexit_impl, (void (*function)(void *), void *data, void 
     return add_at_end(&at_thread_end, added);
 }
 
-/* The destructors of static objects, for a program that the host stops. */
+/* Runs the destructors of static objects, for a program that the host stops. */
 static void destroy_at_end(void)
 {
     end_thread();
@@ -389,7 +389,7 @@ static _Noreturn void end_program(int exit_code)
     leave(exit_code);
 }
 
-/* The program cannot go on; nothing of it is run any more. */
+/* Reports that the program cannot go on, and leaves it without running any more of its code. */
 static _Noreturn void fail(int32_t kind, const char *text)
 {
     int32_t result;
@@ -601,7 +601,7 @@ LIBC(int, __snprintf_chk, (char *to, size_t len, int flag, size_t room, const ch
     va_end(arguments);
     return result;
 }
-/* The room is unknown where it is the largest number; what is written then is not bounded, as with sprintf. */
+/* The largest number means an unknown buffer size: output is then unbounded, as with sprintf. */
 static int printed_into(char *to, size_t room, const char *name, const char *format, va_list arguments)
 {
     int len;
@@ -658,7 +658,7 @@ LIBC(void, srand, (unsigned value)) { seed(RAND, value); }
 LIBC(long, random, (void)) { return (long)(random_bits(RANDOM) >> 33); }
 LIBC(void, srandom, (unsigned value)) { seed(RANDOM, value); }
 
-/* The 48-bit generator as POSIX has it; only where it starts without a seed is the robot's own. */
+/* The 48-bit generator of POSIX; only its unseeded start is the robot's own. */
 static struct {
     int is_seeded;
     uint64_t state, multiplier;
@@ -869,7 +869,7 @@ static int is_span(const struct timespec *span)
     return span->tv_sec >= 0 && span->tv_nsec >= 0 && span->tv_nsec < 1000000000;
 }
 
-/* Rounded up: nobody sleeps too short. */
+/* Rounded up, so that no sleep is too short. */
 static int64_t us_of(const struct timespec *span)
 {
     int64_t longest = INT64_MAX / MILLION - 1;
@@ -920,7 +920,7 @@ LIBC(int, pause, (void))
     errno = EINTR;
     return -1;
 }
-/* Waiting for nothing but time is sleeping. */
+/* A wait for time alone is a sleep. */
 LIBC(int, select, (int count, fd_set *read, fd_set *write, fd_set *except, struct timeval *span))
 {
     (void)count;

@@ -1,10 +1,10 @@
 /* Threads of POSIX and of C11, which are tasks of the robot; part of shim.c.
  *
- * One task runs at a time, and tasks change only inside of calls to the host: so what lies between two calls is never
- * disturbed, and the state of mutexes and the like needs no protection. Every function costs one call (`begin`), acts
- * after it, and wakes or waits without further cost. What is released goes to the task that has waited longest for it.
+ * One task runs at a time, and tasks switch only inside calls to the host: code between two calls is never
+ * interrupted, and the state of mutexes and the like needs no protection. Every function costs one call (`begin`), acts
+ * after it, and wakes or waits without further cost. A released resource goes to the task that has waited longest.
  *
- * The memory of pthread_mutex_t and the others is used in a way of our own; all zero is the initial state, and kinds are
+ * The shim has its own layout of pthread_mutex_t and the others: all zero is the initial state, and kinds are
  * where the system's initialisers put them. A pthread_t is the number of a task. Attributes are the system's. */
 #include <limits.h>
 #include <pthread.h>
@@ -19,7 +19,7 @@ enum { MUTEX = 1, CONDITION, SEMAPHORE, RWLOCK, BARRIER, ONCE, STREAM, TASK_END,
 #define FOREVER INT64_MAX
 #define NOW INT64_MIN
 
-/* A task, from its start until nobody can ask for it any more. */
+/* A task, from its start until it has ended and cannot be joined any more. */
 struct task {
     struct task *next;
     int32_t number;
@@ -53,7 +53,7 @@ static struct task *task_numbered(pthread_t number)
     return task;
 }
 
-/* The frame of the task that this thread runs, wherever the others are. */
+/* The frame of the task that this thread runs. */
 static struct frame *frame_of_thread(void)
 {
     const void *thread = this_thread();
@@ -68,7 +68,7 @@ static struct frame *frame_of_thread(void)
 
 /* ---- calls ---- */
 
-/* Calls the host for `task`, whose function was called at its `site`; the status. Does nothing outside of the run. */
+/* Calls the host with the call site of the current task; sets the status. Does nothing outside of the run. */
 #define TASK_CALL(status, name, ...)                                                                                    \
     do {                                                                                                                \
         status = 0;                                                                                                     \
@@ -80,7 +80,7 @@ static struct frame *frame_of_thread(void)
         }                                                                                                               \
     } while (0)
 
-/* The cost of a function that the program called at `site`; who calls it. Other tasks may run meanwhile. */
+/* Charges the cost of a function called at `site`; returns the calling task. Other tasks may run meanwhile. */
 static struct task *begin(const void *site)
 {
     struct task *task = this_task();
@@ -93,7 +93,7 @@ static struct task *begin(const void *site)
 }
 #define BEGIN() begin(__builtin_return_address(0))
 
-/* Waits in the queue of `key` while others run: 1 when woken, 0 at the deadline, -1 when it is to be cancelled. */
+/* Waits in the queue of `key` while others run: 1 when woken, 0 at the deadline, -1 when the task is cancelled. */
 static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadline)
 {
     int32_t status, is_woken = 0;
@@ -105,7 +105,7 @@ static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadl
     return is_woken;
 }
 
-/* The same for what is no point of cancellation: who is killed meanwhile ends here. */
+/* As wait_for, for functions that are no cancellation points: the task ends here if it was killed while waiting. */
 static int wait_unless_killed(const void *key, int32_t kind, int32_t holder, int64_t deadline)
 {
     const int is_woken = wait_for(key, kind, holder, deadline);
@@ -114,7 +114,7 @@ static int wait_unless_killed(const void *key, int32_t kind, int32_t holder, int
     return is_woken;
 }
 
-/* Makes the task ready that has waited longest; its number, 0 for none. */
+/* Wakes the task that has waited longest; returns its number, 0 for none. */
 static int32_t wake(const void *key)
 {
     int32_t status, number = 0;
@@ -131,7 +131,7 @@ static int32_t wake_all(const void *key)
     return count;
 }
 
-/* The others may run, if a tick has passed; for functions that must not be disturbed. */
+/* Lets other tasks run if a tick has passed; called after a section in which tasks must not switch. */
 static void turn(void)
 {
     int32_t status, result;
@@ -143,7 +143,7 @@ static void turn(void)
         stop();
 }
 
-/* A point in time as the program gives it. */
+/* A point in time given by the program. */
 static int is_time(const struct timespec *at) { return at->tv_nsec >= 0 && at->tv_nsec < 1000000000; }
 static int64_t deadline_of(clockid_t clock, const struct timespec *at)
 {
@@ -178,7 +178,7 @@ static void call_destructors(struct task *task)
     task->value_count = 0;
 }
 
-/* Nobody will ask for the task any more. */
+/* Removes a task that cannot be joined any more. */
 static void forget(struct task *task)
 {
     struct task **place = &tasks;
@@ -199,7 +199,7 @@ static void note_end(struct task *task)
         forget(task);
 }
 
-/* A task of the program has ended. */
+/* Counts a task as ended. */
 static void remove_task(struct task *task)
 {
     if (--other_tasks == 0)
@@ -207,10 +207,10 @@ static void remove_task(struct task *task)
     note_end(task);
 }
 
-/* longjmp: a handler's buffer begins as a jmp_buf does, but ends before the mask of signals. */
+/* longjmp: a handler's buffer begins like a jmp_buf but ends before the signal mask. */
 _Noreturn void jump_to_handler(__pthread_unwind_buf_t *handler, int value) __asm__("longjmp");
 
-/* Leaves the task: the handlers that it has pushed first, the last one first. */
+/* Ends the task, after its cleanup handlers in reverse order. */
 static _Noreturn void unwind_task(struct task *task)
 {
     __pthread_unwind_buf_t *handler = task->cleanup;
@@ -247,7 +247,7 @@ static __attribute__((noinline)) void *start_outermost(struct task *task)
     return task->start != NULL ? task->start(task->argument) : (void *)(intptr_t)task->start_c11(task->argument);
 }
 
-/* The life of a task, on a thread of its own. */
+/* Runs a task on its own thread. */
 static int32_t run_task(void *data)
 {
     struct task *const task = data;
@@ -273,7 +273,7 @@ static int32_t run_task(void *data)
     }
 }
 
-/* `main` has called pthread_exit: the program ends when all other tasks have. */
+/* Handles pthread_exit in `main`: the program ends when all other tasks have ended. */
 static void end_main_task(void)
 {
     call_destructors(&main_task);
@@ -410,7 +410,7 @@ LIBC(int, pthread_yield, (void))
     return 0;
 }
 
-/* Functions that are to be done once: 0 at first, then minus the number of who does it, then 1. */
+/* One-time initialisation. The control is 0 at first, then minus the number of the initialising task, then 1. */
 static void do_once(const void *site, int *once, void (*function)(void))
 {
     struct task *me = begin(site);
@@ -430,7 +430,7 @@ LIBC(int, pthread_once, (pthread_once_t *once, void (*function)(void)))
     return 0;
 }
 
-/* ---- cancelling: at calls that may wait, and at every call of RoBIOS ---- */
+/* ---- cancellation: at calls that may wait, and at every call of RoBIOS ---- */
 
 static int is_cancelled(void)
 {
@@ -487,7 +487,7 @@ LIBC(int, pthread_setcanceltype, (int type, int *before))
     return 0;
 }
 
-/* What pthread_cleanup_push and pop of C become. */
+/* Functions that the macros pthread_cleanup_push and pop expand to in C. */
 LIBC(void, __pthread_register_cancel, (__pthread_unwind_buf_t * handler))
 {
     struct task *task = this_task();
@@ -704,7 +704,7 @@ LIBC(int, pthread_cond_broadcast, (pthread_cond_t *condition))
     return 0;
 }
 
-/* ---- streams that a task has locked: the system's locks would stop the whole robot ---- */
+/* ---- locks of streams: the system's locks would stop the whole robot ---- */
 
 struct stream_lock {
     struct stream_lock *next;
@@ -994,7 +994,7 @@ LIBC(int, pthread_barrier_wait, (pthread_barrier_t *at))
     return PTHREAD_BARRIER_SERIAL_THREAD;
 }
 
-/* ---- values of a task's own ---- */
+/* ---- thread-specific values ---- */
 
 static int add_key(unsigned *to, void (*destructor)(void *))
 {
@@ -1056,7 +1056,7 @@ LIBC(int, pthread_key_delete, (pthread_key_t key)) { return remove_key(key); }
 LIBC(int, pthread_setspecific, (pthread_key_t key, const void *value)) { return set_value(key, value); }
 LIBC(void *, pthread_getspecific, (pthread_key_t key)) { return value_of(key); }
 
-/* ---- what else is asked of a thread: accepted, without an effect ---- */
+/* ---- other functions of threads: accepted, without an effect ---- */
 
 LIBC(int, pthread_setname_np, (pthread_t which, const char *name))
 {

@@ -1,9 +1,9 @@
-/* The RoBIOS 6 functions whose form in C is not that of the call; part of shim.c. */
+/* RoBIOS 6 functions whose signature in C differs from that of the call; part of shim.c. */
 #include "hdt.h"
 
 static int32_t task_of(const struct tcb *task)
 {
-    /* A struct of the program's own, all zero, is no task; least of all the current one. */
+    /* A zeroed struct of the program is no task, and must not stand for the current one, which has number 0. */
     return task == NULL ? 0 : task->id == 0 ? -1 : task->id;
 }
 
@@ -57,7 +57,7 @@ WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int p
     if (handle != NULL && task != NULL) {
         task->start_plain = code;
         task->is_detached = 1;
-        /* No other task runs before this one is made ready, which takes another call. */
+        /* The new task cannot run yet: another call must make it ready first. */
         ROBIOS(OSSpawn, text_of(name), callback, stksiz, pri, uid, &id);
     }
     if (id == 0) {
@@ -77,7 +77,7 @@ WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int p
     return handle;
 }
 
-/* A task that is to be left at its next call, if it is one that can be left. */
+/* Marks a task to end at its next call, if it can be ended. */
 static void mark_as_killed(struct task *task)
 {
     if (is_multitasking && task != NULL && task != &main_task && !task->is_ending) {
@@ -92,7 +92,7 @@ WEAK int OSKill(struct tcb *thread)
     struct task *task = thread == NULL ? this_task() : task_numbered((pthread_t)thread->id);
     mark_as_killed(task);
     ROBIOS(OSKill, task_of(thread), &result);
-    /* A task that ran has forgotten itself by now. */
+    /* A task that has run has removed itself by now. */
     if (thread != NULL && result == 0 && (task = task_numbered((pthread_t)thread->id)) != NULL && !task->has_begun)
         remove_task(task);
     return result;

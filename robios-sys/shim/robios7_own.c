@@ -1,4 +1,4 @@
-/* The RoBIOS-7 functions whose form in C is not that of the call, and those of older headers; part of shim.c. */
+/* RoBIOS-7 functions whose signature in C differs from that of the call, and functions of older headers; part of shim.c. */
 #undef OSExecute
 #undef RADIOSend
 #undef SERSend
@@ -20,7 +20,7 @@ WEAK int CAMWIDTH = QVGA_X, CAMHEIGHT = QVGA_Y, CAMPIXELS = QVGA_PIXELS, CAMSIZE
 WEAK int IP_WIDTH = QVGA_X, IP_HEIGHT = QVGA_Y, IP_PIXELS = QVGA_PIXELS, IP_SIZE = QVGA_SIZE;
 static int shown_width = QVGA_X, shown_height = QVGA_Y; /* of the images for the display */
 
-/* The size of a resolution; 0 if there is none of that number. CUSTOM leaves the size as it is. */
+/* Looks up the size of a resolution; 0 if there is no such resolution. CUSTOM leaves the size unchanged. */
 static int size_of(int resolution, int *width, int *height)
 {
     static const struct {
@@ -51,8 +51,8 @@ static void set_ip_size(int width, int height)
 static struct eyesim_bytes grey_of(const BYTE *image) { return bytes_of(image, (size_t)IP_PIXELS); }
 static struct eyesim_bytes colours_of(const BYTE *image) { return bytes_of(image, (size_t)IP_SIZE); }
 
-/* Room for an image of so many items. One that would go on beyond the program's own part of the stack is refused, since behind
-   it lies what the simulator needs to tell of any mistake. */
+/* Buffer for an image of `items` items. A buffer that extends beyond the program's part of the stack is refused, since behind
+   it lies memory that the simulator needs to report errors. */
 static struct eyesim_room image_room(void *image, int items, size_t item)
 {
     const char *start = image, *end = (const char *)this_task()->base;

@@ -1,15 +1,15 @@
-/* The part of a C program's library that is not the program: its entry, its RoBIOS functions, and its C library.
+/* Shim of a C program's library: its entry point, its RoBIOS functions, and the interposed functions of the C library.
  *
- * One file with its parts, compiled once for every library: it has globals of its own in each copy.
- *   robios6.c, robios7.c          the RoBIOS functions that follow from the lists (generated); one of them, as eyebot.h says
- *   robios6_own.c, robios7_own.c  those whose form in C is not that of the call
- *   libc.c     the functions of the C library that must not break out of the robot or of virtual time
+ * Compiled once for every library, with the files that it includes: each copy has its own globals.
+ *   robios6.c, robios7.c          the RoBIOS functions that follow from the lists (generated); eyebot.h selects one of them
+ *   robios6_own.c, robios7_own.c  the RoBIOS functions whose signature in C differs from that of the call
+ *   libc.c     the interposed functions of the C library
  *   getopt.c   getopt, whose state all copies of a library would share
  *   pthread.c  threads, which are tasks of the robot
  * Programs with parts in C++ (EYESIM_CPP) have cpp.cpp beside it.
  *
  * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
- * replaces. Calls that a program makes outside of its run (constructors, other threads) do nothing and give 0. */
+ * interposes. Calls made outside of the program's run (constructors, other threads) do nothing and return 0. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -30,7 +30,7 @@
 #define CONSOLE_LINE 1024
 #define MOST_IGNORED_CALLS 10000
 
-/* In a function: nobody looks further out on the stack, be it for handlers of an exception. */
+/* Marks a function as the outermost frame: unwinding, also in search of exception handlers, stops there. */
 #if defined __x86_64__
 #define OUTERMOST __asm__ volatile(".cfi_undefined rip")
 #elif defined __i386__
@@ -43,7 +43,7 @@
 #define OUTERMOST ((void)0)
 #endif
 
-/* A place to leave the program to: the start of its task, or of the timer function that is running. */
+/* Target of a jump that leaves the program: the start of its task, or of the running timer function. */
 struct frame {
     jmp_buf place;
     struct frame *outer;
@@ -53,7 +53,7 @@ struct frame {
     int way_out; /* what unwinding brings to it in the end; 0 is LEAVES */
 };
 
-/* What longjmp brings to a frame. */
+/* Values that longjmp passes to a frame. */
 enum { LEAVES = 1, TASK_ENDS = 2 };
 
 /* A function to be called when the program ends. */
@@ -65,7 +65,7 @@ struct at_end {
     void *data;
 };
 
-/* A console stream: what was written since the last end of a line. */
+/* A console stream: the text since the last end of a line. */
 struct console {
     int32_t number;
     size_t used;
@@ -86,7 +86,7 @@ static struct {
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
 
-/* The thread that runs this. */
+/* The calling thread. */
 static inline const void *this_thread(void)
 {
     const void *thread;
@@ -100,7 +100,7 @@ static inline const void *this_thread(void)
     return thread;
 }
 
-/* Whether the program may call the host: while it runs, on a thread of one of its tasks. */
+/* True if the program may call the host: it is running, and the caller is on the thread of its current task. */
 static inline int may_call(void)
 {
     return self.host != NULL && self.frame != NULL && self.frame->thread == this_thread();
@@ -109,10 +109,10 @@ static inline int may_call(void)
 /* ---- leaving the program ---- */
 
 #ifdef EYESIM_CPP
-/* Of cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns where it cannot. */
+/* In cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns if it cannot. */
 HIDDEN void eyesim_unwind(struct frame *frame);
 
-/* Where unwinding ends. */
+/* Jumps to a frame at the end of unwinding. */
 HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
 {
     longjmp(frame->place, frame->way_out);
@@ -121,7 +121,7 @@ HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
 #define eyesim_unwind(frame) ((void)(frame))
 #endif
 
-/* Ends the program from wherever it is; the first exit code counts. */
+/* Ends the program from any call depth; the first exit code counts. */
 static _Noreturn void leave(int exit_code)
 {
     if (!self.is_leaving) {
@@ -137,7 +137,7 @@ static _Noreturn void leave(int exit_code)
     longjmp(self.frame->place, LEAVES);
 }
 
-/* The host has stopped the task that runs: it was killed or cancelled, or else the program is to be left. */
+/* Handles a stop by the host: the running task was killed or cancelled, or else the program must end. */
 static _Noreturn void stop(void);
 
 static int is_cancelled(void);
@@ -145,8 +145,8 @@ static struct frame *frame_of_thread(void);
 static void turn(void);
 static _Noreturn void cancel_self(void);
 
-/* Whether a call reaches the host: not outside of the run, and not from destructors while the program is being left.
- * Those that wait for something in a loop are left as well. */
+/* True if a call reaches the host: not outside of the run, and not from destructors while the program ends.
+ * A destructor that waits in a loop is left after MOST_IGNORED_CALLS calls. */
 static int reaches_host(void)
 {
     if (!may_call() || !self.is_leaving)
@@ -156,7 +156,7 @@ static int reaches_host(void)
     return 0;
 }
 
-/* After each call: tasks change only inside of calls, so the frame is that of the task which goes on. */
+/* Runs after each call: tasks switch only inside calls, so `frame` is that of the task that continues. */
 static void returned(int32_t status, struct frame *frame)
 {
     self.frame = frame;
@@ -198,7 +198,7 @@ static struct eyesim_room room_of(void *data, size_t len)
     return room;
 }
 
-/* A WAV file in memory, as long as its head says, or else a text. */
+/* A WAV file in memory, with the length from its header, or else a text. */
 static struct eyesim_bytes sample_of(const void *sample)
 {
     const unsigned char *size = (const unsigned char *)sample + 4;
@@ -214,7 +214,7 @@ static __attribute__((noinline)) void call_outermost(TimerFnc function)
     __asm__ volatile("");
 }
 
-/* Calls a function of the program for the host: leaving the program ends here, as the host's frames lie between. */
+/* Calls a function of the program for the host. Leaving the program stops here, because frames of the host lie below. */
 static int32_t called_back(void *data)
 {
     TimerFnc function;
@@ -250,7 +250,7 @@ static struct eyesim_callback callback_of(TimerFnc function)
 #include "getopt.c"
 #include "pthread.c"
 
-/* Formats as printf does; the text is at `local` or, when that is too short, to be freed. NULL: no format. */
+/* Formats as printf does. Returns `local`, or a buffer to be freed if `local` is too short; NULL without a format or on failure. */
 static char *formatted(char *local, size_t room, const char *format, va_list arguments)
 {
     va_list again;
@@ -309,7 +309,7 @@ WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
 /* ---- for cpp.cpp ---- */
 
 #ifdef EYESIM_CPP
-/* The program ends by an exception that nobody catches, or without a word while it is left anyway. */
+/* Ends the program by an uncaught exception, or silently (NULL) while the program is ending anyway. */
 HIDDEN _Noreturn void eyesim_uncaught(const char *text)
 {
     if (text != NULL)
@@ -330,7 +330,7 @@ extern int main(int argc, char **argv, char **environment);
 extern const char __ehdr_start HIDDEN;
 extern ElfW(Dyn) _DYNAMIC[] HIDDEN;
 
-/* The arguments as `main` may change them; kept as long as the library. */
+/* Copy of the arguments, which `main` may change; kept as long as the library. */
 static __attribute__((noinline)) char **copied_arguments(int argc, const char *const *argv)
 {
     int i;
@@ -343,7 +343,7 @@ static __attribute__((noinline)) char **copied_arguments(int argc, const char *c
 
 static char *environment[1];
 
-/* The library's constructors, which the dynamic linker does not see: they run as a part of the program. */
+/* Runs the library's constructors, which are hidden from the dynamic linker, as a part of the program. */
 static void construct(int argc, char **argv)
 {
     static int is_constructed;
@@ -364,7 +364,7 @@ static void construct(int argc, char **argv)
         constructors[i](argc, argv, environment);
 }
 
-/* The whole life of the program, below which no exception looks for a handler. */
+/* Runs the whole program; no exception is propagated beyond this frame. */
 static __attribute__((noinline)) _Noreturn void live(int argc, char **argv)
 {
     int exit_code = 0;

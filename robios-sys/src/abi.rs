@@ -1,35 +1,35 @@
-//! What crosses between the host and a program's library besides the calls: the status of a call, the root of the
+//! Interface between the host and a program's library besides the calls: the status of a call, the root of the
 //! tables, and the program's one exported symbol.
 
 use std::ffi::{c_char, c_int, c_void};
 
 use crate::{robios6::Robios6Table, robios7::Robios7Table, support::SupportTable};
 
-/// The version of everything in this crate that has a layout: a host runs only programs that state the same one.
+/// Version of all layouts in this crate: a host runs only programs built for the same version.
 ///
-/// It grows when something existing changes. Functions appended to a table do not change it: see
+/// Increased when an existing layout changes, but not when functions are appended to a table: see
 /// [`Program::support_size`].
 pub const ABI_VERSION: u32 = 1;
 
 /// The name of the one symbol that a program's library exports: a constant [`Program`].
 pub const PROGRAM_SYMBOL: &str = "eyesim_program";
 
-/// What [`Program::run`] returns when it left the program because a call had answered [`Status::STOP`].
+/// Result of [`Program::run`] after a call was answered with [`Status::STOP`].
 ///
-/// The host knows better than this number whether it has stopped the program; no C program is kept from returning it.
+/// The host does not rely on this number to know that it has stopped the program: a C program may return it too.
 pub const EXIT_STOPPED: c_int = c_int::MIN;
 
-/// What [`Program::run`] returns after `abort`, a failed assertion or a smashed stack: 128 + SIGABRT, as in a shell.
+/// Result of [`Program::run`] after `abort`, a failed assertion or a smashed stack: 128 + SIGABRT, as in a shell.
 pub const EXIT_ABORTED: c_int = 134;
 
-/// What [`Program::run`] of a Rust program returns after a panic, as the Rust run time does.
+/// Result of [`Program::run`] of a Rust program after a panic, as in the Rust run time.
 pub const EXIT_PANICKED: c_int = 101;
 
-/// Tags of a library's dynamic section in place of `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ`: its constructors are called by
-/// [`Program::run`], as a part of the program, and not by the dynamic linker, which knows neither tag.
+/// Tags that replace `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` in a library's dynamic section: the dynamic linker ignores them, and
+/// [`Program::run`] calls the constructors as a part of the program.
 pub const CONSTRUCTOR_TAGS: [u32; 2] = [0x6579_0001, 0x6579_0002];
 
-/// Whether the program goes on after a call.
+/// Status of a call: the program goes on or must end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 #[must_use]
@@ -38,9 +38,9 @@ pub struct Status(pub i32);
 impl Status {
     /// The call was carried out and its result written.
     pub const OK: Self = Self(0);
-    /// The program must be left: no result was written, and no further call will do anything.
+    /// The program must end: no result was written, and further calls have no effect.
     ///
-    /// The program's shim leaves it: C by `longjmp`, Rust by unwinding with a private payload.
+    /// The program's shim ends it: C by `longjmp`, Rust by unwinding with a private payload.
     pub const STOP: Self = Self(1);
 }
 
@@ -56,9 +56,9 @@ impl std::fmt::Display for Stop {
 
 impl std::error::Error for Stop {}
 
-/// The root that a program gets: every table that the host offers. Valid until [`Program::run`] has returned.
+/// Root structure passed to a program: all tables that the host offers. Valid until [`Program::run`] has returned.
 ///
-/// Only appended to; a host sets tables of generations other than the program's to null.
+/// Fields are only appended; tables of generations other than the program's are null.
 #[repr(C)]
 pub struct Host {
     /// Bytes of this struct in the host.
@@ -95,7 +95,7 @@ impl Host {
     }
 }
 
-/// The language that a program's shim was written for, [`Program::language`].
+/// Language of a program's shim, [`Program::language`].
 pub mod language {
     /// C, with `shim.c`.
     pub const C: u32 = 1;
@@ -107,29 +107,29 @@ pub mod language {
 
 /// Bits of [`Program::flags`].
 pub mod flag {
-    /// `main` returns no value: what `run` returns says nothing, and the exit code is 0.
+    /// `main` returns no value: the result of `run` is meaningless, and the exit code is 0.
     pub const VOID_MAIN: u32 = 1;
 }
 
 /// Runs the program's `main` once, on the calling thread, and returns its exit code.
 ///
-/// `host` and `robot` are valid until it returns; `robot` is handed back in every call. `argv` has `argc` strings
+/// `host` and `robot` are valid until it returns; `robot` is passed back in every call. `argv` has `argc` strings
 /// that end in 0, then a null pointer, all valid until it returns; the C shim copies them, as `main` may change them.
 pub type Run =
     unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
 
-/// Where the program called the function that it is in; written by its shim before each call, read by the host to tell where a
+/// Location of the program's call in progress, written by its shim before each call and read by the host to report where a
 /// program waits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallSite {
-    /// An address in the program's code just behind the call; null where `file` tells.
+    /// Address in the program's code just after the call; null if `file` is given.
     pub address: *const c_void,
-    /// Name of the source file, valid as long as the program; null where `address` tells.
+    /// Name of the source file, valid as long as the program; null if `address` is given.
     pub file: *const u8,
-    /// Bytes of the name.
+    /// Length of the name in bytes.
     pub file_len: usize,
-    /// Line in it, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
 }
 
@@ -143,7 +143,7 @@ impl CallSite {
     pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
 }
 
-/// What a program's library exports under [`PROGRAM_SYMBOL`]. Only appended to.
+/// Description of a program, exported by its library as [`PROGRAM_SYMBOL`]. Fields are only appended.
 #[repr(C)]
 pub struct Program {
     /// Bytes of this struct in the program.
@@ -156,14 +156,14 @@ pub struct Program {
     pub flags: u32,
     /// One of [`language`].
     pub language: u32,
-    /// Bytes of the [`SupportTable`] that the program knows. A host that offers fewer must refuse the program.
+    /// Size of the [`SupportTable`] known to the program, in bytes. A host with a smaller table must refuse the program.
     pub support_size: u32,
-    /// Bytes of its generation's table that the program knows. A host that offers fewer must refuse the program.
+    /// Size of its generation's table known to the program, in bytes. A host with a smaller table must refuse the program.
     pub robios_size: u32,
     /// Runs the program.
     pub run: Run,
-    /// Where the program is, in this copy of the library; null if its shim does not tell. Read only while the program is
-    /// suspended in a call.
+    /// Call site of the program in this copy of the library; null if its shim does not record it. Read only while the program
+    /// is suspended in a call.
     pub call_site: *const CallSite,
 }
 
@@ -197,10 +197,10 @@ impl Program {
         }
     }
 
-    /// Whether a host built with this crate can run the program.
+    /// Checks that a host built with this crate can run the program.
     ///
     /// # Errors
-    /// What does not fit, to be shown to the user.
+    /// The reason why it cannot, to be shown to the user.
     pub fn check(&self) -> Result<(), Misfit> {
         if self.abi != ABI_VERSION {
             return Err(Misfit::Abi { program: self.abi });
@@ -222,12 +222,12 @@ impl Program {
     }
 }
 
-/// Why a host refuses a program, see [`Program::check`].
+/// Reason why a host refuses a program, see [`Program::check`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
     /// Built against another ABI version.
     Abi {
-        /// The program's.
+        /// ABI version of the program.
         program: u32,
     },
     /// Of a RoBIOS generation that the host does not know.

@@ -1,4 +1,4 @@
-//! The macro that makes of one list of constants Rust constants and the `#define`s of a C header.
+//! Macro that generates Rust constants and the `#define`s of a C header from one list.
 
 /// One `#define` of a C header.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub struct Constant {
     pub doc: &'static [&'static str],
 }
 
-/// Makes of one list the constants and their description, which goes to a C header.
+/// Generates constants, and their description for a C header, from one list.
 macro_rules! constants {
     ($(#[$attribute:meta])* list $list:ident; $($(#[doc = $doc:expr])* $name:ident: $kind:ty = $value:expr;)*) => {
         $($(#[doc = $doc])* pub const $name: $kind = $value;)*

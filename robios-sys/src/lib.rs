@@ -1,12 +1,12 @@
 //! The C ABI between the simulator and a robot program: types, tables of functions, and the traits that a host
 //! implements. No logic.
 //!
-//! One list of functions for each group ([`support`], [`robios6`], [`robios7`]) gives the `#[repr(C)]` table that a program gets, a
-//! trait with one method a function, the thunks between them, and the description from which C headers and shim are
-//! written. A program's library exports one symbol, [`PROGRAM_SYMBOL`], a [`Program`]; its `run` gets a [`Host`].
+//! One list of functions per group ([`support`], [`robios6`], [`robios7`]) generates the `#[repr(C)]` table passed to a program, a
+//! trait with one method per function, the thunks between them, and the description from which C headers and shim are
+//! generated. A program's library exports one symbol, [`PROGRAM_SYMBOL`], a [`Program`]; its `run` gets a [`Host`].
 //!
-//! Pointers of a program are touched only in a thunk, before the host's method runs or after it has returned: so a
-//! wild pointer faults while the host holds no lock.
+//! Pointers of a program are dereferenced only in thunks, before the host's method runs or after it has returned: a
+//! wild pointer thus faults while the host holds no lock.
 
 mod abi;
 pub mod c;

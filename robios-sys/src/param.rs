@@ -1,7 +1,7 @@
-//! The kinds of parameters that a call can have: what crosses the ABI, and what the host's method sees of it.
+//! Kinds of parameters of a call: their form in the ABI, and their form for the host's method.
 //!
-//! A program's pointer is touched only while the host's method does not run: inputs are copied before it starts,
-//! outputs are written after it has returned. So a wild pointer faults while the host holds no lock, and the host
+//! A program's pointer is dereferenced only while the host's method does not run: inputs are copied before it starts,
+//! outputs are written after it has returned. A wild pointer thus faults while the host holds no lock, and the host
 //! keeps no pointer of a program.
 
 use std::ffi::c_void;
@@ -12,23 +12,23 @@ use crate::wire::{Malformed, NULL, Plain, Reader, Request, put_bytes};
 
 /// A kind of parameter: the type in the list of functions.
 pub trait Param {
-    /// What crosses the ABI, by value.
+    /// Form in the ABI, passed by value.
     type Abi: Copy;
-    /// What the thunk holds while the method runs.
+    /// Form held by the thunk while the method runs.
     type Held;
-    /// What the method gets.
+    /// Form passed to the method.
     type View<'a>;
 
-    /// Reads what the program passed, before the method runs.
+    /// Reads the argument of the program, before the method runs.
     ///
     /// # Safety
     /// A pointer in `abi` is null or may be read as its kind says.
     unsafe fn take(abi: Self::Abi) -> Self::Held;
 
-    /// What the method gets.
+    /// Argument for the method.
     fn view(held: &mut Self::Held) -> Self::View<'_>;
 
-    /// Writes what the method has set, after it has returned.
+    /// Writes the outputs set by the method, after it has returned.
     ///
     /// # Safety
     /// A pointer in `abi` is null or may be written as its kind says.
@@ -36,37 +36,37 @@ pub trait Param {
         let _ = (abi, held);
     }
 
-    /// Writes the argument as it is shown in a log of calls.
+    /// Formats the argument for a log of calls.
     ///
     /// # Errors
     /// Those of the formatter.
     fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
 
-    /// In the program's process: appends to a request what the method needs of the argument.
+    /// In the program's process: appends to a request the part of the argument that the method needs.
     fn send(held: &Self::Held, request: &mut Vec<u8>);
 
-    /// In the host: reads what [`send`](Self::send) has written.
+    /// In the host: reads an argument written by [`send`](Self::send).
     ///
     /// # Errors
-    /// [`Malformed`] if it is something else.
+    /// [`Malformed`] if the bytes are no such argument.
     fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
 
-    /// In the host: appends to a reply what the method has set.
+    /// In the host: appends to a reply the outputs set by the method.
     fn answer(held: &Self::Held, reply: &mut Vec<u8>) {
         let _ = (held, reply);
     }
 
-    /// In the program's process: reads what [`answer`](Self::answer) has written.
+    /// In the program's process: reads outputs written by [`answer`](Self::answer).
     ///
     /// # Errors
-    /// [`Malformed`] if it is something else.
+    /// [`Malformed`] if the bytes are no such outputs.
     fn hear(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let _ = (held, reply);
         Ok(())
     }
 }
 
-/// What a function returns.
+/// Result type of a function.
 pub trait Return: Copy {
     /// Appends the result to a reply.
     fn answer(&self, reply: &mut Vec<u8>);
@@ -77,7 +77,7 @@ pub trait Return: Copy {
     /// [`Malformed`] if there are too few bytes.
     fn hear(reply: &mut Reader<'_>) -> Result<Self, Malformed>;
 
-    /// Writes the result as it is shown in a log of calls; nothing for `()`.
+    /// Formats the result for a log of calls; nothing for `()`.
     ///
     /// # Errors
     /// Those of the formatter.
@@ -131,7 +131,7 @@ impl Return for () {
     }
 }
 
-/// Bytes of a program as they cross: pointer and length. A null pointer is "none", whatever the length.
+/// Bytes of a program in the ABI: pointer and length. A null pointer means "none", for any length.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct ByteSlice {
@@ -158,7 +158,7 @@ impl From<&str> for ByteSlice {
     }
 }
 
-/// Room for bytes of a program as it crosses: pointer and length. A null pointer is "not wanted".
+/// Buffer of a program in the ABI: pointer and length. A null pointer means "not wanted".
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct ByteRoom {
@@ -174,9 +174,9 @@ impl From<&mut [u8]> for ByteRoom {
     }
 }
 
-/// Text: in C a string that ends in 0, across the ABI [`ByteSlice`] without the 0, for the host `Option<&[u8]>`.
+/// Text: a string that ends in 0 in C, [`ByteSlice`] without the 0 in the ABI, `Option<&[u8]>` for the host.
 ///
-/// The bytes are what the program wrote, in whatever encoding; `None` for a null pointer.
+/// The bytes are in the encoding chosen by the program; `None` for a null pointer.
 #[derive(Debug)]
 pub enum Text {}
 
@@ -206,7 +206,7 @@ impl Param for Text {
     }
 }
 
-/// Bytes with a length: across the ABI [`ByteSlice`], for the host `Option<&[u8]>`, `None` for a null pointer.
+/// Bytes with a length: [`ByteSlice`] in the ABI, `Option<&[u8]>` for the host, `None` for a null pointer.
 #[derive(Debug)]
 pub enum Bytes {}
 
@@ -236,7 +236,7 @@ impl Param for Bytes {
     }
 }
 
-/// A copy of a program's bytes.
+/// Copies a program's bytes.
 ///
 /// # Safety
 /// `slice` is null or readable.
@@ -275,7 +275,7 @@ impl<T: Plain> Param for In<T> {
     }
 }
 
-/// Appends whether there is a value, and the value.
+/// Appends a flag, and the value if there is one.
 fn put_option<T: Plain>(value: Option<&T>, to: &mut Vec<u8>) {
     to.push(u8::from(value.is_some()));
     if let Some(value) = value {
@@ -283,7 +283,7 @@ fn put_option<T: Plain>(value: Option<&T>, to: &mut Vec<u8>) {
     }
 }
 
-/// Reads what [`put_option`] has written.
+/// Reads an option written by [`put_option`].
 fn get_option<T: Plain>(from: &mut Reader<'_>) -> Result<Option<T>, Malformed> {
     if from.get::<u8>()? == 0 { Ok(None) } else { from.get().map(Some) }
 }
@@ -343,22 +343,22 @@ pub struct Out<T> {
 }
 
 impl<T> Out<T> {
-    /// As for a valid pointer.
+    /// Output for a valid pointer.
     pub const fn wanted() -> Self {
         Self { is_null: false, value: None }
     }
 
-    /// As for a null pointer.
+    /// Output for a null pointer.
     pub const fn null() -> Self {
         Self { is_null: true, value: None }
     }
 
-    /// Whether the program passed a null pointer.
+    /// Returns true if the program passed a null pointer.
     pub fn is_null(&self) -> bool {
         self.is_null
     }
 
-    /// The value to be written; without effect on a null pointer.
+    /// Sets the value to be written; without effect on a null pointer.
     pub fn set(&mut self, value: T) {
         self.value = Some(value);
     }
@@ -411,7 +411,7 @@ impl<T: Plain + ShowOut> Param for Out<T> {
     }
 }
 
-/// How a value that a call has written is shown in a log of calls.
+/// Formatting of output values for a log of calls.
 pub trait ShowOut {
     /// Writes the value.
     ///
@@ -437,10 +437,10 @@ impl<T, const N: usize> ShowOut for [T; N] {
     }
 }
 
-/// Room for bytes, with its length: the host gets `&mut OutBytes` and [sets](Self::set) the bytes.
+/// Buffer for bytes, with its capacity: the host gets `&mut OutBytes` and [sets](Self::set) the bytes.
 ///
-/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the room stays as it
-/// was.
+/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is
+/// unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutBytes {
     is_null: bool,
@@ -449,27 +449,27 @@ pub struct OutBytes {
 }
 
 impl OutBytes {
-    /// Room for so many bytes.
+    /// Buffer with a capacity in bytes.
     pub const fn with_capacity(capacity: usize) -> Self {
         Self { is_null: false, capacity, bytes: Vec::new() }
     }
 
-    /// As for a null pointer.
+    /// Output for a null pointer.
     pub const fn null() -> Self {
         Self { is_null: true, capacity: 0, bytes: Vec::new() }
     }
 
-    /// Whether the program passed a null pointer.
+    /// Returns true if the program passed a null pointer.
     pub fn is_null(&self) -> bool {
         self.is_null
     }
 
-    /// How many bytes fit; 0 for a null pointer.
+    /// Number of bytes that fit; 0 for a null pointer.
     pub fn capacity(&self) -> usize {
         self.capacity
     }
 
-    /// The bytes to be written; those that do not fit are dropped. Returns how many fit.
+    /// Sets the bytes to be written and drops those that do not fit. Returns the number that fit.
     pub fn set(&mut self, bytes: &[u8]) -> usize {
         self.bytes.clear();
         self.bytes.extend_from_slice(&bytes[..bytes.len().min(self.capacity)]);
@@ -518,21 +518,21 @@ impl Param for OutBytes {
     }
 }
 
-/// Appends how much fits; none for a null pointer.
+/// Appends a capacity, or the mark of a null pointer.
 fn put_capacity(capacity: Option<usize>, to: &mut Vec<u8>) {
     capacity.map_or(NULL, |capacity| u32::try_from(capacity).unwrap_or(NULL - 1).min(NULL - 1)).put(to);
 }
 
-/// Reads what [`put_capacity`] has written.
+/// Reads a capacity written by [`put_capacity`].
 fn get_capacity(from: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
     let capacity: u32 = from.get()?;
     Ok((capacity != NULL).then_some(capacity as usize))
 }
 
-/// Room for numbers: across the ABI [`ByteRoom`] with `len` numbers, the host gets `&mut OutNumbers` and
+/// Buffer for numbers: [`ByteRoom`] with a capacity of `len` numbers in the ABI; the host gets `&mut OutNumbers` and
 /// [sets](Self::set) them. In the lists [`OutInts`] and [`OutFloats`].
 ///
-/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the room stays as it was.
+/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutNumbers<T> {
     is_null: bool,
@@ -540,29 +540,29 @@ pub struct OutNumbers<T> {
     numbers: Vec<T>,
 }
 
-/// Room for whole numbers.
+/// Buffer for whole numbers.
 pub type OutInts = OutNumbers<i32>;
 
-/// Room for numbers in floating point.
+/// Buffer for floating-point numbers.
 pub type OutFloats = OutNumbers<f32>;
 
 impl<T> OutNumbers<T> {
-    /// Room for so many numbers.
+    /// Buffer with a capacity in numbers.
     pub const fn with_capacity(capacity: usize) -> Self {
         Self { is_null: false, capacity, numbers: Vec::new() }
     }
 
-    /// As for a null pointer.
+    /// Output for a null pointer.
     pub const fn null() -> Self {
         Self { is_null: true, capacity: 0, numbers: Vec::new() }
     }
 
-    /// Whether the program passed a null pointer.
+    /// Returns true if the program passed a null pointer.
     pub fn is_null(&self) -> bool {
         self.is_null
     }
 
-    /// How many numbers fit; 0 for a null pointer.
+    /// Number of numbers that fit; 0 for a null pointer.
     pub fn capacity(&self) -> usize {
         self.capacity
     }
@@ -574,7 +574,7 @@ impl<T> OutNumbers<T> {
 }
 
 impl<T: Copy> OutNumbers<T> {
-    /// The numbers to be written; those that do not fit are dropped. Returns how many fit.
+    /// Sets the numbers to be written and drops those that do not fit. Returns the number that fit.
     pub fn set(&mut self, numbers: &[T]) -> usize {
         self.numbers.clear();
         self.numbers.extend_from_slice(&numbers[..numbers.len().min(self.capacity)]);
@@ -628,14 +628,14 @@ impl<T: Plain> Param for OutNumbers<T> {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Callback {
-    /// Called with `data`; answers [`Status::STOP`] when the program must be left: then the call in progress returns
+    /// Called with `data`; returns [`Status::STOP`] when the program must end: then the call in progress returns
     /// [`Stop`] too. It never unwinds and never jumps over the host's frames. Null: none.
     pub code: Option<unsafe extern "C" fn(data: *mut c_void) -> Status>,
-    /// Handed back to `code`.
+    /// Passed back to `code`.
     pub data: *mut c_void,
 }
 
-// SAFETY: a host only keeps the pointers; whoever calls keeps to `call`'s contract.
+// SAFETY: a host only stores the pointers; callers uphold the contract of `call`.
 unsafe impl Send for Callback {}
 // SAFETY: as above.
 unsafe impl Sync for Callback {}
@@ -644,10 +644,10 @@ impl Callback {
     /// No function.
     pub const NONE: Self = Self { code: None, data: std::ptr::null_mut() };
 
-    /// Calls the program's function; nothing if there is none.
+    /// Calls the program's function, if there is one.
     ///
     /// # Errors
-    /// [`Stop`] when the program must be left: the call in progress must return it.
+    /// [`Stop`] when the program must end: the call in progress must return it.
     ///
     /// # Safety
     /// The program is still inside its `run`, in a call that this thread carries out for the robot that passed the
@@ -683,7 +683,7 @@ impl Param for Callback {
     }
 }
 
-/// One argument, to be shown in a log of calls.
+/// An argument, displayed for a log of calls.
 pub(crate) struct ShownArgument<'a, P: Param>(pub &'a P::Held);
 
 impl<P: Param> Display for ShownArgument<'_, P> {
@@ -692,7 +692,7 @@ impl<P: Param> Display for ShownArgument<'_, P> {
     }
 }
 
-/// A result, to be shown in a log of calls.
+/// A result, displayed for a log of calls.
 pub(crate) struct ShownResult<R>(pub R);
 
 impl<R: Return> Display for ShownResult<R> {

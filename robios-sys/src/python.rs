@@ -1,15 +1,15 @@
-//! The Python side: the module `eye` of robot programs in Python, made of the lists and of `python/runtime.py`.
+//! Python side: the module `eye` of robot programs in Python, generated from the lists and `python/runtime.py`.
 
 use crate::constant::Constant;
 use crate::robios7::{CONSTANTS, Robios7Call};
 use crate::support::SupportCall;
 use crate::table::{Function, Parameter};
 
-/// What does not follow from the lists, with places for the rest.
+/// Hand-written part of the module, with placeholders for the generated parts.
 const RUNTIME: &str = include_str!("../python/runtime.py");
 
-/// The module `eye`: constants and functions of RoBIOS-7, and the child's side of the protocol; run as a script it runs a
-/// program, whose path is its argument.
+/// The module `eye`: constants and functions of RoBIOS-7, and the child's side of the protocol. As a script it runs the
+/// program whose path is its argument.
 pub fn eye() -> String {
     let support = SupportCall::ALL.iter().map(|call| (0, call.index(), call.function()));
     let robios7 = Robios7Call::ALL.iter().map(|call| (7, call.index(), call.function()));
@@ -79,12 +79,12 @@ fn definition(function: &Function) -> String {
         }
     };
     let doc = function.doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join("\n    ");
-    // What C writes through pointers is returned instead of the status, unless the program gives values of ctypes for it.
+    // Values that C writes through pointers are returned instead of the status, unless the program passes ctypes values for them.
     let doc = if outs.is_empty() { doc } else { doc.split(" Returns ").next().unwrap_or_default().to_owned() };
     format!("def {name}({signature}):\n    \"\"\"{doc}\"\"\"\n    {body}")
 }
 
-/// How the runtime packs a parameter or a result of this type.
+/// Format letter by which the runtime packs a parameter or a result of this type.
 fn kind(kind: &str) -> &'static str {
     match kind {
         "()" => "",

@@ -1,5 +1,5 @@
-//! What every program's language needs of the host, whatever its RoBIOS generation: console, random numbers, virtual
-//! time and the end of the program.
+//! Services of the host for the run time of a program's language, independent of the RoBIOS generation: console, random
+//! numbers, virtual time and the end of the program.
 
 use crate::param::{Bytes, Callback, OutBytes, Text};
 
@@ -11,7 +11,7 @@ pub mod stream {
     pub const ERR: i32 = 2;
 }
 
-/// The first argument of [`Support::random`] and [`Support::seed`]: one stream of numbers for each.
+/// The first argument of [`Support::random`] and [`Support::seed`]: each purpose has its own stream of numbers.
 pub mod purpose {
     /// `rand` and `srand` of C.
     pub const RAND: u32 = 1;
@@ -19,7 +19,7 @@ pub mod purpose {
     pub const RANDOM: u32 = 2;
     /// The start of the `drand48` family of C: its first state.
     pub const DRAND48: u32 = 3;
-    /// What takes the place of the system's entropy: `getrandom`, `getentropy`, `arc4random`.
+    /// Replacement of the system's entropy: `getrandom`, `getentropy`, `arc4random`.
     pub const ENTROPY: u32 = 4;
     /// `robios-api`'s own generator for Rust programs.
     pub const RUST: u32 = 5;
@@ -43,7 +43,7 @@ pub mod failure {
     pub const IMAGE: i32 = 7;
 }
 
-/// What a task waits for, the second argument of [`Support::task_wait`].
+/// Reason for a task's wait, the second argument of [`Support::task_wait`].
 pub mod wait {
     /// A mutex or spin lock.
     pub const MUTEX: i32 = 1;
@@ -53,7 +53,7 @@ pub mod wait {
     pub const SEMAPHORE: i32 = 3;
     /// A read-write lock.
     pub const RWLOCK: i32 = 4;
-    /// The others at a barrier.
+    /// A barrier.
     pub const BARRIER: i32 = 5;
     /// The end of an initialisation that another task carries out.
     pub const ONCE: i32 = 6;
@@ -71,64 +71,63 @@ crate::table::function_table! {
 
     family support "services for the program's language", source "our choice" {
         /// Writes to the console of the robot: stream 1 is standard output, 2 standard error.
-        /// Whole lines, except what a program flushes or leaves at its end. Returns 0.
+        /// Output comes in whole lines, except text that a program flushes or leaves at its end. Returns 0.
         fn console(stream: i32, bytes: Bytes) -> i32 = 0;
 
         /// The next 64 random bits of the robot's stream for a purpose.
-        /// A function of the run's seed, the robot, the purpose, the last `seed` for it and how many bits were drawn
-        /// since.
+        /// Depends only on the run's seed, the robot, the purpose, the last `seed` for it and the number of bits drawn since.
         fn random(purpose: u32) -> u64 = 0;
 
-        /// Starts the robot's stream for a purpose anew, at a place that the seed chooses; robots differ. Returns 0.
+        /// Restarts the robot's stream for a purpose at a position derived from the seed; other robots get other numbers. Returns 0.
         fn seed(purpose: u32, seed: u64) -> i32 = 0;
 
         /// The robot's virtual time in microseconds, 0 at its start.
         /// Costs virtual time like any call, at least 1 us, so that a loop that waits for a time ends.
         fn time_us() -> i64 = 0;
 
-        /// Lets so much virtual time pass, in microseconds; no time for a negative span. Returns 0.
+        /// Lets virtual time pass, in microseconds; none for a negative span. Returns 0.
         fn sleep_us(span_us: i64) -> i32 = 0;
 
-        /// The program has failed and will return from `run` next: kind of the failure and what to tell the user.
-        /// For a failed assertion `file:line: function: text`. Returns 0.
+        /// Reports that the program has failed and will return from `run` next: kind of the failure and message for the user.
+        /// The message of a failed assertion is `file:line: function: text`. Returns 0.
         fn failed(kind: i32, text: Text) -> i32 = 0;
 
-        /// The program's name without folder and extension, as its sources are called; not ended by 0.
-        /// Returns its length in bytes, of which as many as fit are written.
+        /// Name of the program's sources without folder and extension, not terminated by 0.
+        /// Returns its length in bytes; as many bytes as fit are written.
         fn program_name(name: OutBytes) -> i32 = 0;
 
-        /// The number of the task that calls: 1 for that of `main`, then in the order of their starts.
-        /// Costs virtual time like any call, so that what tasks do with each other does.
+        /// Number of the calling task: 1 for that of `main`, then in the order of their starts.
+        /// Costs virtual time like any call, so that operations between tasks do.
         fn task_self() -> i32 = 1;
 
-        /// Starts a task of the robot, last in order: when its turn comes it calls `code`, once, on a thread of its own.
-        /// Tasks take turns at the first call that ends at or after a tick of 10 ms, and when one waits. Never two run.
-        /// When `code` answers STOP, the whole program is left. No time passes. Returns the task's number, 0 when the robot has
-        /// too many.
+        /// Starts a task of the robot at the end of its run queue: when first scheduled it calls `code`, once, on its own thread.
+        /// Tasks switch at the first call that ends at or after a tick of 10 ms, and when the running task waits. Only one runs at a
+        /// time. When `code` returns STOP, the whole program ends. No time passes. Returns the task's number, 0 when the robot has
+        /// too many tasks.
         fn task_spawn(code: Callback) -> i32 = 0;
 
-        /// Puts the task that calls at the end of the queue `key` and lets the others run until it is woken there or the
-        /// virtual time `deadline_us` has come. `kind` (see `wait`) and the task that has what is waited for, 0 if that
-        /// means nothing, are for messages. No other time passes. Returns 1 if it was woken, 0 at the deadline.
-        /// STOP also when `task_interrupt` has ended this wait or any other: then the program's later calls are answered.
+        /// Appends the calling task to the queue `key`; other tasks run until it is woken there or the virtual time `deadline_us`
+        /// is reached. `kind` (see `wait`) and `holder`, the task that has the awaited resource or 0 if there is none, are for
+        /// messages. No other time passes. Returns 1 if the task was woken, 0 at the deadline.
+        /// The status is STOP also when `task_interrupt` has ended this wait or any other: then later calls of the program still work.
         fn task_wait(key: u64, kind: i32, holder: i32, deadline_us: i64) -> i32 = 0;
 
-        /// Makes the task ready that has waited longest in the queue `key`. The caller runs on, no time passes.
-        /// Returns its number, 0 if there is none.
+        /// Wakes the task that has waited longest in the queue `key`. The caller runs on, no time passes.
+        /// Returns the number of the task, 0 if there is none.
         fn task_wake(key: u64) -> i32 = 0;
 
-        /// Makes all tasks ready that wait in the queue `key`. The caller runs on, no time passes. Returns how many.
+        /// Wakes all tasks in the queue `key`. The caller runs on, no time passes. Returns their count.
         fn task_wake_all(key: u64) -> i32 = 0;
 
-        /// Ends the wait of a task by force: for time, the world, a condition, a semaphore or the end of a task.
-        /// No time passes. Returns 1, or 0 if it is in no such wait.
+        /// Interrupts a task that waits for time, the world, a condition, a semaphore or the end of a task.
+        /// No time passes. Returns 1, or 0 if the task is in no such wait.
         fn task_interrupt(task: i32) -> i32 = 0;
 
         /// Lets the other tasks that are ready run first. Costs virtual time like any call. Returns 0.
         fn task_yield() -> i32 = 0;
 
-        /// Lets the other tasks that are ready run first if a tick has passed since the task that calls runs. No time passes:
-        /// for the shim, behind what it does in a place where tasks must not change. Returns 0.
+        /// Lets the other tasks that are ready run first if a tick has passed since the calling task was resumed. No time passes.
+        /// Used by the shim after a section in which tasks must not switch. Returns 0.
         fn task_turn() -> i32 = 0;
     }
 }

@@ -1,5 +1,5 @@
-//! The macro that makes of one list of functions: the C table, the host's trait, the thunks between them, and the
-//! description from which headers and shim are written.
+//! Macro that generates from one list of functions the C table, the host's trait, the thunks between them, and the
+//! description from which headers and shim are generated.
 
 use std::any::Any;
 use std::ffi::c_void;
@@ -7,15 +7,15 @@ use std::fmt::{self, Display, Formatter};
 
 use crate::abi::Stop;
 
-/// What the thunks need of whoever implements a table's trait: one robot of a host.
+/// Interface of the thunks to the implementor of a table's trait: one robot of a host.
 ///
-/// The `robot` pointer that a program hands back in each call leads to an implementor. It is shared, not exclusive:
-/// a timer callback makes calls while the call that it interrupts is still in progress.
+/// The `robot` pointer that a program passes back in each call points to an implementor. It is shared, not exclusive:
+/// a timer callback makes calls while the interrupted call is still in progress.
 pub trait CallContext: Sized {
     /// The robot that a call is for; `None` answers the call with [`Status::STOP`](crate::Status::STOP).
     ///
-    /// A host that shares one image between robots takes the current robot of its thread instead, for which programs
-    /// pass null.
+    /// A host that shares one image between robots uses the current robot of its thread instead; programs then pass
+    /// null.
     ///
     /// # Safety
     /// `context` is what the host has passed to the program's `run`, and the robot outlives the call.
@@ -24,32 +24,32 @@ pub trait CallContext: Sized {
         unsafe { context.cast::<Self>().as_ref() }
     }
 
-    /// Whether [`log_call`](Self::log_call) wants to hear of calls: asked once after each.
+    /// Returns true if [`log_call`](Self::log_call) must be called; queried once after each call.
     fn is_logging(&self) -> bool {
         false
     }
 
-    /// Hears of a call that has returned.
+    /// Logs a call that has returned.
     fn log_call(&self, record: &CallRecord<'_>) {
         let _ = record;
     }
 
-    /// Hears of a call to a function that the host leaves at its default, the documented failure.
+    /// Reports a call to a function that the host does not implement, and which fails as documented.
     fn unavailable(&self, name: &'static str) {
         let _ = name;
     }
 
-    /// Hears of a panic of the host itself inside a call; the program is then stopped. The panic hook has run.
+    /// Reports a panic of the host itself inside a call; the program is then stopped. The panic hook has run.
     fn panicked(&self, name: &'static str, payload: Box<dyn Any + Send>) {
         let _ = (name, payload);
     }
 }
 
-/// A call that has returned, shown as `VWDriveStraight(1, 0.5, 0.2) = 0`; nothing is formatted before that.
+/// Record of a call, displayed as `VWDriveStraight(1, 0.5, 0.2) = 0`; nothing is formatted before that.
 pub struct CallRecord<'a> {
     /// The function.
     pub name: &'static str,
-    /// The arguments, outputs with the value they were given.
+    /// The arguments; outputs show the values that the call has set.
     pub arguments: &'a [&'a dyn Display],
     /// The result; `None` when the program was stopped.
     pub result: Option<&'a dyn Display>,
@@ -74,7 +74,7 @@ impl fmt::Debug for CallRecord<'_> {
     }
 }
 
-/// One function of a list, as headers, shims and cost tables need it.
+/// Description of a function of a list, for headers, shims and cost tables.
 #[derive(Debug)]
 pub struct Function {
     /// Its name in C and in the trait.
@@ -85,7 +85,7 @@ pub struct Function {
     pub doc: &'static [&'static str],
     /// Its parameters in order.
     pub parameters: &'static [Parameter],
-    /// The Rust type that it returns, as the list has it.
+    /// Rust type of the result, as written in the list.
     pub returns: &'static str,
     /// The prototype in C where it does not follow from the parameters; its shim is then written by hand.
     pub prototype: Option<&'static str>,
@@ -96,7 +96,7 @@ pub struct Function {
 pub struct Parameter {
     /// Its name, with its unit.
     pub name: &'static str,
-    /// Its Rust type, as the list has it.
+    /// Its Rust type, as written in the list.
     pub kind: &'static str,
 }
 
@@ -105,18 +105,18 @@ pub struct Parameter {
 pub struct Family {
     /// Its name, the prefix of most of its functions.
     pub name: &'static str,
-    /// What it is, one line.
+    /// Description in one line.
     pub title: &'static str,
-    /// Where its functions are described.
+    /// Source of the descriptions of its functions.
     pub source: &'static str,
 }
 
-/// The first element, if there is one: how the macro makes an `Option` of an optional part of the list.
+/// The first element, if any; the macro turns an optional part of the list into an `Option` by it.
 pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static str> {
     if let [first, ..] = elements { Some(*first) } else { None }
 }
 
-/// Runs a method of the host, so that its panic does not cross the ABI.
+/// Runs a method of the host and catches its panic, which must not cross the ABI.
 pub(crate) fn guarded<H: CallContext, R>(
     host: &H,
     name: &'static str,
@@ -128,7 +128,7 @@ pub(crate) fn guarded<H: CallContext, R>(
     })
 }
 
-/// Makes of one list of functions the table, the trait, the thunks, the enum of calls and the description.
+/// Generates from one list of functions the table, the trait, the thunks, the enum of calls and the description.
 ///
 /// ```text
 /// function_table! {
@@ -143,8 +143,8 @@ pub(crate) fn guarded<H: CallContext, R>(
 /// }
 /// ```
 ///
-/// `number` is that of the list in messages of programs in other processes.
-/// The value behind `=` is the documented failure: what the trait's default method answers.
+/// `number` identifies the list in messages of programs in other processes.
+/// The value after `=` is the documented failure, which the trait's default method returns.
 macro_rules! function_table {
     (
         $(#[$table_attribute:meta])*
@@ -161,15 +161,15 @@ macro_rules! function_table {
     ) => {
         $(#[$table_attribute])*
         ///
-        /// Each entry is a C function `(robot, arguments..., result) -> Status`: `robot` is what the program's `run`
-        /// got, `result` is written unless the status is `STOP` and may be null. Callable from any task of the
+        /// Each entry is a C function `(robot, arguments..., result) -> Status`: `robot` is the argument of the program's
+        /// `run`, `result` is written unless the status is `STOP` and may be null. Callable from any task of the
         /// robot, on the thread that runs it, also from within a callback. No pointer is kept after the return.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[repr(C)]
         pub struct $Table {
             /// Bytes of this struct in the host.
             pub size: u32,
-            /// Version of this table, for messages: `size` says what it has.
+            /// Version of this table, for messages; `size` determines which functions it has.
             pub version: u32,
             $($(
                 #[doc = concat!("Calls [`", stringify!($Trait), "::", stringify!($name), "`].")]
@@ -185,7 +185,7 @@ macro_rules! function_table {
             /// Version of this table.
             pub const VERSION: u32 = $version;
 
-            /// The table whose entries call the methods of `H`; `robot` must then lead to an `H`, see
+            /// The table whose entries call the methods of `H`; `robot` must then point to an `H`, see
             /// [`CallContext::from_context`](crate::table::CallContext::from_context).
             pub const fn of<H: $Trait>() -> Self {
                 Self {
@@ -206,14 +206,14 @@ macro_rules! function_table {
             }
         }
 
-        /// The host's side of the table: one method a function, named as in C.
+        /// The host's side of the table: one method per function, named as in C.
         ///
-        /// The methods take `&self`: a callback makes calls while the call that it interrupts is in progress. They
-        /// must not keep a lock over a wait or a callback. Those not implemented answer with the documented failure,
-        /// after [`CallContext::unavailable`](crate::table::CallContext::unavailable).
+        /// The methods take `&self`: a callback makes calls while the interrupted call is in progress. They must not hold a
+        /// lock across a wait or a callback. Methods that are not implemented return the documented failure, after
+        /// [`CallContext::unavailable`](crate::table::CallContext::unavailable).
         ///
         /// # Errors
-        /// Every method returns [`Stop`](crate::Stop) when the program must be left, and only then.
+        /// Every method returns [`Stop`](crate::Stop) when the program must end, and only then.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[allow(clippy::missing_errors_doc, reason = "said once, at the trait")]
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
@@ -244,15 +244,15 @@ macro_rules! function_table {
         }
 
         impl $Call {
-            /// The number of the list in messages of programs in other processes.
+            /// Number of the list in messages of programs in other processes.
             pub const TABLE: u32 = $number;
 
             /// Carries out the call for a program in another process: reads the arguments from `request` and writes
             /// outputs and result to `reply`, unless the status is `STOP`.
             ///
             /// # Errors
-            /// [`Malformed`](crate::wire::Malformed) if the arguments are not what the function takes; nothing is
-            /// called then.
+            /// [`Malformed`](crate::wire::Malformed) if the arguments do not fit the function's parameters; no call is made
+            /// then.
             pub fn serve<H: $Trait>(
                 self,
                 host: &H,
@@ -310,7 +310,7 @@ macro_rules! function_table {
             }
         }
 
-        /// The host's methods, guarded and logged, on arguments from wherever.
+        /// The host's methods with panic guard and log, for arguments from any source.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
         mod method {

@@ -1,7 +1,7 @@
-//! Calls as bytes, for programs in processes of their own: little endian, without padding, outputs before the result.
+//! Encoding of calls as bytes, for programs in separate processes: little endian, without padding, outputs before the result.
 //!
-//! The layout of each kind of parameter is in `docs/protocol.md`. Nothing here waits or maps memory: a [`Line`] of the
-//! program's side carries a request to the host and brings the reply.
+//! The layout of each kind of parameter is in `docs/protocol.md`. This module neither waits nor maps memory: on the
+//! program's side a [`Line`] carries a request to the host and returns the reply.
 
 use std::ffi::c_void;
 
@@ -11,10 +11,10 @@ use crate::param::Callback;
 #[cfg(target_endian = "big")]
 compile_error!("what crosses to another process is little endian");
 
-/// In place of a length: a null pointer.
+/// Value of a length that stands for a null pointer.
 pub const NULL: u32 = u32::MAX;
 
-/// Bytes that are not what the protocol says.
+/// Error for bytes that violate the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Malformed;
 
@@ -26,7 +26,7 @@ impl std::fmt::Display for Malformed {
 
 impl std::error::Error for Malformed {}
 
-/// The program's end of a connection to its host: what the entries of a table for another process need.
+/// The program's end of a connection to its host, used by the entries of a remote table.
 pub trait Line {
     /// The line of the calling thread; `None` answers the call with [`Status::STOP`].
     ///
@@ -34,21 +34,21 @@ pub trait Line {
     /// `context` is what was passed to the program's `run`, which has not returned.
     unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>;
 
-    /// Sends a call with its arguments and gives the bytes of the reply. The host may call the program back meanwhile.
+    /// Sends a call with its arguments and returns the bytes of the reply. The host may call back into the program meanwhile.
     ///
     /// # Errors
-    /// [`Stop`] when the program must be left.
+    /// [`Stop`] when the program must end.
     fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop>;
 }
 
-/// A value that crosses as the bytes that it has in memory.
+/// A value transferred as its bytes in memory.
 ///
 /// # Safety
-/// The type has no padding, and all bits of it may have any value.
+/// The type has no padding, and every bit pattern is valid.
 pub unsafe trait Plain: Copy + 'static {
     /// Appends the value.
     fn put(&self, to: &mut Vec<u8>) {
-        // SAFETY: a value without padding is so many initialised bytes.
+        // SAFETY: all bytes of a value without padding are initialised.
         to.extend_from_slice(unsafe { std::slice::from_raw_parts((&raw const *self).cast::<u8>(), size_of::<Self>()) });
     }
 
@@ -58,7 +58,7 @@ pub unsafe trait Plain: Copy + 'static {
     /// [`Malformed`] if there are too few bytes.
     fn get(from: &mut Reader<'_>) -> Result<Self, Malformed> {
         let bytes = from.take(size_of::<Self>())?;
-        // SAFETY: as many bytes as the type has, each of which may have any value; they may lie anywhere.
+        // SAFETY: there are as many bytes as the type has, every bit pattern is valid, and the read is unaligned.
         Ok(unsafe { bytes.as_ptr().cast::<Self>().read_unaligned() })
     }
 }
@@ -74,7 +74,7 @@ plain!(u8, i8, u16, i16, i32, u32, i64, u64, f32, f64);
 // SAFETY: an array has no padding between elements that have none.
 unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
 
-/// Bytes that are read from front to back.
+/// Sequential reader of bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader<'a> {
     bytes: &'a [u8],
@@ -104,7 +104,7 @@ impl<'a> Reader<'a> {
         T::get(self)
     }
 
-    /// The next bytes with their length in front; `None` where a null pointer was sent.
+    /// The next length-prefixed bytes; `None` for a null pointer.
     ///
     /// # Errors
     /// [`Malformed`] if there are too few bytes.
@@ -115,16 +115,16 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What is left.
+    /// The bytes not yet read.
     pub const fn rest(&self) -> &'a [u8] {
         self.bytes
     }
 }
 
-/// Appends bytes with their length in front, or what stands for a null pointer.
+/// Appends length-prefixed bytes, or the mark of a null pointer.
 ///
 /// # Panics
-/// If there are 4 GiB or more of them: no program of a robot has them.
+/// If there are 4 GiB or more of them, which no robot program passes.
 pub fn put_bytes(bytes: Option<&[u8]>, to: &mut Vec<u8>) {
     match bytes {
         None => NULL.put(to),
@@ -139,11 +139,11 @@ pub fn put_bytes(bytes: Option<&[u8]>, to: &mut Vec<u8>) {
     }
 }
 
-/// The arguments of a call as the host got them.
+/// A call received by the host.
 pub struct Request<'a> {
-    /// Those not yet read.
+    /// Arguments not yet read.
     pub arguments: Reader<'a>,
-    /// Makes of a function of the program, by its two numbers, one that the host can call.
+    /// Converts the two numbers of a function of the program, code and data, to a callback that the host can call.
     pub callback: &'a dyn Fn(u64, u64) -> Callback,
 }
 

@@ -8,7 +8,7 @@ use robios_sys::{
     ByteRoom, ByteSlice, Callback, EXIT_ABORTED, EXIT_STOPPED, Host, Program, Robios6Table, SupportTable, c, support,
 };
 
-/// Every way in which a student's compiler may be called.
+/// Compiler options that a student may use.
 const LEVELS: [&[&str]; 6] = [
     &["-O0"],
     &["-O1"],
@@ -351,14 +351,14 @@ int main(int n, char **a)
     assert_ne!(printed(1, &[]), printed(2, &[]), "robots differ");
     assert_ne!(printed(1, &["3"]), printed(1, &["4"]), "seeds differ");
     assert_ne!(printed(1, &["3"]), printed(2, &["3"]), "robots with one seed differ");
-    // What POSIX fixes: X = 0x5DEECE66D X + 0xB from 0x1330E, the high 31 bits.
+    // The generator fixed by POSIX: X = 0x5DEECE66D X + 0xB from 0x1330E, the high 31 bits.
     let x1 = (0x5_DEEC_E66D_u64.wrapping_mul(0x1330E) + 0xB) & 0xFFFF_FFFF_FFFF;
     assert!(printed(1, &[]).contains(&format!("| {} ", x1 >> 17)));
     let given = 0x0003_0002_0001_u64;
     let next = (0x5_DEEC_E66D_u64.wrapping_mul(given) + 0xB) & 0xFFFF_FFFF_FFFF;
     assert!(printed(1, &[]).ends_with(&format!(" {}", next >> 17)));
 
-    // Two copies at the same time give what each gives alone.
+    // Two copies at the same time give the same numbers as each alone.
     let alone = [printed(1, &["3"]), printed(2, &["3"])];
     let together = std::thread::scope(|scope| {
         let threads = [1, 2].map(|robot| scope.spawn(move || printed(robot, &["3"])));
@@ -545,7 +545,7 @@ fn every_replaced_symbol_is_in_a_programs_library() {
         // SAFETY: the symbol is only looked at.
         *unsafe { library.get::<*const ()>(name.as_bytes()) }.expect("the symbol exists") as usize
     };
-    // A look-up falls back to libc, so the addresses are compared: all lie in the library's image.
+    // A look-up falls back to libc, so the addresses are checked: all must lie in the library's image.
     let (run, reach) = (own("VWInit"), 1 << 20);
     let is_of_cpp = |name: &str| name == "__cxa_thread_atexit_impl";
     for (name, _) in c::REPLACED.iter().filter(|(name, _)| !is_of_cpp(name)) {

@@ -1,4 +1,4 @@
-//! A host behind the tables, called as a program would: what its methods see, what comes back, what is logged.
+//! A host behind the tables, called as by a program: arguments of its methods, results, and log.
 
 use std::cell::RefCell;
 use std::ffi::c_void;

@@ -1,4 +1,4 @@
-//! Calls as bytes: what a program in another process sees is what it would see in the host's.
+//! Calls as bytes: a program in another process gets the same results as in the host's process.
 
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -11,7 +11,7 @@ use robios_sys::{
     Stop,
 };
 
-/// A host, and the line to it: every call goes through bytes and back.
+/// A host and the line to it: every call and reply is encoded as bytes.
 #[derive(Default)]
 struct Robot {
     log: RefCell<Vec<String>>,
@@ -85,7 +85,7 @@ impl Line for Robot {
         let (mut request, mut reply) = (Vec::new(), Vec::new());
         arguments(&mut request);
         let call = Robios6Call::ALL[function as usize];
-        // What is cut off is told, wherever it ends.
+        // A truncation is reported at every length.
         for end in 0..request.len() {
             let mut cut = Request { arguments: Reader::new(&request[..end]), callback: &|_, _| Callback::NONE };
             assert_eq!(call.serve(&Robot::default(), &mut cut, &mut Vec::new()), Err(Malformed), "{}", call.name());

@@ -1,11 +1,13 @@
 //! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
 //!
-//! [`Simulation`](simulation::Simulation) is a whole simulation as one value: its owner steps it, commands its robots, reads their devices and
-//! looks through their cameras, copies it, and sets it back. What it is made of can be used on its own: a [`world`] of bodies, the
-//! motion of a [`drive`](mod@drive), a [`sensor`], what a [`camera`] sees, the [`device`]s of a robot.
+//! [`Simulation`](simulation::Simulation) is a whole simulation as one value: its owner steps it, commands its robots,
+//! reads their devices, renders what their cameras see, clones it as a snapshot and restores it. The parts can be used
+//! on their own: a [`world`] of bodies, the motion of a [`drive`](mod@drive), a [`sensor`], a [`camera`], the
+//! [`device`]s of a robot.
 //!
-//! SI units and `f64` throughout; the frames and signs are those of `docs/conventions.md`. Millimetres and degrees exist
-//! only in [`mod@unit`] and in what people are told. Scenes come as plain data ([`mod@spec`]), which `sim-format` reads from texts.
+//! SI units and `f64` throughout; frames and signs are those of `docs/conventions.md`. Millimetres and degrees appear
+//! only in [`mod@unit`] and in messages to the user. Scenes come as plain data ([`mod@spec`]), which `sim-format` reads
+//! from text.
 #![forbid(unsafe_code)]
 
 pub mod build;
@@ -33,7 +35,7 @@ pub mod world;
 pub struct RobotId(pub u32);
 
 impl RobotId {
-    /// Place of the robot in any list that holds all robots in order of their ids.
+    /// Index of the robot in any list that holds all robots in the order of their ids.
     pub fn index(self) -> usize {
         self.0 as usize - 1
     }
@@ -54,12 +56,12 @@ impl std::fmt::Display for RobotId {
     }
 }
 
-/// The number of a movable object: 1, 2, ... in the order in which the scene places them.
+/// A movable object's number: 1, 2, ... in the order in which the scene places the objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct ObjectId(pub u32);
 
 impl ObjectId {
-    /// Place of the object in any list that holds all objects in order of their ids.
+    /// Index of the object in any list that holds all objects in the order of their ids.
     pub fn index(self) -> usize {
         self.0 as usize - 1
     }

@@ -1,4 +1,4 @@
-//! Transcendental functions that give the same bits on every platform: the one door to `libm`.
+//! Transcendental functions with the same bits on every platform; all calls to `libm` go through this module.
 
 /// Sine of an angle in radians.
 pub fn sin(x: f64) -> f64 {

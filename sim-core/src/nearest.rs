@@ -1,9 +1,9 @@
-//! What a misspelt name was meant to be.
+//! Suggestions for misspelt names.
 
-/// The keyword nearest to `word`, if it is near enough to be what was meant.
+/// The keyword nearest to `word` in edit distance; `None` if no keyword is near enough to be a plausible correction.
 pub fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     let word = word.to_lowercase();
-    // Longer words than any keyword are no misspelling of one, and would cost quadratic time.
+    // A word longer than any keyword is no misspelling of one, and its distance would cost quadratic time.
     if word.chars().count() > 40 {
         return None;
     }

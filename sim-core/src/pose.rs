@@ -1,7 +1,8 @@
-//! Poses and twists in the plane: the closed form of motion with constant twist; and poses in space, of sensors and links.
+//! Poses and twists in the plane, with the closed form of motion at constant twist; poses of sensors and links in
+//! space.
 //!
 //! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y left.
-//! In space z points up in both.
+//! In space, z points up in both.
 
 mod link;
 
@@ -12,7 +13,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::math;
 pub use link::{Link, link_pose};
 
-/// A direction that remembers its whole turns, so that the remainder never loses digits.
+/// A direction that counts whole turns separately, so that the remainder never loses digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Heading {
     turns: i64,
@@ -73,7 +74,7 @@ impl Heading {
     }
 }
 
-/// A position in metres and a heading, of a frame in another: a pose named `world_from_robot` takes coordinates of the
+/// Position in metres and heading of one frame in another: a pose named `world_from_robot` takes coordinates of the
 /// robot's frame to the world's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Pose {
@@ -89,17 +90,17 @@ impl Pose {
         Self { position: DVec2::new(x, y), heading: Heading::new(phi) }
     }
 
-    /// The inner frame's `point` in the outer frame.
+    /// Coordinates in the outer frame of `point`, given in the inner frame.
     pub fn transform_point(&self, point: DVec2) -> DVec2 {
         self.position + self.heading.direction().rotate(point)
     }
 
-    /// The inner frame's vector in the outer frame: turned, not moved.
+    /// Components in the outer frame of `vector`, given in the inner frame: rotated, not translated.
     pub fn transform_vector(&self, vector: DVec2) -> DVec2 {
         self.heading.direction().rotate(vector)
     }
 
-    /// The outer frame's `point` in the inner frame.
+    /// Coordinates in the inner frame of `point`, given in the outer frame.
     pub fn inverse_transform_point(&self, point: DVec2) -> DVec2 {
         let direction = self.heading.direction();
         DVec2::new(direction.x, -direction.y).rotate(point - self.position)
@@ -114,19 +115,19 @@ impl Pose {
         }
     }
 
-    /// Checks that something can be placed here: up to 10^9 m from the origin along each axis, where doubles still tell a
-    /// quarter of a micrometre.
+    /// Checks that a body can be placed at this pose: up to 10^9 m from the origin along each axis, where doubles still
+    /// resolve a quarter of a micrometre.
     ///
     /// # Errors
-    /// [`PlaceError`] for what is farther away or not finite.
+    /// [`PlaceError`] for a position that is farther away or not finite.
     pub fn check_place(&self) -> Result<(), PlaceError> {
         let [x, y] = self.position.to_array();
         if [x, y].iter().all(|value| value.abs() <= 1e9) { Ok(()) } else { Err(PlaceError) }
     }
 
-    /// This pose after moving with `displacement` at constant twist, the closed form.
+    /// This pose after moving by `displacement` at constant twist, in closed form.
     ///
-    /// Exact for straight lines, arcs and turns on the spot alike; finite and continuous as the angle goes to 0.
+    /// Exact for straight lines, arcs and turns on the spot; finite and continuous as the angle goes to 0.
     pub fn moved(&self, displacement: Twist) -> Pose {
         let Twist { vx, vy, omega } = displacement;
         let (s, c) = (math::sinc(omega), math::cosc(omega));
@@ -135,17 +136,17 @@ impl Pose {
     }
 }
 
-/// A pose at which nothing can be placed.
+/// Error for a pose at which no body can be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
 pub struct PlaceError;
 
-/// A pose in space, of a frame in another: `world_from_sensor` takes coordinates of the sensor's frame to the world's.
+/// Pose in space of one frame in another: `world_from_sensor` takes coordinates of the sensor's frame to the world's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose3 {
     /// Origin of the inner frame in the outer one, m.
     pub position: DVec3,
-    /// The inner frame's axes in the outer one, as columns: a rotation.
+    /// Rotation whose columns are the inner frame's axes in the outer frame.
     pub rotation: DMat3,
 }
 
@@ -156,7 +157,7 @@ impl Default for Pose3 {
 }
 
 impl Pose3 {
-    /// The outer frame itself.
+    /// The identity transform.
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
 
     /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by `yaw`,
@@ -167,7 +168,7 @@ impl Pose3 {
     pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
         let (sin_roll, cos_roll) = math::sin_cos(roll);
         let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
-        // As planar poses take it, to the bit.
+        // Computed as in planar poses, so that the bits agree.
         let DVec2 { x: cos_yaw, y: sin_yaw } = Heading::new(yaw).direction();
         let about_x =
             DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
@@ -184,7 +185,7 @@ impl Pose3 {
         Self { position: pose.position.extend(z), rotation }
     }
 
-    /// The frame at the outer one's origin, turned about `axis`, a unit vector, by `angle` rad; right-handed.
+    /// The frame at the outer frame's origin, rotated about `axis`, a unit vector, by `angle` rad; right-handed.
     ///
     /// Source: Rodrigues' formula.
     pub fn about_axis(axis: DVec3, angle: f64) -> Self {
@@ -198,12 +199,12 @@ impl Pose3 {
         Pose3 { position: self.transform_point(child.position), rotation: self.rotation * child.rotation }
     }
 
-    /// The inner frame's `point` in the outer frame.
+    /// Coordinates in the outer frame of `point`, given in the inner frame.
     pub fn transform_point(&self, point: DVec3) -> DVec3 {
         self.position + self.rotation * point
     }
 
-    /// The outer frame's `point` in the inner frame.
+    /// Coordinates in the inner frame of `point`, given in the outer frame.
     pub fn inverse_transform_point(&self, point: DVec3) -> DVec3 {
         self.rotation.transpose() * (point - self.position)
     }
@@ -215,25 +216,25 @@ impl Pose3 {
 
     /// Roll, pitch and yaw of the inner frame, rad, as [`from_angles`](Self::from_angles) takes them; pitch within a quarter turn.
     ///
-    /// A frame whose x axis is upright has no yaw of its own: its yaw is 0 then.
+    /// The yaw of a frame whose x axis is vertical is undefined and given as 0.
     pub fn angles(&self) -> [f64; 3] {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
         let level = math::hypot(x.x, x.y);
         let pitch = math::atan2(x.z, level);
-        // A millionth of what a joint could be set to.
+        // A millionth of the resolution of a joint.
         if level < 1e-12 {
             return [math::atan2(-z.y, y.y), pitch, 0.0];
         }
         [math::atan2(y.z, z.z), pitch, math::atan2(x.y, x.x)]
     }
 
-    /// Whether the inner frame's x and y axes are exactly level.
+    /// Returns true if the inner frame's x and y axes are exactly level.
     pub fn is_level(&self) -> bool {
         self.rotation.x_axis.z == 0.0 && self.rotation.y_axis.z == 0.0
     }
 }
 
-/// A planar velocity in the moving frame, or that velocity times a time: a displacement along a path of constant twist.
+/// A planar velocity in the moving frame, or its product with a time: a displacement along a path of constant twist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Twist {
     /// Forward speed, m/s (as a displacement: arc length, m).
@@ -268,18 +269,17 @@ impl Twist {
         math::hypot(self.vx, self.vy)
     }
 
-    /// The same motion of the rigid body, as the twist of a frame whose origin is `offset` (in this frame, metres), with
-    /// parallel axes.
+    /// Twist of a parallel frame on the same rigid body, with its origin at `offset` (in this frame, metres).
     pub fn at_offset(self, offset: DVec2) -> Self {
         Self { vx: self.vx - self.omega * offset.y, vy: self.vy + self.omega * offset.x, omega: self.omega }
     }
 
-    /// True when nothing moves.
+    /// Returns true if all components are 0.
     pub fn is_zero(self) -> bool {
         self == Self::ZERO
     }
 
-    /// True when every component is a finite number.
+    /// Returns true if every component is a finite number.
     pub fn is_finite(self) -> bool {
         self.vx.is_finite() && self.vy.is_finite() && self.omega.is_finite()
     }

@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct Time(pub i64);
 
-/// The system tick of RoBIOS, 10 ms: timers, tasks and the controllers of motion step on its global grid.
+/// System tick of RoBIOS, 10 ms: timers, tasks and motion controllers step on its global grid.
 ///
 /// Source: RoBIOS 6 manual, system tick of 100 Hz.
 pub const TICK: Time = Time(10_000);
@@ -29,7 +29,7 @@ impl Time {
         self.0 as f64 / 1e6
     }
 
-    /// The first instant that is not before `seconds`; [`Time::NEVER`] when that lies beyond the range, 0 for NaN.
+    /// The first instant not before `seconds`; [`Time::NEVER`] for an instant out of range, 0 for NaN.
     pub fn from_seconds_ceil(seconds: f64) -> Self {
         // `as` saturates and maps NaN to 0.
         let micros = (seconds * 1e6).ceil() as i64;
@@ -41,12 +41,12 @@ impl Time {
         time
     }
 
-    /// The last point of the grid `step, 2 step, ...` that is not after this instant.
+    /// The last point of the grid `step, 2 step, ...` not after this instant.
     pub fn floor_to(self, step: Time) -> Self {
         Self(self.0.div_euclid(step.0) * step.0)
     }
 
-    /// This instant plus a span, or [`Time::NEVER`].
+    /// This instant plus a span; [`Time::NEVER`] on overflow.
     pub fn saturating_add(self, span: Time) -> Self {
         Self(self.0.saturating_add(span.0))
     }

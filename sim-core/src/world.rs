@@ -1,8 +1,8 @@
-//! All robots in one world: what each can see of the others, and the end of a slot.
+//! The world with all its robots: queries about published motion, and the end of a slot.
 //!
-//! During a slot nobody changes the world: robots look at what was made public at the start of the slot ([`World::cast`],
-//! [`World::touching`]), each at its own virtual time. At the end of the slot [`World::advance`] settles the contacts
-//! between bodies, makes public what has changed, and goes on to the next slot.
+//! The world does not change during a slot: robots query the motion published at the start of the slot
+//! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
+//! resolves the contacts between bodies, publishes the changes and goes on to the next slot.
 
 mod near;
 mod objects;
@@ -40,33 +40,33 @@ use track::Track;
 /// A contact that began in a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The first microsecond not before it.
+    /// First microsecond not before the contact.
     pub time: Time,
-    /// Whose body was stopped.
+    /// Robot whose body was stopped.
     pub robot: RobotId,
-    /// What it met.
+    /// Obstacle that stopped it.
     pub with: Thing,
-    /// The touched point, in the world.
+    /// Point of contact in the world frame, in metres.
     pub point: DVec2,
 }
 
-/// A stretch of a robot's public motion: constant rates, then rest.
+/// A stretch of a robot's published motion: constant twist, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// When it starts.
+    /// Start of the stretch.
     pub start: Time,
-    /// Pose of the robot's centre then.
+    /// Pose of the robot's centre at the start.
     pub from: Pose,
-    /// Twist of its centre, in its own frame.
+    /// Twist of the robot's centre in the robot's frame.
     pub twist: Twist,
-    /// Seconds from the start until it comes to rest; may be infinite.
+    /// Seconds from the start until the robot comes to rest; may be infinite.
     pub after: f64,
 }
 
-/// The static walls and the public trajectories of all robots, for the present slot and the 100 ms before.
+/// The static walls and the published motion of all robots, for the present slot and the 100 ms before.
 ///
-/// A copy goes on as the original does, to the bit, and neither is disturbed by what the other one does. It shares what never
-/// changes: walls, shapes, surfaces.
+/// A clone continues with the same bits as the original, and the two are independent. They share the immutable parts:
+/// walls, shapes, surfaces.
 #[derive(Clone, Debug)]
 pub struct World {
     walls: Arc<Walls>,
@@ -74,46 +74,47 @@ pub struct World {
     now: Time,
     /// In the order of the robots' ids.
     tracks: Vec<Track>,
-    /// Where the public trajectories lead from 100 ms before the present slot to its end, of the bodies that move.
+    /// Index over the bodies that move: bounds of their published motion from 100 ms before the present slot to its
+    /// end.
     moving: Moving<RobotId>,
-    /// Where the others stand.
+    /// Index over the bodies at rest.
     resting: Moving<RobotId>,
-    /// How many have been gone for longer than the world remembers.
+    /// Number of robots that were removed longer ago than the history reaches.
     forgotten: usize,
-    /// For the next rebuild of an index.
+    /// Buffer for the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: Truth,
-    /// The movable objects, in a scene that has any.
+    /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
-    /// What rays in space meet beside all these.
+    /// Geometry that only rays in space meet.
     stage: Arc<Stage>,
     calm: Calm,
     radio: Channel,
-    /// Of robots with legs.
+    /// Published stances of the legged robots.
     held: BTreeMap<RobotId, Held>,
 }
 
-/// How a robot with legs holds itself at the start of the present slot.
+/// Published stance of a legged robot: its posture at the start of the present slot.
 #[derive(Clone, Debug, PartialEq)]
 struct Held {
     lift: f64,
-    /// Frames of the parts of its legs in its own.
+    /// Pose of each leg part in the robot's frame.
     parts: Vec<Pose3>,
 }
 
-/// Until when a robot that is alone in the world goes on by its plan of this revision with nothing to settle or make public.
+/// Time up to which the only robot of a world follows its plan of this revision with no contact to resolve and nothing
+/// to publish.
 #[derive(Clone, Copy, Debug, Default)]
 struct Calm {
     revision: u64,
     until: Time,
 }
 
-/// Calm is known at most this far ahead, so that a robot's rectangle in the index stays small.
+/// Look-ahead limit of [`Calm`], which keeps the robot's rectangle in the index small.
 const CALM: Time = Time::from_millis(10_000);
 
 impl World {
-    /// The world at the start of the run, with slots of the length `slot` and the robots of `motions`, in the order of
-    /// their ids from 1 on.
+    /// A world at time 0 with slots of length `slot` and the robots of `motions`, in the order of their ids from 1 on.
     ///
     /// # Panics
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
@@ -145,10 +146,10 @@ impl World {
         world
     }
 
-    /// This world with movable objects at rest at these poses, in the order of their ids from 1 on.
+    /// Adds movable objects at rest at these poses, in the order of their ids from 1 on.
     ///
     /// # Panics
-    /// If there are any in a build without the feature `objects`.
+    /// If `objects` is not empty in a build without the feature `objects`.
     pub fn with_objects(mut self, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let mut objects = objects.into_iter().peekable();
         if objects.peek().is_some() {
@@ -157,30 +158,31 @@ impl World {
         self
     }
 
-    /// This world with what only rays in space tell apart: shapes, heights and surfaces.
+    /// Sets the geometry that only rays in space distinguish: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.stage = Arc::new(Stage::new(space, &self.walls));
         self
     }
 
-    /// This world with a channel between the robots' radios.
+    /// Sets the channel between the robots' radios.
     pub fn with_radio(mut self, channel: Channel) -> Self {
         self.radio = channel;
         self
     }
 
-    /// The channel between the robots' radios, as it was made public at the start of the slot.
+    /// The channel between the robots' radios, as published at the start of the slot.
     pub fn radio(&self) -> &Channel {
         &self.radio
     }
 
-    /// The same, to be told of what was sent, between two slots.
+    /// The channel, mutable: between two slots it takes the messages that were sent.
     pub fn radio_mut(&mut self) -> &mut Channel {
         &mut self.radio
     }
 
-    /// Who cannot hear what the radio of `robot` sends from `position` at `at`, and why, in the order of their ids: those beyond the
-    /// channel's range, those behind a wall of whatever height where it needs a line of sight. Bodies stop no message: our choice.
+    /// Robots that cannot hear a message sent by `robot` from `position` at `at`, each with the reason, in the order of
+    /// their ids: robots beyond the channel's range, and, if it needs a line of sight, robots behind a wall of any
+    /// height. Bodies block no message: our choice.
     pub fn out_of_reach(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
         let Model { range, line_of_sight, .. } = *self.radio.model();
         if range.is_none() && !line_of_sight {
@@ -201,12 +203,12 @@ impl World {
         others.filter_map(|other| Some((other, reached(other).err()?))).collect()
     }
 
-    /// Number of movable objects, those that are gone included.
+    /// Number of movable objects, removed ones included.
     pub fn object_count(&self) -> usize {
         self.objects.as_ref().map_or(0, |objects| objects.len())
     }
 
-    /// Pose of a movable object at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    /// Published pose of a movable object at `at`, which is at most 100 ms before the present slot.
     ///
     /// # Panics
     /// If there is no such object.
@@ -214,7 +216,7 @@ impl World {
         self.objects().pose(object, at)
     }
 
-    /// A movable object as of the last step of 1 ms that has ended.
+    /// State of a movable object at the end of the last completed step of 1 ms.
     ///
     /// # Panics
     /// If there is no such object.
@@ -222,7 +224,8 @@ impl World {
         self.objects().state(object)
     }
 
-    /// Gives a movable object a velocity of its centre of mass, m/s, and a turning speed, rad/s, at the start of the slot.
+    /// Sets the velocity of a movable object's centre of mass, m/s, and its angular velocity, rad/s, at the start of
+    /// the slot.
     ///
     /// # Panics
     /// If there is no such object.
@@ -233,10 +236,10 @@ impl World {
         objects.publish(now, end);
     }
 
-    /// Puts a movable object at `world_from_object`, at rest and awake, at the end of the present slot: before
-    /// [`World::advance`]. Of several places the last one stands.
+    /// Puts a movable object at `world_from_object`, at rest and awake, at the end of the present slot; to be called
+    /// before [`World::advance`]. Of several calls for one object, the last one counts.
     ///
-    /// Any place will do: in a wall or a body it is pushed out. An object that is gone stays so.
+    /// Any place is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
     ///
     /// # Errors
     /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
@@ -249,9 +252,10 @@ impl World {
         Ok(())
     }
 
-    /// Puts a movable object at `world_from_object` now, at the start of the slot, at rest and awake; everybody sees it there at once.
+    /// Puts a movable object at `world_from_object` now, at the start of the slot, at rest and awake; the pose is
+    /// published at once.
     ///
-    /// Any place will do: in a wall or a body it is pushed out.
+    /// Any place is allowed: an object inside a wall or a body is pushed out.
     ///
     /// # Errors
     /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
@@ -267,12 +271,13 @@ impl World {
         Ok(())
     }
 
-    /// The movable objects that have moved in the slot that ended last, in ascending order.
+    /// The movable objects that moved in the previous slot, in ascending order.
     pub fn moved_objects(&self) -> &[ObjectId] {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
     }
 
-    /// True while a movable object moves, or has been placed so lately that it may yet be pushed out of something.
+    /// Returns true while a movable object moves, or was placed so recently that it may still be pushed out of an
+    /// overlap.
     pub fn is_object_moving(&self) -> bool {
         self.objects.as_ref().is_some_and(|objects| objects.is_moving())
     }
@@ -296,26 +301,26 @@ impl World {
         self.now
     }
 
-    /// End of the present slot, which does not belong to it.
+    /// End of the present slot, exclusive.
     pub fn slot_end(&self) -> Time {
         self.now + self.slot
     }
 
-    /// The body of a robot at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    /// Published body of a robot at `at`, which is at most 100 ms before the present slot.
     pub fn body(&self, robot: RobotId, at: Time) -> Body {
         let track = &self.tracks[robot.index()];
         Body { robot, centre: track.centre(at), radius: track.radius() }
     }
 
-    /// Pose of a robot's centre at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    /// Published pose of a robot's centre at `at`, which is at most 100 ms before the present slot.
     ///
-    /// A robot that asks for itself has the truth in [`Motion::pose`].
+    /// A robot's exact own pose is [`Motion::pose`].
     pub fn robot_pose(&self, robot: RobotId, at: Time) -> Pose {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// How a robot moves in the present slot, as far as that is public: at least one stretch, in the order of time, of which the
-    /// first holds at the slot's start.
+    /// Published motion of a robot in the present slot: at least one stretch, in the order of time; the first one
+    /// covers the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
         let passages = self.tracks[robot.index()].passages();
         // A passage without an end is the last one.
@@ -332,8 +337,8 @@ impl World {
         })
     }
 
-    /// The bodies of other robots that are in contact with `motion`'s at `at`, by their public trajectories and its own
-    /// truth, in the order of their ids: what [`Motion::command`] needs.
+    /// The bodies of other robots in contact with the body of `motion` at `at`, from their published motion and its
+    /// exact own pose, in the order of their ids: the argument of [`Motion::command`].
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -353,10 +358,10 @@ impl World {
         bodies
     }
 
-    /// Ends the present slot: settles the contacts between bodies within it, lets bodies go on whose way has become free,
-    /// makes public what has changed, and goes on to the next slot.
+    /// Ends the present slot: resolves the contacts between bodies within it, releases bodies whose path has become
+    /// free, publishes the changes, and goes on to the next slot.
     ///
-    /// `active` holds the motions of all robots that are [active](Motion::is_active), in any order; others may be left out.
+    /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; others may be omitted.
     /// Returns the contacts that began in the slot, in the order of (time, robot).
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
         let end = self.slot_end();
@@ -406,7 +411,8 @@ impl World {
         contacts
     }
 
-    /// Makes public what `motion` plans for the present slot, at its start, after it was [placed](Motion::place) or changed there.
+    /// Publishes the plan of `motion` for the present slot, at its start, after the robot was [placed](Motion::place)
+    /// or changed there.
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
         self.tracks[motion.id().index()].publish(motion, now, end);
@@ -415,7 +421,7 @@ impl World {
         self.refresh_index();
     }
 
-    /// Makes public how a robot with legs holds itself at `now`.
+    /// Publishes the stance of a legged robot at `now`.
     fn hold(&mut self, motion: &mut Motion, now: Time) {
         if motion.legs().is_none() {
             return;
@@ -425,24 +431,26 @@ impl World {
         self.held.insert(motion.id(), Held { lift: stance.lift, parts });
     }
 
-    /// Pose of a robot's body in space at `at`, on its legs as it holds itself at the start of the present slot.
+    /// Pose of a robot's body in space at `at`, raised by its legs as in the published stance of the present slot's
+    /// start.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.held.get(&robot).map_or(0.0, |held| held.lift))
     }
 
-    /// Pose of a part of a robot's legs, in the order of [`Legs::parts`](crate::drive::legged::Legs::parts), in the world at `at`, the
-    /// robot holding itself as at the start of the present slot; `None` where there is no such part.
+    /// Pose in the world at `at` of a part of a robot's legs, indexed as in
+    /// [`Legs::parts`](crate::drive::legged::Legs::parts), with the stance at the start of the present slot; `None` if
+    /// there is no such part.
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
         let robot_from_part = self.held.get(&robot)?.parts.get(part)?;
         Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
     }
 
-    /// There is one robot and nothing else that moves.
+    /// Returns true if there is only one robot and no movable object.
     fn is_for_one(&self) -> bool {
         self.tracks.len() == 1 && self.objects.is_none()
     }
 
-    /// Nothing is to be settled or made public until `until`: what most slots of a lone robot are like.
+    /// Returns true if nothing is to be resolved or published before `until`: the common case for a single robot.
     fn is_calm(&self, motion: &Motion, until: Time) -> bool {
         until <= self.calm.until
             && motion.revision() == self.calm.revision
@@ -450,8 +458,8 @@ impl World {
             && self.is_for_one()
     }
 
-    /// Goes on to the slot that starts at `slot_start`, when no robot is [active](Motion::is_active), [no object
-    /// moves](World::is_object_moving) and no robot is to wake before.
+    /// Skips to the slot that starts at `slot_start`. Precondition: before it, no robot is [active](Motion::is_active),
+    /// [no object moves](World::is_object_moving) and no robot wakes.
     ///
     /// # Panics
     /// If `slot_start` is not the start of a slot, or lies before the present one.
@@ -470,7 +478,7 @@ impl World {
         self.refresh_index();
     }
 
-    /// Enters the bounds of the public trajectories into the indices; bodies that stay where they are cost nothing.
+    /// Enters the bounds of the published motion into the indices; bodies at rest cost nothing.
     fn refresh_index(&mut self) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.calm.until));
         let mut has_rest_changed = false;
@@ -489,7 +497,7 @@ impl World {
         if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
         }
-        // A body that has set off is left in the index of those at rest only if that is built anew.
+        // A body that has started moving stays in the index of bodies at rest until that index is rebuilt.
         let count = self.tracks.len() - self.forgotten - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();
@@ -499,7 +507,7 @@ impl World {
         }
     }
 
-    /// Visits each robot that is there at `at` whose public trajectory comes near `bounds`.
+    /// Visits each robot present at `at` whose published motion comes near `bounds`.
     fn for_each_near(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(RobotId)) {
         let mut visit = |robot| {
             if self.is_robot_there(robot, at) {
@@ -511,7 +519,7 @@ impl World {
     }
 }
 
-/// The passage that holds at `at`: the last that has started, or the first.
+/// The passage in force at `at`: the last one started by then, else the first one.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
     let started = passages.iter().rposition(|passage| passage.start <= at);
     &passages[started.unwrap_or(0)]

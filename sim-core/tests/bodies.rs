@@ -1,4 +1,4 @@
-//! Contacts between robots: who stops, where, and who goes on.
+//! Contacts between robots: which robots stop, where, and when they go on.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -17,7 +17,7 @@ use sim_core::{
 
 const RADIUS: f64 = 0.1;
 
-/// A robot without speed limits worth the name.
+/// A robot with practically unlimited speed.
 fn model() -> Model {
     Model {
         kind: DriveKind::Differential,
@@ -37,7 +37,7 @@ fn model() -> Model {
     }
 }
 
-/// Robots in a world, with slots of 50 ms unless told otherwise.
+/// Robots in a world, with slots of 50 ms by default.
 struct Scene {
     world: World,
     motions: Vec<Motion>,
@@ -97,7 +97,7 @@ impl Scene {
     }
 }
 
-/// The skin, and what the search for a contact adds to it.
+/// Returns true if the gap is the skin, plus the tolerance of the contact search.
 fn is_skin(gap: f64) -> bool {
     gap > 0.0 && gap < SKIN + 2e-9
 }
@@ -148,7 +148,7 @@ fn a_contact_with_a_robot_is_known_from_the_end_of_its_slot_on() {
     let [impact] = scene.motions[0].impacts(Time::ZERO, Time::from_millis(1_600))[..] else { panic!("one impact") };
     assert!((impact.time.seconds() - 0.8 / 0.51).abs() < 1e-5, "{impact:?}");
     assert_eq!(impact.known, Time::from_millis(1_600));
-    // Who has asked until after the impact, before the end of its slot, still learns of it.
+    // A query that ended after the impact but before the end of its slot still gets it in the next query.
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_590), Time::from_millis(1_600)), [impact]);
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_601), Time::from_millis(1_650)), []);
 }
@@ -187,7 +187,7 @@ fn a_chase_never_overlaps() {
 fn commands_after_a_contact_are_obeyed_from_the_contact() {
     let mut scene =
         Scene::with(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, 0.0)], vec![], model(), Time::from_millis(1_000));
-    // Contact after 0.3 s; at 0.4 s on towards the other, at 0.5 s back.
+    // Contact after 0.3 s; the command at 0.4 s drives on towards the other robot, the one at 0.5 s back.
     scene.twist(0, 1.0, 0.0);
     scene.command(0, Time::from_millis(400), Command::Twist(Twist::new(2.0, 0.1)));
     scene.command(0, Time::from_millis(500), Command::Twist(Twist::new(-0.5, 0.0)));
@@ -209,7 +209,7 @@ fn three_in_a_row_stop_one_after_the_other() {
     scene.twist(0, 1.0, 0.0);
     scene.twist(1, 0.5, 0.0);
     scene.advance();
-    // The second reaches the third after 1.6 s; the first the second, at rest since then, at 1.6 s as well.
+    // The second reaches the third after 1.6 s and rests; the first reaches the second at 1.6 s as well.
     assert!(is_skin(scene.gap(0, 1)) && is_skin(scene.gap(1, 2)));
     assert_eq!(scene.position(2), DVec2::new(2.0, 0.0));
 }
@@ -235,7 +235,7 @@ fn fast_bodies_do_not_tunnel_in_a_long_slot() {
     );
     scene.twist(0, 100.0, 0.0);
     scene.twist(1, 100.0, 0.0);
-    // The third comes past where the two have met.
+    // The third passes the place where the two have met.
     scene.twist(2, 100.0, 0.0);
     scene.advance();
     assert!(is_skin(scene.gap(0, 1)), "{}", scene.gap(0, 1));
@@ -287,14 +287,14 @@ fn others_are_seen_by_what_is_public_at_the_instant() {
         beam.distance(&scene.world, RobotId(1), &pose, at)
     };
     assert_eq!(see(&mut scene, Time::ZERO), Some(0.85));
-    // A command within the slot becomes public at its end.
+    // A command within the slot is published at its end.
     scene.command(1, Time::from_millis(10), Command::Twist(Twist::new(0.5, 0.0)));
     assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));
     scene.advance();
     let now = Time::from_millis(50);
     assert!((see(&mut scene, now).expect("in range") - 0.87).abs() < 1e-12);
     assert!((see(&mut scene, now + Time::from_millis(20)).expect("in range") - 0.88).abs() < 1e-12);
-    // What was public at a past instant stays what it was.
+    // The published motion of a past instant does not change.
     assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));
     scene.advance();
     assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));

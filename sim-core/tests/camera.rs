@@ -1,4 +1,4 @@
-//! Pictures, depths and labels of a small scene whose values follow from geometry.
+//! Pictures, depths and labels of a small scene, with values known from geometry.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use sim_core::world::World;
 const LIGHT: Light = Light { towards: DVec3::Z, ambient: 0.5, fill: 0.0, diffuse: 0.5, shadows: false };
 const SKY: Sky = Sky { horizon: [200, 210, 220], zenith: [100, 150, 200] };
 
-/// An upright square of 2 m across the x axis at `x`, its lower edge 1 m below it, facing the origin.
+/// An upright square with sides of 2 m, centred on the x axis at `x`, facing the origin.
 fn square(x: f64, material: Material) -> Arc<Mesh> {
     let positions = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[y, z]| DVec3::new(x, -y, z));
     let uv = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
@@ -74,7 +74,7 @@ fn a_wall_stands_on_the_ground_beneath_the_sky() {
     let expected = (1.0 + slope * slope).sqrt() / slope;
     assert!((f64::from(*depth.pixel(50, 97)) - expected).abs() < 1e-6, "{} {expected}", depth.pixel(50, 97));
     let colour = camera.colour(&still, &view, None, 1);
-    // Light grey in half the light; the floor in all of it.
+    // Light grey at half the light; the floor at full light.
     assert_eq!(*colour.pixel(50, 50), [102; 3]);
     assert_eq!([*colour.pixel(3, 97), *colour.pixel(97, 99)], [[160, 120, 80], [80; 3]]);
     assert_eq!(*colour.pixel(40, 99), [160, 120, 80]);

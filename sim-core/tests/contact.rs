@@ -1,4 +1,4 @@
-//! Contact with walls: against a brute-force oracle, and in the cases that break solvers.
+//! Contact with walls: against a brute-force oracle, and in numerically difficult cases.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,7 +27,7 @@ fn contacts_are_those_of_brute_force() {
         let position = random.point_in(place);
         let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
         let radius = random.between(0.01, 0.3);
-        // A disc that starts clear of all: contact at the start has rules of its own.
+        // Only discs that start clear of all walls: contact at the start has different rules.
         if oracle::clearance(&walls, position, radius) < 1e-5 {
             continue;
         }
@@ -35,14 +35,14 @@ fn contacts_are_those_of_brute_force() {
         let sideways = if random.chance(0.5) { 0.0 } else { random.between(-1.0, 1.0) };
         let twist = Twist { vx: random.between(-1.0, 1.0), vy: sideways, omega };
         let horizon = random.between(0.1, 5.0);
-        // The skin stands off the disc.
+        // Contact occurs at the skin, outside the disc.
         let expected = oracle::first_contact(&walls, start, twist, radius + SKIN, horizon);
         let found = contact(&walls, start, twist, radius, horizon);
         let gap = |seconds: f64| oracle::clearance(&walls, start.moved(twist.scaled(seconds)).position, radius);
         match (found, expected) {
             (Some(found), Some(expected)) => {
                 contacts += 1;
-                // The gap at the instant tells more than the instant itself where the disc only grazes.
+                // For a grazing disc the gap at the instant is a sharper test than the instant.
                 assert!((gap(found) - SKIN).abs() < 1e-12, "gap {} at {found}", gap(found));
                 assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
             }
@@ -58,7 +58,7 @@ fn contacts_are_those_of_brute_force() {
 
 #[test]
 fn every_turning_speed_meets_the_wall_where_its_arc_does() {
-    // A wall across at 1 m, met on an arc of the radius v / omega, or missed when that is too small.
+    // A wall across the path at 1 m, reached on an arc of the radius v / omega, or missed if that is too small.
     let wall = Segment::new(DVec2::new(1.0, -1e3), DVec2::new(1.0, 1e3));
     let (v, radius) = (0.5, 0.1);
     for exponent in -300..=4 {
@@ -86,7 +86,7 @@ fn nothing_tunnels() {
         let way = found.expect("a contact") * speed;
         assert!((way - (1e3 - 0.05 - SKIN)).abs() < 1e-12 * 1e3, "within rounding: {way}");
     }
-    // The post of a point, met in full and by a hair, and missed by a hair.
+    // A post, hit in full, hit by a hair, and missed by a hair.
     let post = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
     for (aside, meets) in [(0.0, true), (0.1 - 1e-9, true), (0.1 + SKIN - 1e-9, true), (0.1 + SKIN + 1e-9, false)] {
         let start = Pose::new(0.0, aside, 0.0);
@@ -122,7 +122,7 @@ fn a_disc_in_contact_may_do_all_but_approach() {
             );
         }
         assert_eq!(contact(&[wall], Pose::new(0.0, radius + gap, 0.3), Twist::new(0.0, 5.0), radius, 9.0), None);
-        // Away on an arc, which comes back to the wall at the end of the turn.
+        // Away on an arc that returns to the wall at the end of the turn.
         let away = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, 1.0), radius, f64::INFINITY);
         assert!(away.is_none_or(|after| after > 0.9 * TAU), "gap {gap}: {away:?}");
         let into = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, -1.0), radius, f64::INFINITY);
@@ -149,7 +149,7 @@ fn a_centre_inside_a_wall_may_not_cross_it() {
     let across = contact(&[wall], Pose::new(0.0, -0.01, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0);
     assert_eq!(across, Some(0.0));
     assert_eq!(contact(&[wall], Pose::new(0.0, -0.01, -PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
-    // On the line itself both sides are away.
+    // From the line itself either side leads away.
     assert_eq!(contact(&[wall], Pose::new(0.0, 0.0, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
 }
 
@@ -196,7 +196,7 @@ fn two_moving_discs_touch_where_sampling_says() {
                 assert!(found <= sampled && sampled - found < span / 400.0, "case {case}: {found}, sampled {sampled}");
                 assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}: gap {}", gap(found));
             }
-            // Between two samples, by a hair.
+            // A contact between two samples, by a hair.
             (Some(found), None) => assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}"),
             (None, Some(sampled)) => panic!("case {case}: missed the contact at {sampled}"),
             (None, None) => {}

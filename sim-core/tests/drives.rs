@@ -1,4 +1,4 @@
-//! Drives end on their mark: odometry equal to the command, true pose with it, whatever the slot, the sign or the size.
+//! Drives end on their mark: odometry and true pose equal the command, for any slot, sign and size.
 
 use std::{
     f64::consts::{PI, TAU},
@@ -17,10 +17,10 @@ use sim_core::{
     world::World,
 };
 
-/// What may lie between a command and where the robot is after it: metres and radians.
+/// Tolerance between a command and the robot's final pose: metres and radians.
 const MARK: f64 = 1e-6;
 
-/// A LabBot.
+/// Model of a LabBot.
 fn model() -> Model {
     Model {
         kind: DriveKind::Differential,
@@ -40,7 +40,7 @@ fn model() -> Model {
     }
 }
 
-/// A LabBot that is done with any drive soon.
+/// Model of a LabBot fast enough to finish any drive soon.
 fn racer() -> Model {
     Model { max_wheel_rate: 1e4, max_speed: 200.0, max_turn: 400.0, ..model() }
 }
@@ -61,7 +61,7 @@ impl Course {
         Self { world, motion, at: Time(1_234) }
     }
 
-    /// Goes on to `at`, slot by slot as long as it moves.
+    /// Advances to `at`, slot by slot as long as the robot moves.
     fn go_on(&mut self, at: Time) {
         while self.world.slot_end() <= at {
             if self.motion.is_active() {
@@ -78,7 +78,8 @@ impl Course {
         self.motion.command(self.at, command, &[]).expect("a sound command");
     }
 
-    /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if it can; asks on the way whether what remains only becomes less.
+    /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if possible; checks on the way
+    /// that the remaining distance never grows.
     fn drive(&mut self, displacement: Twist, speed: f64) {
         let whole = if displacement.vx == 0.0 { displacement.omega } else { displacement.vx };
         self.command(Command::Drive { displacement, duration: (whole.abs() / speed).min(4.0) });
@@ -115,7 +116,7 @@ fn assert_close(found: Pose, expected: Pose, command: Twist) {
         (found.position - expected.position).length() < MARK && apart.abs() < MARK,
         "{found:?} for {expected:?} after {command:?}"
     );
-    // A heading just at half a turn may be counted to the next one.
+    // A heading of almost exactly half a turn may be counted as the next turn.
     assert!(
         (found.heading.turns() - expected.heading.turns()).abs() <= i64::from(expected.heading.remainder().abs() > 3.0)
     );
@@ -270,7 +271,7 @@ fn one_motor_at_a_time_keeps_the_others_as_they_are() {
     course.command(Command::Halt);
     course.command(Command::Wheel { wheel: 1, rate: 1.0 });
     assert_eq!(rates(&mut course.motion, course.at), [0.0, 1.0]);
-    // After a drive, which one motor takes over.
+    // After a drive, which the command to one motor replaces.
     course.command(Command::Drive { displacement: Twist::new(1.1, 0.0), duration: 4.0 });
     course.command(Command::Wheel { wheel: 0, rate: 0.0 });
     assert_eq!(rates(&mut course.motion, course.at), [0.0, 10.0]);
@@ -349,14 +350,14 @@ fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
     course.command(Command::WheelSpeed { wheel: 0, rate: 12.0 });
     let rates = wheel_rates(&mut course.motion, 300);
     assert!((rates[299][0] - 12.0 * 3.0 / 4.0).abs() < 1e-9, "{:?}", rates[299]);
-    // The open loop of MOTORDrive passes the controller by.
+    // Open-loop commands (MOTORDrive) bypass the controller.
     let mut course = Course::new(lame, Time(50_000), Pose::default());
     course.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("sound");
     course.at = Time::ZERO;
     course.command(Command::Wheel { wheel: 0, rate: 12.0 });
     let rates = wheel_rates(&mut course.motion, 20);
     assert!((rates[9][0] - 12.0 * (1.0 - math::exp(-1.1))).abs() < 1e-9, "{:?}", rates[9]);
-    // At the limit for two seconds, then slow: it does not linger.
+    // At the limit for two seconds, then slow: no integrator windup.
     course.go_on(Time(1_000_000));
     course.command(Command::WheelSpeed { wheel: 0, rate: 60.0 });
     course.go_on(Time(3_000_000));
@@ -364,7 +365,7 @@ fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
     let at = Time(3_500_000);
     let rate = (course.motion.wheel_angles(at + TICK)[0] - course.motion.wheel_angles(at)[0]) / 0.01;
     assert!((rate - 6.0).abs() < 1.0, "{rate} rad/s half a second after the command");
-    // And stopped, the wheel obeys open loop at once.
+    // With the controller stopped, the wheel follows open-loop commands at once.
     course.at = Time(6_000_000);
     course.motion.stop_wheel_control(course.at, 0).expect("sound");
     course.command(Command::WheelSpeed { wheel: 0, rate: 0.0 });

@@ -1,4 +1,4 @@
-//! Imperfect motion: closed forms of what is systematic, statistics of what is drawn, and the same bits for every slot.
+//! Imperfect motion: closed forms of systematic errors, statistics of random ones, and the same bits for every slot.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -36,7 +36,7 @@ fn model() -> Model {
     }
 }
 
-/// Robot 1 at the origin, looking along x.
+/// Robot 1 at the origin, facing along x.
 fn robot(model: Model, walls: Vec<Segment>, seed: u64, imperfection: Imperfection) -> Motion {
     let motion = Motion::new(RobotId(1), Arc::new(model), Arc::new(Walls::new(walls)), Pose::default());
     motion.with_imperfection(seed, imperfection).expect("a sound imperfection")
@@ -48,7 +48,7 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
 
 const NOISE: TwistNoise = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
 
-/// All at once.
+/// All kinds of errors together.
 fn all() -> Imperfection {
     Imperfection {
         diameters: [0.01, -0.015, 0.02, 0.003],
@@ -60,7 +60,7 @@ fn all() -> Imperfection {
     }
 }
 
-/// What is systematic of it.
+/// The systematic part of [`all`].
 fn systematic() -> Imperfection {
     Imperfection { diameters: all().diameters, slip: all().slip, ..Imperfection::default() }
 }
@@ -149,7 +149,7 @@ fn the_greatest_noise_that_a_profile_may_have_brings_no_robot_through_a_wall() {
     for (seed, kind) in [DriveKind::Differential, DriveKind::Omni, DriveKind::Ackermann].into_iter().enumerate() {
         let mut motion = robot(Model { kind, ..model() }, room(0.5), seed as u64, imperfection);
         for (n, instant) in (0..3_000).map(|n| (n, Time(n * 3_331))) {
-            // To and fro, so that no wall holds it for long.
+            // Back and forth, so that no wall holds the robot for long.
             if n % 60 == 0 {
                 let speed = if n % 120 == 0 { 0.2 } else { -0.2 };
                 motion.command(instant, Command::Twist(Twist::new(speed, 0.3)), &[]).expect("sound");
@@ -197,7 +197,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (values.len() - 1) as f64)
 }
 
-/// Checks a sample against mean and variance within five standard errors, and the share within one deviation.
+/// Checks mean and variance of a sample, and its share within one standard deviation, to five standard errors.
 fn check_normal(what: &str, values: &[f64], mean: f64, variance: f64) {
     let (count, deviation) = (values.len() as f64, variance.sqrt());
     let (found_mean, found_variance) = moments(values);
@@ -209,7 +209,7 @@ fn check_normal(what: &str, values: &[f64], mean: f64, variance: f64) {
     assert!((within - 0.682_689).abs() < 5.0 * (0.682_689 * 0.317_311 / count).sqrt(), "{what}: {within} within one");
 }
 
-/// Ends of a straight drive of `ticks` ticks at 0.2 m/s: true and believed poses for many seeds.
+/// Ends of a straight drive of `ticks` ticks at 0.2 m/s: true and odometry poses for many seeds.
 fn ends(imperfection: Imperfection, ticks: i64) -> Vec<(Pose, Pose)> {
     let seconds = (ticks * TICK.0) as f64 / 1e6;
     let end = Time(ticks * TICK.0);
@@ -227,7 +227,7 @@ fn check_spread(poses: &[Pose], noise: TwistNoise, ticks: f64) {
     let of = |part: fn(&Pose) -> f64| poses.iter().map(part).collect::<Vec<_>>();
     let speed_squared = noise.speed * noise.speed + (noise.speed_share * 0.2) * (noise.speed_share * 0.2);
     let turn_squared = noise.turn * noise.turn;
-    // The heading's spread shortens the way on average: second order.
+    // The spread of the heading shortens the distance on average: a second-order effect.
     let across = 0.04 * h.powi(4) * turn_squared * (ticks.powi(3) / 3.0 - ticks / 12.0);
     let heading = h * h * ticks * turn_squared;
     let shortening = 0.2 * ticks * h * heading / 4.0;
@@ -259,7 +259,7 @@ fn the_spread_of_slip_is_that_of_the_formula() {
     let deviation = 0.05;
     let imperfection = Imperfection { slip: 0.1, slip_deviation: deviation, ..Imperfection::default() };
     let truth: Vec<_> = ends(imperfection, 100).into_iter().map(|end| end.0).collect();
-    // Each wheel on its own: half of it goes into the speed, and the difference over the track into the turn.
+    // The wheels slip independently: half of each error enters the speed, the difference over the track the turning speed.
     let way = 0.2 * TICK.seconds() * deviation;
     let heading = 2.0 * (way / 0.1) * (way / 0.1) * 100.0;
     check_normal("heading", &truth.iter().map(|pose| pose.heading.radians()).collect::<Vec<_>>(), 0.0, heading);
@@ -277,7 +277,7 @@ fn slip_commands_and_odometry_draw_from_streams_of_their_own() {
         truth.iter().zip(&belief).map(|(a, b)| (a.position.x - 0.04) * (b.position.x - 0.04)).collect();
     let (covariance, of_product) = moments(&product);
     assert!(covariance.abs() < 5.0 * (of_product / product.len() as f64).sqrt(), "covariance {covariance}");
-    // What is added to the one changes nothing about the other.
+    // Noise of one kind does not change the other.
     let (alone, with) = (ends(Imperfection { odometry: TwistNoise::default(), ..both }, 20), ends(both, 20));
     assert!(alone.iter().zip(&with).all(|(a, b)| a.0 == b.0));
 }
@@ -323,15 +323,15 @@ fn room(size: f64) -> Vec<Segment> {
     (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()
 }
 
-/// Poses of robots in a small room, who meet its walls all the time, in slots of `slot`; asked for at every microsecond
-/// that is a multiple of `question` too.
+/// Poses of robots in a small room, where they hit the walls all the time, in slots of `slot`; also queried at every
+/// microsecond that is a multiple of `question`.
 fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<(Pose, Pose, Wheels, f64)> {
     let walls = Arc::new(Walls::new(room(0.5)));
     let lame = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
     let omni = Model { kind: DriveKind::Omni, ..model() };
     let car = Model { kind: DriveKind::Ackermann, ..model() };
     let mut results = Vec::new();
-    // One after the other: contact between robots depends on the slot.
+    // One robot at a time: contacts between robots depend on the slot.
     for (place, model) in [model(), lame, omni, car].into_iter().enumerate() {
         let motion = Motion::new(RobotId(1), Arc::new(model), walls.clone(), Pose::new(0.1, -0.05, 0.3));
         let mut motion = motion.with_imperfection(place as u64, imperfection).expect("sound");
@@ -362,7 +362,7 @@ fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<
                 2 => Command::Wheels([20.0 * v, 15.0 * v, 0.0, 3.0 * omega]),
                 _ => continue,
             };
-            // Some the car refuses.
+            // The car refuses some of the commands.
             let _ = motion.command(at, command, &touching);
         }
     }
@@ -388,7 +388,7 @@ fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
             let mut motion = robot(model(), walls.clone(), seed, imperfection);
             let mut at = Time::from_millis(5);
             for round in 0..20 {
-                // Into a wall, where it stalls for good.
+                // Into a wall, where the robot stalls permanently.
                 motion.command(at, drive(3.0, 0.0, 0.0), &[]).expect("sound");
                 assert_eq!(motion.drive_end(), None, "round {round} of seed {seed}");
                 at += Time::from_millis(6_000);
@@ -396,7 +396,7 @@ fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
                 let rest = motion.pose(at);
                 assert_eq!(motion.pose(at + Time::from_millis(70)), rest);
                 assert!(!motion.is_moving(at));
-                // It can turn on the spot there, to either side: its errors do not hold it.
+                // The robot can turn on the spot there, in either direction: the errors do not lock it.
                 let angle = if round % 2 == 0 { 2.3 } else { -2.1 };
                 motion.command(at, drive(0.0, angle, 1.0), &[]).expect("sound");
                 let end = motion.drive_end().unwrap_or_else(|| panic!("no end of turn {round} of seed {seed}"));
@@ -413,7 +413,7 @@ fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
 
 #[test]
 fn a_robot_with_errors_that_touches_another_one_can_turn_away() {
-    // Its errors lead into the other one as it turns left.
+    // The errors lead the robot into the other one as it turns left.
     let unequal = Imperfection { diameters: [0.0, 0.05, 0.0, 0.0], ..Imperfection::default() };
     for (seed, imperfection) in (0..10).map(|seed| (seed, all())).chain([(0, unequal)]) {
         let walls = Arc::new(Walls::new(vec![]));
@@ -528,11 +528,11 @@ fn errors_that_change_on_the_way_change_what_comes_after_only() {
     slipping.set_imperfection(change, 3, Imperfection { slip: 0.1, ..Imperfection::default() }).expect("sound");
     assert!(slipping.is_active());
     assert_eq!([before, change].map(|at| perfect.state(at)), [before, change].map(|at| slipping.state(at)));
-    // 0.125 m, then 0.9 times 0.25 m; odometry does not notice.
+    // 0.125 m, then 0.9 times 0.25 m; odometry does not see the slip.
     close(slipping.pose(end).position, DVec2::new(0.35, 0.0), 1e-12);
     close(slipping.odometry(end).position, DVec2::new(0.375, 0.0), 1e-12);
 
-    // What errors did stays when they end, and the closed form goes on from there.
+    // The effect of earlier errors stays after they end, and the closed form continues from there.
     let (mut noisy, mut mended) = (driving(all()), driving(all()));
     mended.set_imperfection(change, 3, Imperfection::default()).expect("sound");
     assert_eq!([before, change].map(|at| noisy.state(at)), [before, change].map(|at| mended.state(at)));
@@ -554,6 +554,6 @@ fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
         let imperfection = if number % 2 == 0 { systematic() } else { all() };
         motion.set_imperfection(at, 3, imperfection).expect("sound");
     }
-    // Drives end by what the wheels tell.
+    // Wheel odometry decides when a drive ends.
     assert_eq!(motion.drive_end(), Some(Time::from_millis(2_000)));
 }

@@ -1,4 +1,4 @@
-//! A robot alone in the world, whose slots are mostly passed over: all is as beside another one far away, to the bit.
+//! A robot alone in the world, with most slots skipped, behaves as beside another one far away, to the bit.
 
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ impl Scene {
         Self { world: World::new(walls, slot, &mut motions), motions }
     }
 
-    /// Ends a slot; everything that can be known of the robot after it.
+    /// Ends a slot; returns all observable state of the robot after it.
     fn advance(&mut self, ray: DVec2) -> String {
         let mut active: Vec<_> = self.motions.iter_mut().filter(|motion| motion.is_active()).collect();
         let contacts = self.world.advance(&mut active);

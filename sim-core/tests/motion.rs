@@ -93,7 +93,7 @@ fn a_robot_stops_a_skin_before_the_wall_and_stalls() {
     let impact = motion.impacts(Time::ZERO, at)[0];
     assert!(matches!(impact.thing, Thing::Wall(_)) && impact.bearing.abs() < 1e-9);
     assert!((impact.time.seconds() - 0.907 / 0.5).abs() < 1e-5);
-    // Against the wall again, along it, and away.
+    // Towards the wall again, along it, and away.
     motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a sound command");
     assert!(motion.is_stalled(at));
     assert_eq!(motion.contacts(at), 1);
@@ -173,7 +173,7 @@ fn poses_are_equal_to_the_bit_for_every_slot_length() {
 
 #[test]
 fn poses_are_equal_to_the_bit_in_every_build_and_on_every_machine() {
-    // FNV-1a over the bits: a golden value that changes only with the model of motion itself.
+    // FNV-1a over the bits: a golden value that changes only with the motion model.
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for pose in script(Time::from_millis(50)) {
         for value in [pose.position.x, pose.position.y, pose.heading.remainder()] {
@@ -227,7 +227,7 @@ fn every_turning_speed_follows_its_arc() {
         let angle = 2.0 * omega;
         assert!((pose.heading.radians() - angle).abs() <= 1e-15 * angle.max(1.0), "heading at {omega} rad/s");
         let (x, y) = if angle < 1e-3 {
-            // The series of the arc, to more digits than a double has.
+            // The series of the arc, accurate beyond double precision.
             (1.0 - angle * angle / 6.0, angle / 2.0 - angle.powi(3) / 24.0)
         } else {
             let radius = 0.5 / omega;
@@ -242,7 +242,7 @@ fn a_million_turns_end_where_they_began() {
     let mut motion = robot(Model { axis_offset: 0.04, ..model() }, vec![], Pose::new(0.0, 0.0, 1.0));
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
     let mut at = Time::ZERO;
-    // In quarters, as a program that goes round a square for ever does.
+    // In quarter turns, as a program that drives round a square for ever.
     for _ in 0..4_000_000 {
         let displacement = Twist::new(0.0, PI / 2.0);
         motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
@@ -284,7 +284,7 @@ fn an_ackermann_drive_refuses_what_it_cannot_steer() {
     assert_eq!(motion.command(Time::ZERO, tight, &[]), Err(CommandError::TooTight { min_radius_mm: 160 }));
     let wide = Command::Drive { displacement: Twist::new(0.16, 1.0), duration: 1.0 };
     motion.command(Time::ZERO, wide, &[]).expect("the tightest curve");
-    // A speed whose curve is too tight is driven with the wheels turned as far as they go.
+    // A speed with too tight a curve is driven at the greatest steering angle.
     motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("sound");
     assert_eq!(motion.steering(Time(1)), PI / 4.0);
     assert!((motion.speed(Time(1)).omega - 0.1 / 0.16).abs() < 1e-12);
@@ -342,7 +342,7 @@ fn wedged_in_a_corner_a_robot_comes_out_backwards() {
         let turned = motion.drive_end().expect("an end");
         motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
         let end = motion.pose(turned + Time::from_millis(100)).position;
-        // Out: the headings between straight back along either wall.
+        // The robot can leave with headings between straight back from either wall.
         let leaves = (12..=18).contains(&heading);
         assert_eq!((end - motion.pose(turned).position).length() > 1e-3, leaves, "heading {angle}");
     }

@@ -1,4 +1,4 @@
-//! Movable objects alone and among walls: closed forms, energy, tunnelling, sleep, the same bits every time.
+//! Movable objects alone and among walls: closed forms, energy, tunnelling, sleep, reproducibility to the bit.
 
 use std::sync::Arc;
 
@@ -89,7 +89,7 @@ fn equal_balls_swap_their_speeds() {
         one.velocity.length() < 1e-9 && (other.velocity - DVec2::new(0.5, 0.0)).length() < 1e-9,
         "{one:?} {other:?}"
     );
-    // They meet after 0.06 m; within a step's way.
+    // The objects touch after 0.06 m, up to the distance covered in a step.
     assert!((one.world_from_object.position.x - 0.06).abs() < 0.5e-3, "{one:?}");
     assert!((other.world_from_object.position.x - (0.1 + 0.5 * 0.3 - 0.06)).abs() < 0.5e-3, "{other:?}");
 }
@@ -105,7 +105,7 @@ fn a_wall_gives_back_the_restitution() {
     }
 }
 
-/// Greatest relative rise of the energy within a step, and the energy at the end over that at the start.
+/// Greatest relative rise of the energy within a step, and the ratio of the final to the initial energy.
 fn watch_energy(bodies: &mut Bodies, steps: usize) -> (f64, f64) {
     let start = bodies.energy();
     let (mut last, mut rise) = (start, 0.0_f64);
@@ -119,7 +119,7 @@ fn watch_energy(bodies: &mut Bodies, steps: usize) -> (f64, f64) {
     (rise, last / start)
 }
 
-/// Numbers in [-1, 1] from a congruence.
+/// Random numbers in [-1, 1] from a linear congruential generator.
 struct Random(u64);
 
 impl Random {
@@ -226,7 +226,7 @@ fn fast_balls_pass_neither_walls_nor_each_other() {
         assert!(bodies.energy() <= start * (1.0 + 1e-9), "step {step}");
         all_inside(&bodies, 1.0, 1.0);
     }
-    // A ball that is shot at one that rests: it must hit it however fast.
+    // A ball shot at a resting ball must hit it at any speed.
     let mut bodies =
         Bodies::new(&Walls::new(vec![]), [(shot.clone(), Pose::default()), (shot, Pose::new(0.5, 0.0, 0.0))]);
     bodies.set_velocity(id(1), DVec2::new(40.0, 0.0), 0.0);

@@ -1,4 +1,4 @@
-//! Robots and objects that are put elsewhere: what changes, what stays, and what the others see of it.
+//! Robots and objects placed elsewhere: changed and unchanged state, and the view of other robots.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -69,7 +69,7 @@ impl Scene {
         Self { world, motions, contacts: Vec::new() }
     }
 
-    /// With a crate of 10 cm and a ball of 4 cm.
+    /// Adds a crate of 10 cm and a ball of 4 cm.
     fn with_objects(mut self, crate_at: Pose, ball_at: Pose) -> Self {
         let object = |shape, resistance| {
             Arc::new(Properties {
@@ -176,7 +176,7 @@ fn others_see_it_from_the_next_slot_on_and_never_between() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0, 3.0, 0.0)]);
     let at = Time(20_000);
     scene.motions[0].place(at, Pose::new(3.0, 1.0, 1.0)).expect("sound");
-    // On the way between both places.
+    // Halfway between both places.
     let (middle, old, new) = (DVec2::new(2.0, 0.5), DVec2::new(1.0, 0.5), DVec2::new(3.0, 0.5));
     let first = Thing::Robot(RobotId(1));
     let looks = |scene: &Scene, at: Time| {
@@ -210,7 +210,7 @@ fn bodies_and_walls_between_two_places_are_not_met() {
     scene.advance();
     assert_eq!(scene.contacts, []);
     assert!((scene.position(0) - DVec2::new(3.5, 1.0)).length() < 1e-15);
-    // Out of the room and back: through walls.
+    // Out of the room and back, through walls.
     scene.motions[0].place(Time(60_000), Pose::new(-7.0, 1.0, PI)).expect("sound");
     scene.advance();
     scene.motions[0].place(Time(110_000), Pose::new(0.5, 3.0, PI)).expect("sound");
@@ -224,14 +224,14 @@ fn bodies_and_walls_between_two_places_are_not_met() {
 fn placed_in_front_of_one_that_drives_it_is_met() {
     let mut scene = Scene::new(&[Pose::new(0.5, 1.0, 0.0), Pose::new(2.0, 3.0, 0.0)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
-    // 5 mm before the first one is there.
+    // Placed 5 mm ahead of the first one.
     scene.motions[1].place(Time(20_000), Pose::new(0.5 + 0.01 + 0.005 + 2.0 * RADIUS, 1.0, 0.0)).expect("sound");
     scene.advance();
     let contact = scene.contacts[0];
     assert_eq!((scene.contacts.len(), contact.robot, contact.with), (1, RobotId(1), Thing::Robot(RobotId(2))));
     assert!((contact.time.seconds() - 0.03).abs() < 1e-5, "{contact:?}");
     assert!((scene.position(0).x - (0.515 - SKIN)).abs() < 1e-8);
-    // Placed away by another robot at the end of the slot, it clears the way at once.
+    // A robot that is placed elsewhere at the end of the slot clears the way at once.
     let end = scene.world.slot_end();
     scene.motions[1].place(end, Pose::new(2.0, 3.0, 0.0)).expect("sound");
     scene.advance();
@@ -240,7 +240,7 @@ fn placed_in_front_of_one_that_drives_it_is_met() {
     assert!((scene.position(0).x - (0.515 + 0.05)).abs() < 1e-5);
 }
 
-/// How far a robot gets in 0.4 s at 0.5 m/s with this heading, placed `depth` into another one that stands.
+/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, placed `depth` into another, resting one.
 fn way_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     let mut scene = Scene::new(&[Pose::new(1.0, 2.0, 0.0), Pose::new(2.0, 2.0, 0.0)]);
     let deep = Pose::new(2.0 - (2.0 * RADIUS - depth), 2.0, heading);
@@ -265,7 +265,7 @@ fn placed_onto_a_robot_it_can_leave_but_not_go_deeper() {
             assert!((way - if leaves { 0.2 } else { 0.0 }).abs() < 1e-9, "{depth} m deep, heading {heading}: {way}");
         }
     }
-    // Right on top of it, rounding says where the other one is.
+    // With equal centres, rounding decides the direction of the other one.
     let ways = headings.iter().filter(|&&heading| way_out_of_a_robot(2.0 * RADIUS, heading) > 0.1).count();
     assert!(ways >= 5, "{ways} of 12 headings");
 }
@@ -281,7 +281,7 @@ fn placed_into_a_wall_it_can_leave_but_not_go_deeper() {
             scene.drive(0, Time(10_000), 0.5, 0.0);
             scene.run(0.3);
             let moved = scene.position(0) - deep.position;
-            // From right on its line it may leave to either side.
+            // With its centre on the wall's line the robot may leave to either side.
             let is_on_line = depth > RADIUS - 1e-12;
             let leaves = heading % 6 == 3 || is_on_line || (4..9).contains(&heading);
             assert_eq!(moved.length() > 0.1, leaves, "{depth} m deep, heading {angle}: {moved}");
@@ -292,7 +292,7 @@ fn placed_into_a_wall_it_can_leave_but_not_go_deeper() {
 
 #[test]
 fn a_blocked_robot_obeys_its_place_all_the_same() {
-    // Robot 1 is stopped by robot 2 before the instant at which it was placed; its place is obeyed anew.
+    // Robot 2 stops robot 1 before the time of the placement; the placement is then replayed.
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0 + 2.0 * RADIUS + 0.005, 1.0, PI)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
     scene.motions[0].place(Time(30_000), Pose::new(3.0, 3.0, PI / 2.0)).expect("sound");
@@ -305,7 +305,7 @@ fn a_blocked_robot_obeys_its_place_all_the_same() {
 
 #[test]
 fn after_a_place_the_same_body_is_met_anew() {
-    // Against robot 2 and against the crate, put back and against them again, all within 100 ms.
+    // Contact with robot 2 and the crate, placement back, and contact again, all within 100 ms.
     let start = [Pose::new(1.0, 1.0, 0.0), Pose::new(1.0 + 2.0 * RADIUS + 0.001, 1.0, 0.0)];
     for is_place in [true, false] {
         let crate_at = Pose::new(1.0 - RADIUS - 0.051, 1.0, 0.0);
@@ -403,7 +403,7 @@ fn a_moving_object_rests_where_it_is_placed_and_can_be_pushed_there() {
     scene.world.set_object_velocity(BALL, DVec2::new(1.0, 0.0), 0.0);
     scene.run(0.5);
     assert!(scene.world.is_object_moving());
-    // 2 mm before the robot's rim.
+    // 2 mm outside the robot's rim.
     let place = Pose::new(2.0 + RADIUS + 0.02 + 0.002, 1.0, 0.0);
     scene.world.place_object(BALL, place).expect("sound");
     scene.advance();
@@ -451,7 +451,7 @@ fn objects_placed_into_walls_robots_and_each_other_are_pushed_out_gently() {
     }
 }
 
-/// One entry of a script: microseconds since the one before, whose, and a place or a speed.
+/// Entries of a script: microseconds since the previous entry, robot or object, and a pose or a speed.
 fn script() -> impl Strategy<Value = Vec<(i64, usize, bool, [f64; 3])>> {
     let number = || prop_oneof![8 => 0.0..4.0_f64, 1 => -1e9..1e9_f64, 1 => Just(2.0)];
     let entry = (1_i64..120_000, 0_usize..4, any::<bool>(), [number(), number(), number()]);

@@ -1,4 +1,4 @@
-//! Robots and objects that come into a running world, and leave it.
+//! Robots and objects added to and removed from a running world.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -48,7 +48,7 @@ fn ball(radius: f64) -> Arc<Properties> {
     })
 }
 
-/// A world with the motions of its robots; those that are gone are left alone.
+/// A world with the motions of its robots; motions of removed robots are not advanced.
 struct Scene {
     walls: Arc<Walls>,
     world: World,
@@ -115,10 +115,10 @@ fn o(number: u32) -> ObjectId {
     ObjectId(number)
 }
 
-/// What a ray meets: in the plane, and in space.
+/// Hit of a ray in the plane, and of a ray in three dimensions.
 type Met = (Option<(f64, Thing)>, Option<f64>);
 
-/// What rays from everywhere meet.
+/// Hits of rays from random origins.
 fn look(world: &World, at: Time) -> Vec<Met> {
     let mut random = Random::new(7);
     let ray = |_| {
@@ -231,7 +231,7 @@ fn who_was_in_the_way_is_not_any_more() {
 fn the_first_object_of_a_world_is_pushed_and_can_go() {
     let mut scene = Scene::new(&[place(0.0, 0.0)], &[], vec![]);
     scene.drive(r(1), 0.3);
-    // Past the rest of a lone robot, which is known far ahead.
+    // Beyond the start: a lone robot is calm far ahead (`Calm` of the world), which the new object must end.
     scene.run(1.05);
     let ball = scene.add_object(place(1.0, 0.0));
     assert_eq!((ball, scene.world.object_count()), (o(1), 1));

@@ -1,4 +1,4 @@
-//! Robots among movable objects: pushing, kicking, stalling, seeing them; slots of any length.
+//! Robots among movable objects: pushing, kicking, stalling, sensing; slots of any length.
 
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ fn a_light_crate_is_pushed_and_the_robot_keeps_its_path_to_the_bit() {
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
     scene.command(0, ahead(0.1));
     scene.run(5.0);
-    // The blow costs no more than traction gives in one step.
+    // The impact costs no more than traction restores in one step.
     let x = scene.robot(0).position.x;
     assert!((x - 0.5).abs() < 1e-6, "{x}");
     let gap = scene.object().x - 0.05 - (x + RADIUS);
@@ -134,7 +134,7 @@ fn a_heavy_crate_stalls_the_wheels_and_stays_where_it_is() {
     assert!(scene.motions[0].is_stalled(now));
     assert!(!scene.motions[0].is_moving(now));
     let (object, robot) = (scene.object().x, scene.robot(0).position.x);
-    // Both went on with 0.08 m/s after the blow, which 0.5 kg times gravity stopped.
+    // After the impact both moved on at 0.08 m/s, until 0.5 kg times gravity stopped them.
     let way = 0.08 * 0.08 / (2.0 * 0.5 * GRAVITY / 5.0);
     assert!((object - 0.3 - way).abs() < 2e-4, "{object} for {}", 0.3 + way);
     let wheels = scene.motions[0].wheel_angles(now);
@@ -161,7 +161,7 @@ fn a_kicked_ball_leaves_with_the_speed_of_the_blow() {
         scene.run(0.7);
         let speed = scene.world.object_state(BOX).velocity.x;
         let blow = (1.0 + restitution) * 2.0 * 0.4 / 2.05;
-        // Without restitution it is pushed up to the robot's speed again.
+        // Without restitution the robot pushes the object to its own speed again.
         let expected = if restitution == 0.0 { 0.4 } else { blow };
         assert!((speed - expected).abs() < 2e-4, "{speed} for {expected}");
     }
@@ -169,7 +169,7 @@ fn a_kicked_ball_leaves_with_the_speed_of_the_blow() {
 
 #[test]
 fn a_push_at_the_limit_of_traction_goes_on_slower() {
-    // 0.5 * 2 kg push 0.5 * 1.9 kg: the blow costs much, and traction gives little back.
+    // 0.5 * 2 kg push 0.5 * 1.9 kg: the impact costs much speed, and traction restores little.
     let objects = vec![(crate_(1.9, 0.5), Pose::new(0.3, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
     scene.command(0, ahead(0.3));
@@ -257,7 +257,7 @@ fn a_standing_robot_is_not_pushed() {
     scene.world.set_object_velocity(BOX, DVec2::new(-1.0, 0.0), 0.0);
     scene.run(2.0);
     assert_eq!(scene.robot(0), Pose::default());
-    // 0.35 m to the robot, half of the speed back, the rest of the time away from it.
+    // 0.35 m to the robot, rebound at half the speed, then away from it for the rest of the time.
     let deceleration = 0.01 * GRAVITY;
     let there = (1.0 - 2.0 * deceleration * 0.35).sqrt();
     let left = 0.5 * there - deceleration * (2.0 - (1.0 - there) / deceleration);

@@ -1,4 +1,4 @@
-//! Range sensors in space against the closed forms of a box room, on links, and at the ends of their ranges.
+//! Three-dimensional range sensors against the closed forms of a box room, on links, and at their limits.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn world(walls: Walls, space: Space) -> World {
     World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)
 }
 
-/// A room with its lower left corner at `corner`, closed by a slab above; all of one surface.
+/// A room with its lower left corner at `corner`, closed by a slab above, with the same surface everywhere.
 fn room(corner: DVec2, surface: Surface) -> World {
     let corners = [[0.0, 0.0], [ROOM.x, 0.0], [ROOM.x, ROOM.y], [0.0, ROOM.y]].map(|[x, y]| corner + DVec2::new(x, y));
     let walls: Vec<_> = (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect();
@@ -45,7 +45,7 @@ fn room(corner: DVec2, surface: Surface) -> World {
     world(Walls::new(walls).with_heights(vec![ROOM.z; 4]), space)
 }
 
-/// The same room as a mesh of twelve triangles, in a frame of its own at `corner`.
+/// The room of [`room`] as a mesh of twelve triangles, in a frame at `corner`.
 fn mesh_room(corner: DVec2, surface: Surface) -> World {
     let at = |code: usize| ROOM * DVec3::new((code & 1) as f64, (code >> 1 & 1) as f64, (code >> 2) as f64);
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
@@ -56,7 +56,7 @@ fn mesh_room(corner: DVec2, surface: Surface) -> World {
     world(Walls::new(Vec::new()), Space { floor: None, fixed, ..Space::default() })
 }
 
-/// Distance and incidence on the inside of a box from the origin to [`ROOM`].
+/// Distance and incidence angle on the inside of a box from the origin to [`ROOM`].
 fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
     let to = |axis: usize| {
         let end = if direction[axis] > 0.0 { ROOM[axis] } else { 0.0 };
@@ -66,7 +66,7 @@ fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
     (distance, math::atan2((1.0 - cos * cos).sqrt(), cos))
 }
 
-/// Fails unless both read the same within 1 nm, or what stands before a limit is as near to it.
+/// Panics unless the distance is within 1 nm of `expected`.
 fn assert_close(found: Reading, expected: f64, context: &str) {
     let distance = found.distance.expect("a distance");
     assert!((distance - expected).abs() < 1e-9, "{context}: {distance} for {expected}");
@@ -145,14 +145,14 @@ fn a_sonar_among_mirrors_hears_the_nearest_that_faces_it() {
             let pose = Pose3::from_angles(place + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
             let found = RangeModel::Sonar(sonar).read(&world, ME, &pose, Time::ZERO, 0.0);
 
-            // A mirror is heard in its foot alone.
+            // A mirror returns an echo only from the foot of the perpendicular.
             let forward = pose.forward();
             let feet =
                 (0..3).flat_map(|axis| [(place[axis], -forward[axis]), (ROOM[axis] - place[axis], forward[axis])]);
             let heard_at = feet.filter(|&(distance, cos)| {
                 let angle = math::atan2((1.0 - cos * cos).max(0.0).sqrt(), cos);
                 let half = angle / sonar.half_angle;
-                // Twice the fall of 6 dB, out and back.
+                // Twice the fall of 6 dB: out and back.
                 angle < FRAC_PI_2
                     && math::exp(-4.0 * std::f64::consts::LN_2 * half * half) / (distance * distance) >= sonar.threshold
             });
@@ -170,7 +170,7 @@ fn a_sonar_among_mirrors_hears_the_nearest_that_faces_it() {
     }
 }
 
-/// A wall without end in sight, `distance` ahead of the origin, whose normal is turned by `angle` from the line of sight.
+/// A practically infinite wall, `distance` ahead of the origin, whose normal is turned by `angle` from the line of sight.
 fn slanting_wall(distance: f64, angle: f64, surface: Surface) -> World {
     let (sin, cos) = math::sin_cos(angle);
     let (middle, along) = (DVec2::new(distance, 0.0), DVec2::new(-sin, cos));
@@ -194,7 +194,7 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
             assert_eq!(read(echo.incidence + 1e-9), echo.max);
         }
     }
-    // The same from the sensor's side: pitched over the floor.
+    // Incidence limits for a sensor that is pitched over the floor.
     for offset in [-1e-9, 0.0, 1e-9] {
         let pose = Pose3::from_angles(DVec3::new(0.3, 0.2, 0.5), 0.7, -(FRAC_PI_4 - offset), 1.1);
         let world = world(Walls::new(Vec::new()), Space::default());
@@ -206,7 +206,7 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
 #[test]
 fn a_smooth_wall_reflects_away_what_a_rough_one_returns() {
     let sonar = RangeModel::Sonar(Sonar { rays: 1001, ..Sonar::srf08() });
-    // 60 degrees off, the foot is 60 degrees off the beam.
+    // At an incidence of 60 degrees the foot of the perpendicular is 60 degrees off the beam.
     let angle = PI / 3.0;
     let distance = |surface| ahead(sonar, &slanting_wall(3.0, angle, surface)).distance;
     assert_eq!(distance(Surface::SMOOTH), None, "the foot lies at 1.5 m, out of the beam");
@@ -215,7 +215,7 @@ fn a_smooth_wall_reflects_away_what_a_rough_one_returns() {
     let mixture = distance(Surface { reflectivity: 1.0, specular: 0.5 }).expect("scattered");
     assert!(mixture > rough, "half as much comes from farther in: {mixture}");
     assert_eq!(distance(Surface { reflectivity: 0.0, specular: 0.0 }), None);
-    // Head on, both are heard at the foot.
+    // At normal incidence both return the echo of the foot.
     for surface in [Surface::SMOOTH, Surface::ROUGH] {
         let reading = ahead(sonar, &slanting_wall(2.0, 0.0, surface));
         assert_eq!((reading.distance, reading.signal), (Some(2.0), 0.25));
@@ -224,12 +224,12 @@ fn a_smooth_wall_reflects_away_what_a_rough_one_returns() {
 
 #[test]
 fn the_energy_of_an_echo_is_that_of_its_formula() {
-    // 20 degrees off, rough: along the line of sight alone, cos(20 degrees) / 1.5^2.
+    // A rough wall at 20 degrees: along the line of sight alone, cos(20 degrees) / 1.5^2.
     let sonar = Sonar { rays: 1, half_angle: 1e-3, ..Sonar::srf08() };
     let reading = ahead(RangeModel::Sonar(sonar), &slanting_wall(1.5, PI / 9.0, Surface::ROUGH));
     assert!((reading.signal - math::cos(PI / 9.0) / 2.25).abs() < 1e-12, "{reading:?}");
     assert!((reading.distance.unwrap() - 1.5).abs() < 1e-12);
-    // A rod of 1.5 cm radius as a mirror, 2 m ahead: just noticed, as the preset's threshold was made.
+    // A specular rod of 1.5 cm radius, 2 m ahead, is just detected: the definition of the preset's threshold.
     let rod = |distance: f64| {
         let figure = Arc::new(Figure::cylinder(0.015, 1.0, Surface::SMOOTH));
         let fixed = vec![(Pose::new(distance + 0.015, 0.0, 0.0), figure)];
@@ -259,7 +259,7 @@ fn the_nearest_echo_wins_and_the_dead_zone_is_deaf() {
 
 #[test]
 fn more_rays_come_nearer_to_the_truth() {
-    // The wall is heard where its echo falls below the threshold: by bisection along the wall.
+    // The nearest detectable point is where the echo of the wall falls below the threshold: found by bisection along the wall.
     let (angle, distance) = (1.2, 3.0);
     let sonar = Sonar::srf08();
     let heard_at = |theta: f64| {
@@ -315,7 +315,7 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
 fn a_level_psd_on_the_body_is_a_beam_to_the_bit() {
     let mut random = Random::new(33);
     let walls = Walls::new(accuracy::world::room_with_boxes(3, DVec2::ZERO, 8.0, 12));
-    // Lower than all sensors: a beam sees them all the same.
+    // Walls lower than all sensors: a beam hits them nevertheless.
     let count = walls.len();
     let world = world(walls.with_heights(vec![0.01; count]), Space::default());
     for _ in 0..2000 {
@@ -356,7 +356,7 @@ fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
     let fan = Fan { sweep: PI, points: 19, tilt: 0.1, height: 0.4, range: 3.0 };
     let scan = Scan::new(Mount::new(0.1, 0.05, 0.3), fan);
     let robot = Pose::new(2.0, 1.5, 0.7);
-    // Where it sits level, both ways of asking agree.
+    // For a level mount both functions agree.
     let level = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.05, 0.4), 0.0, 0.0, 0.3));
     let planar = scan.distances(&world, ME, &robot, Time::ZERO);
     let space = scan.distances_from(&world, ME, &level, Time::ZERO);
@@ -392,7 +392,7 @@ fn a_level_psd_sees_meshes_where_they_are() {
 
 #[test]
 fn a_level_scanner_sees_meshes_where_they_are() {
-    // It saw the plane alone, and the floor z = 0 where a mesh is the ground.
+    // Regression: the scanner saw only the plane, and the floor z = 0 where a mesh is the ground.
     let world = mesh_room(DVec2::ZERO, Surface::ROUGH);
     let robot = Pose::new(1.0, 1.0, 0.3);
     for (tilt, height, range) in [(0.0, 0.1, 9.0), (-0.3, 0.4, 9.0), (0.2, 0.4, 9.0), (-0.1, 0.4, 2.0)] {
@@ -409,7 +409,7 @@ fn a_level_scanner_sees_meshes_where_they_are() {
             }
         }
     }
-    // Beside the mesh of the ground there is no floor.
+    // Outside the mesh of the ground there is no floor.
     let scan = Scan::new(Mount::default(), Fan { sweep: 2.0 * PI, points: 8, tilt: -0.5, height: 0.4, range: 9.0 });
     let beside = Pose::new(-20.0, 0.0, 0.0);
     assert_eq!(scan.distances(&world, ME, &beside, Time::ZERO), [None; 8]);
@@ -417,7 +417,7 @@ fn a_level_scanner_sees_meshes_where_they_are() {
 
 #[test]
 fn a_movable_mesh_is_seen_beyond_its_footprint() {
-    // Rays that passed by the footprint, of 5 cm here, did not meet the mesh, of 1 m.
+    // Regression: rays that missed the footprint, of 5 cm here, missed the mesh, of 1 m, too.
     let sheet = [DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 2.0)];
     let figure = Figure { solids: vec![Solid::Mesh(Arc::new(MeshIndex::new(&[sheet])))], surface: Surface::ROUGH };
     let part = Part { shape: Shape::Disc { radius: 0.05 }, object_from_part: Pose::default() };
@@ -441,7 +441,7 @@ fn a_movable_mesh_is_seen_beyond_its_footprint() {
 
 #[test]
 fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
-    // It saw the far side from within, 0.4 m off along the floor.
+    // Regression: the scanner saw the far side from within, 0.4 m off along the floor.
     let centre_line = Segment::new(DVec2::new(0.3, -1.0), DVec2::new(0.3, 1.0));
     let walls = Walls::new(centre_line.thickened(0.2).to_vec()).with_heights(vec![0.1; 4]);
     let block = Block::new(WallId(0), &centre_line, 0.2, 0.1);
@@ -450,7 +450,7 @@ fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
         let fan = Fan { sweep: 0.1, points: 1, tilt: -FRAC_PI_4, height, range: 9.0 };
         Scan::new(Mount::default(), fan).distances(&world, ME, &Pose::default(), Time::ZERO)[0].expect("wall or floor")
     };
-    // Side, upper face, the floor beyond.
+    // Side, upper face, floor beyond.
     for (height, along) in [(0.25, 0.2), (0.4, 0.3), (0.55, 0.55)] {
         assert!((read(height) - along * 2.0_f64.sqrt()).abs() < 1e-12, "{height}: {}", read(height));
     }
@@ -458,7 +458,7 @@ fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
 
 #[test]
 fn a_sonar_of_least_threshold_is_not_blinded_by_what_returns_nothing() {
-    // A mirror that slants away hid the wall beside it from a sonar whose threshold is 0.
+    // Regression: with a threshold of 0, a mirror slanting away hid the wall beside it.
     let mirror = Segment::new(DVec2::new(0.5, -0.1), DVec2::new(0.7, 0.1));
     let beside = Segment::new(DVec2::new(0.8, 0.4), DVec2::new(0.8, 0.6));
     let space = Space { walls: vec![Surface::SMOOTH, Surface::ROUGH], ..Space::default() };
@@ -471,7 +471,7 @@ fn a_sonar_of_least_threshold_is_not_blinded_by_what_returns_nothing() {
 
 #[test]
 fn a_sonar_hears_the_faces_of_a_mesh_that_its_fan_meets() {
-    // The feet are those of the planes; the fan has to meet a triangle of each.
+    // Feet of the perpendiculars on the planes; the fan must hit a triangle of each.
     let sonar = Sonar { rays: 256, ..Sonar::srf08() };
     let mut random = Random::new(34);
     let (walls, mesh) = (room(DVec2::ZERO, Surface::SMOOTH), mesh_room(DVec2::ZERO, Surface::SMOOTH));

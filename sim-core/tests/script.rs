@@ -1,4 +1,4 @@
-//! Random scripts of commands: whatever programs do, bodies stay out of walls and of each other, and numbers stay numbers.
+//! Random scripts of commands: bodies never overlap with walls or each other, and all numbers stay finite.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -60,12 +60,12 @@ fn model() -> impl Strategy<Value = Model> {
     })
 }
 
-/// One entry of a script: microseconds since the one before, whose, what.
+/// Entries of a script: microseconds since the previous entry, robot, command.
 fn script() -> impl Strategy<Value = Vec<(i64, usize, Command)>> {
     prop::collection::vec((1_i64..200_000, 0_usize..4, command()), 1..60)
 }
 
-/// Four robots in a room of 3 m with boxes, away from all of them.
+/// Four robots in a room of 3 m with boxes, clear of all obstacles and of each other.
 fn scene(model: &Model, walls: &[Segment], slot: Time, gains: Option<Gains>) -> (World, Vec<Motion>) {
     let starts = (0..30).flat_map(|i| (0..30).map(move |j| DVec2::new(f64::from(i), f64::from(j)) * 0.1));
     let is_clear = |place: &DVec2| {
@@ -164,7 +164,7 @@ proptest! {
                 }
                 // Refused commands are part of the script.
                 let _ = motions[0].command(at, *command, &[]);
-                // An end more than 1,000 s ahead may be an instant to ask again, which is not part of the motion.
+                // An end more than 1,000 s ahead may be the time of the next query, which is not part of the motion.
                 let end = motions[0].drive_end().filter(|end| *end < at + Time::from_millis(1_000_000));
                 states.push((motions[0].state(at), end, motions[0].contacts(at)));
             }

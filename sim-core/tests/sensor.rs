@@ -1,4 +1,4 @@
-//! Readings of sensors against what plane geometry says.
+//! Sensor readings against plane geometry.
 
 use std::{f64::consts::PI, sync::Arc};
 

@@ -1,4 +1,4 @@
-//! A copy of a running world goes on as the original does, to the bit, and neither disturbs the other.
+//! A clone of a running world evolves as the original does, to the bit, and neither affects the other.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -20,13 +20,13 @@ use sim_core::{
     world::{Ray, Space, World},
 };
 
-/// Half of the room's sides, m.
+/// Half of the side length of the room, m.
 const ROOM: f64 = 1.2;
 
-/// A place in the room: x and y, m, and the heading, rad.
+/// A pose in the room: x and y, m, and the heading, rad.
 type Place = (f64, f64, f64);
 
-/// What is told to a world at an instant of a slot.
+/// An operation on a world at an instant of a slot.
 #[derive(Clone, Debug)]
 enum Action {
     Go(f64, f64),
@@ -43,7 +43,7 @@ enum Action {
     RemoveRobot,
 }
 
-/// An action, whom of the robots or objects it concerns, and when: the slot, and the share of it.
+/// Slot, index of the robot or object, time as a share of the slot, and the action.
 type Entry = (usize, usize, f64, Action);
 
 #[derive(Clone, Debug)]
@@ -157,7 +157,7 @@ fn pose((x, y, heading): Place) -> Pose {
     Pose::new(x, y, heading)
 }
 
-/// A world with all that goes on in it.
+/// A world with its robots, stations and script.
 #[derive(Clone)]
 struct Simulation {
     script: Arc<Script>,
@@ -197,7 +197,7 @@ impl Simulation {
         Self { script: Arc::new(script), walls, world, motions, stations, slot: 0 }
     }
 
-    /// Goes on by one slot; all that can be seen of it.
+    /// Advances by one slot; returns all observable state.
     fn step(&mut self) -> Vec<String> {
         let mut seen = Vec::new();
         let start = self.world.slot_start();
@@ -225,7 +225,7 @@ impl Simulation {
         seen
     }
 
-    /// Does what an entry says, as far as it can be done; what comes of it.
+    /// Carries out an action if possible; returns the result.
     fn act(&mut self, whom: usize, at: Time, action: &Action) -> String {
         let start = self.world.slot_start();
         let robot = RobotId::from_index(whom % self.motions.len());
@@ -295,7 +295,7 @@ impl Simulation {
         }
     }
 
-    /// What each robot sees all around, in the plane and in space.
+    /// Records the hits of rays around each robot, in the plane and in three dimensions.
     fn look(&self, seen: &mut Vec<String>) {
         let at = self.world.slot_start() + Time(self.script.slot.0 / 3);
         for motion in &self.motions {
@@ -312,7 +312,7 @@ impl Simulation {
         }
     }
 
-    /// Carries the messages of the slot that ends at `end`.
+    /// Transports the messages of the slot that ends at `end`.
     fn exchange(&mut self, end: Time, seen: &mut Vec<String>) {
         let mut sendings = Vec::new();
         let channel = self.world.radio_mut();
@@ -361,7 +361,7 @@ proptest! {
         let mut original = Simulation::new(script);
         original.run(at);
         let (mut copy, mut kept) = (original.clone(), original.clone());
-        // One that goes another way.
+        // A clone that follows another script.
         let mut astray = original.clone();
         astray.script = Arc::new(Script { entries: other.entries, ..Script::clone(&astray.script) });
         for expected in &alone[at..] {

@@ -1,4 +1,4 @@
-//! Takes a picture with a robot's camera: its colours, depths and labels as three files of PNG in a folder.
+//! Takes a picture with a robot's camera and writes its colours, depths and labels as three PNG files into a folder.
 //!
 //! `cargo run --release -p sim-format --example picture FOLDER`
 
@@ -43,7 +43,7 @@ x_mm = 2000
 y_mm = 1200
 "#;
 
-/// Depth that is black in the picture of depths, m.
+/// Depth shown as black in the picture of depths, m.
 const FAR: f32 = 3.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -74,7 +74,7 @@ fn drawn<T>(picture: &Picture<T>, colour: impl Fn(&T) -> [u8; 3]) -> RgbImage {
     RgbImage::from_fn(width, height, |column, row| Rgb(colour(picture.pixel(column, row))))
 }
 
-/// A colour of its own for each kind of thing; of robots and objects for each of a few numbers.
+/// Colour of a label: one per kind of entity, several for the numbers of robots and objects.
 fn colour(label: &Label) -> [u8; 3] {
     match label {
         Label::Sky => [210, 230, 250],

@@ -1,4 +1,4 @@
-//! A thousand seeds on all cores: how far a robot with errors misses the place where it believes to be.
+//! Runs a thousand seeds on all cores: the position error of the odometry of a robot with noise.
 //!
 //! `cargo run --release -p sim-format --example seeds`
 
@@ -23,7 +23,7 @@ y_mm = 4000
 noise = "real"
 "#;
 
-/// Distance after 10 s on a circle between where the robot is and where its odometry says, m.
+/// Position error of the odometry after 10 s on a circle, m.
 fn miss(scene: &SceneSpec, seed: u64) -> f64 {
     let (robot, options) = (RobotId(1), Options { seed: Some(seed), ..Options::default() });
     let mut simulation = Simulation::new(scene, &options).expect("a robot that can be simulated");

@@ -1,4 +1,4 @@
-//! Steps a robot without a program: drive, read, look; then branches from a snapshot.
+//! Steps a robot without a program: drives it, reads its sensors and camera, then branches from a snapshot.
 //!
 //! `cargo run --release -p sim-format --example step`
 
@@ -21,7 +21,7 @@ y_mm = 1500
 noise = "real"
 "#;
 
-/// Drives straight on at `v` m/s until something is nearer than 0.4 m, 10 s at most; when and where that was.
+/// Drives straight ahead at `v` m/s until an obstacle is nearer than 0.4 m, at most 10 s; returns the time and the robot's x.
 fn drive(simulation: &mut Simulation, v: f64) -> (Time, f64) {
     let robot = RobotId(1);
     simulation.command(robot, Command::Twist(Twist::new(v, 0.0))).expect("the robot drives");

@@ -1,4 +1,4 @@
-//! Draws the floors and terrains of `worlds/textures`: `cargo run -p sim-format --example textures` in the root of the repository.
+//! Draws the images of floors and terrains in `worlds/textures`: `cargo run -p sim-format --example textures` in the repository root.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -23,23 +23,23 @@ fn main() -> image::ImageResult<()> {
     Ok(())
 }
 
-/// Draws an image.
+/// Function that draws an image.
 type Draw = fn() -> RgbImage;
 
-/// The images by their file names.
+/// Images of floors by their file names.
 pub const FLOORS: [(&str, Draw); 4] =
     [("track.png", track), ("road.png", road), ("soccer.png", soccer), ("tiles.png", tiles)];
 
-/// A picture of heights, 0 to 65535.
+/// Height map, 0 to 65535.
 pub type Heights = ImageBuffer<Luma<u16>, Vec<u16>>;
 
-/// Draws heights.
+/// Function that draws a height map.
 type Survey = fn() -> Heights;
 
-/// The terrains by their file names.
+/// Height maps by their file names.
 pub const TERRAINS: [(&str, Survey); 1] = [("hills.png", hills)];
 
-/// Hills over 6 x 4 m, level and black around two places 1 m from the left and from the right side.
+/// Hills over 6 x 4 m, level and black around two points 1 m from the left and from the right side.
 fn hills() -> Heights {
     let clear = [1.0, 5.0].map(|x| Disc { centre: DVec2::new(x, 2.0), radius: 0.5 });
     let relief = Relief {
@@ -61,7 +61,7 @@ fn hills() -> Heights {
     })
 }
 
-/// A floor of `size` metres with pixels of `pixel` metres: each is the mean of what `colour` says of 3 x 3 places in it, x to the
+/// Floor of `size` metres with pixels of `pixel` metres: each is the mean of `colour` at 3 x 3 points in it, x to the
 /// right and y upwards from the lower left corner.
 fn floor(size: DVec2, pixel: f64, colour: impl Fn(DVec2) -> Colour) -> RgbImage {
     const SIDE: u32 = 3;
@@ -78,7 +78,7 @@ fn floor(size: DVec2, pixel: f64, colour: impl Fn(DVec2) -> Colour) -> RgbImage 
     })
 }
 
-/// Places of the closed line of [`track`].
+/// Points of the closed line of [`track`].
 pub fn track_line() -> Vec<DVec2> {
     const STEPS: u32 = 500;
     let place = |step| {
@@ -94,7 +94,7 @@ fn track() -> RgbImage {
     let line = track_line();
     let distance = |at: DVec2| {
         let pairs = line.iter().zip(line.iter().cycle().skip(1));
-        // Only where the line is near.
+        // Only parts near the line.
         let near = pairs.filter(|(a, _)| (**a - at).abs().max_element() < 4.0 * HALF);
         near.map(|(a, b)| {
             let along = *b - *a;
@@ -118,7 +118,7 @@ fn road() -> RgbImage {
         let beyond = (at - CENTRE).abs() - (HALF - RADIUS);
         let corner = beyond.max(DVec2::ZERO);
         let distance = corner.length() + beyond.max_element().min(0.0) - RADIUS;
-        // Way along the middle from the middle of a side, the same in all four quarters.
+        // Arc length along the middle from the middle of a side, the same in all four quarters.
         let straight = HALF - RADIUS;
         let quarter = (at - CENTRE).abs();
         let way = if beyond.x <= 0.0 && beyond.y > beyond.x {
@@ -140,7 +140,7 @@ fn road() -> RgbImage {
     })
 }
 
-/// The field of `soccer.wld`: lines, stripes of mown lawn, the goals yellow at the left and blue at the right.
+/// Field of `soccer.wld`: lines, mown stripes, the left goal yellow and the right one blue.
 fn soccer() -> RgbImage {
     const SIZE: DVec2 = DVec2::new(2.8, 1.4);
     const END: f64 = 0.2;
@@ -175,7 +175,7 @@ fn tiles() -> RgbImage {
             return [126, 122, 116];
         }
         let tile = (at / TILE).floor();
-        // No two neighbours alike, and no pattern that the eye finds at once.
+        // No two neighbours alike, and no obvious pattern.
         let shade = (7.0 * tile.x + 13.0 * tile.y + tile.x * tile.y) as u32 * 5 % 11;
         let light = if (tile.x + tile.y) as i64 % 2 == 0 { 190 } else { 205 };
         [light + shade as u8, light - 4 + shade as u8, light - 14 + shade as u8]

@@ -1,7 +1,7 @@
-//! Types that exist without any file: the robots and objects that EyeSim VR has built in.
+//! Built-in types: the robots and objects that EyeSim VR has without any file.
 //!
-//! Their texts are files of the usual kinds, compiled in. Sizes and devices are those of the robots as published; what has no
-//! source (masses, friction, colours, the sensor at the back) is our choice and stands in docs/formats.
+//! Their texts are files of the usual formats, compiled in. Sizes and devices are those of the published robots; values without a
+//! source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
 
 use super::spec::{ObjectType, RobiSpec};
 use super::{Diagnostic, read_companion, read_esobj, read_robi};
@@ -11,12 +11,12 @@ pub const ROBOTS: [&str; 2] = ["LabBot", "S4"];
 
 pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 
-/// The built-in robot type of this name, upper and lower case alike.
+/// Built-in robot type `name`, case-insensitive.
 pub fn robot(name: &str) -> Option<RobiSpec> {
     read_robot(name).map(|(robi, _)| robi)
 }
 
-/// The built-in object type of this name, upper and lower case alike.
+/// Built-in object type `name`, case-insensitive.
 pub fn object(name: &str) -> Option<ObjectType> {
     read_object(name).map(|(object, _)| object)
 }

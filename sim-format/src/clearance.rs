@@ -1,4 +1,4 @@
-//! Whether robots and objects start where there is room for them: a robot inside a wall or another body never moves.
+//! Check of start positions: a robot that starts inside a wall or another body never moves.
 
 use glam::DVec2;
 
@@ -9,24 +9,24 @@ use super::spec::{Collider, ObjectSpec, ObjectType, SceneSpec, WorldSpec};
 use sim_core::RobotId;
 use sim_core::scene::{Bounds, Moving, Segment, Walls};
 
-/// Overlaps up to this depth are no mistake but rounding, in metres: the skin of the contact rule.
+/// Depth up to which an overlap counts as rounding, in metres: the skin of the contact rule.
 const SKIN: f64 = 1e-6;
 
-/// A robot or an object as a disc that its body covers wholly, so that no overlap is told where there is none.
+/// Robot or object, represented by a disc within its body, so that no false overlap is reported.
 struct Body {
     what: String,
     is_robot: bool,
-    /// Nothing can push it, so that it may well stand in a wall.
+    /// Nothing can push the body: it may stand in a wall.
     is_fixed: bool,
     centre: DVec2,
     radius: f64,
-    /// Its line, and whether that is one of the sim file.
+    /// Span of its line, and true if that line belongs to the sim file.
     span: Span,
     is_of_sim: bool,
 }
 
-/// Warns about each robot and object of `scene` that starts outside the floor, in a wall or in one named before it. The first
-/// `of_world` objects are those of the world's file.
+/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body that is listed before it. The
+/// first `of_world` objects come from the world's file.
 pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];
     let bodies = bodies(scene, of_world);
@@ -62,7 +62,7 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
     sinks.into_iter().flat_map(Sink::finish).collect()
 }
 
-/// Robots and objects: those of the world, then those of the sim file in the order of their lines.
+/// Robots and objects: first those of the world, then those of the sim file in the order of their lines.
 fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
     let object = |(place, object): (usize, &ObjectSpec)| {
         let (offset, radius) = inner_disc(&object.kind)?;
@@ -102,15 +102,15 @@ fn inner_disc(kind: &ObjectType) -> Option<(DVec2, f64)> {
     largest.map(|(centre, radius)| (centre.truncate(), radius))
 }
 
-/// For each body whether its centre is neither on the floor nor between walls.
+/// For each body, true if its centre lies outside of floor and walls.
 fn outside(world: &WorldSpec, bodies: &[Body]) -> Vec<bool> {
     let (low, high) = world.bounds();
     let is_outside = |body: &Body| body.centre.cmplt(low - SKIN).any() || body.centre.cmpgt(high + SKIN).any();
-    // A world without any size is one that could not be read.
+    // The bounds of a world that could not be read are empty.
     bodies.iter().map(|body| low != high && is_outside(body)).collect()
 }
 
-/// For each body the line of a wall that it is in: the first in the order of the walls.
+/// For each body, the line of the first wall (in the order of the walls) that it overlaps.
 fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
     let walls = Walls::new(world.walls.iter().map(|wall| Segment::new(wall.from, wall.to)).collect());
     let thickest = world.walls.iter().map(|wall| wall.thickness).fold(0.0, f64::max);
@@ -128,7 +128,7 @@ fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
     bodies.iter().map(|body| if body.is_fixed { None } else { wall_of(body) }).collect()
 }
 
-/// For each body the first before it in the list that it overlaps, where one of both can move.
+/// For each body, the first earlier body that it overlaps, unless both are fixed.
 fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
     let mut index = Moving::default();
     let bounds = bodies.iter().enumerate();

@@ -1,16 +1,16 @@
-//! The registry of diagnostic codes: every kind of mistake has one, and each has a page in docs/formats/codes/.
+//! Registry of diagnostic codes: one for every kind of mistake, each with a page in docs/formats/codes/.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// Makes the enum of all codes from lines `Variant = "name": "meaning",`.
+/// Defines the enum of all codes from lines `Variant = "name": "meaning",`.
 macro_rules! codes {
     ($($variant:ident = $name:literal: $meaning:literal,)+) => {
-        /// Stable short name of a kind of mistake, such as `wld-wall-arity`; written and serialised as that text.
+        /// Stable short name of a kind of mistake, such as `wld-wall-arity`; displayed and serialised as that text.
         ///
-        /// What it means, why it matters and an example stand in docs/formats/codes/CODE.md.
+        /// Its page docs/formats/codes/CODE.md explains the meaning and the consequences and gives an example.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Code {
             $(#[doc = $meaning] $variant,)+
@@ -20,21 +20,21 @@ macro_rules! codes {
             /// All codes, in alphabetical order.
             pub const ALL: &[Code] = &[$(Code::$variant),+];
 
-            /// The code as it is written.
+            /// The code as text.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Code::$variant => $name,)+
                 }
             }
 
-            /// Its page in docs/formats/codes/, in Markdown: what it means, why it matters, an example.
+            /// Page of the code in docs/formats/codes/, in Markdown: meaning, consequences, an example.
             pub const fn page(self) -> &'static str {
                 match self {
                     $(Code::$variant => include_str!(concat!("../../docs/formats/codes/", $name, ".md")),)+
                 }
             }
 
-            /// What it means, in one line without a full stop.
+            /// Meaning of the code, in one line without a full stop.
             pub const fn meaning(self) -> &'static str {
                 match self {
                     $(Code::$variant => $meaning,)+
@@ -44,8 +44,8 @@ macro_rules! codes {
     };
 }
 
-// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, or nothing compiles; its third line repeats the
-// meaning, and its examples are tried by tests/codes.rs.
+// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, else compilation fails; the page's third line repeats
+// the meaning, and tests/codes.rs runs its examples.
 codes! {
     ConvertKind = "convert-kind": "a file that cannot become one of the kind asked for",
     ConvertLost = "convert-lost": "the target of a conversion has no place for something",
@@ -187,13 +187,13 @@ impl Serialize for Code {
     }
 }
 
-/// There is no such code.
+/// Error: no code has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no code `{name}`{}", .nearest.map(|code| format!(", but there is `{code}`")).unwrap_or_default())]
 pub struct UnknownCode {
-    /// What was asked for.
+    /// Name that was looked up.
     pub name: String,
-    /// The code that was probably meant.
+    /// Code with the most similar name.
     pub nearest: Option<Code>,
 }
 

@@ -1,4 +1,4 @@
-//! The companion of a robi: a TOML file beside it, for what the classic format cannot say.
+//! Companion of a robi: a TOML file beside it, for settings that the classic format lacks.
 
 use std::collections::BTreeMap;
 
@@ -14,12 +14,12 @@ use super::line;
 use super::spec::{LIDAR, RobiSpec};
 use super::table::{Reader, Section};
 
-/// Names that a message lists at most.
+/// Greatest number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// Reads the companion `text` of a robi into `robi`, on top of what the robi itself says.
+/// Reads the companion `text` of a robi into `robi`, overriding the robi's own values.
 ///
-/// `file` is the companion's name. Unknown keys are warned about; a value of the wrong type or out of range is an error and
+/// `file` is the companion's name. Unknown keys give a warning; a value of the wrong type or out of range is an error and
 /// leaves the default.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
     let (mut reader, root) = Reader::parse(file, text);
@@ -37,7 +37,7 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
 }
 
 impl Reader {
-    /// `range_mm` for all sensors, and a table for each that differs.
+    /// Reads `range_mm` for all PSDs, and a table for each PSD that differs.
     fn psd(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
         if let Some(range) = self.number(&mut section, "range_mm", &RANGE_OF_PSDS) {
             robi.psds.iter_mut().for_each(|psd| psd.range = range);
@@ -65,12 +65,12 @@ impl Reader {
         }
     }
 
-    /// Devices that a program could not tell apart.
+    /// Reports devices with the same name or number, which a program could not tell apart.
     pub(super) fn doubles(&mut self, robi: &RobiSpec) {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =
             robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
-        // Errors know a scanner, which has no name, by this one.
+        // Noise profiles refer to the scanner, which has no name, by this one.
         let lidar = robi.lidar.iter().map(|lidar| ("lidar", LIDAR, None, lidar.span));
         self.doubles_of(lidar.chain(psds).chain(ranges));
         let infrareds = robi.infrareds.iter();

@@ -1,4 +1,4 @@
-//! From one form of a file to another: scenes between `.sim` and our own form; worlds, mazes and types to sections of it and back.
+//! Conversion between file formats: scenes between `.sim` and our own TOML form; worlds, mazes and types to its sections and back.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
@@ -17,41 +17,41 @@ use super::{
 /// A file that a conversion writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// Where.
+    /// Path of the file.
     pub path: String,
-    /// What.
+    /// Content of the file.
     pub text: String,
 }
 
-/// What became of a conversion.
+/// Result of a conversion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Converted {
-    /// The file asked for, then those that it needs beside it. None where there are errors.
+    /// The requested file, then the files that it needs beside it. Empty if there are errors.
     pub outputs: Vec<Output>,
-    /// What is wrong with the source, and a warning for each thing that the target cannot hold.
+    /// Mistakes in the source, and a warning for each property that the target format cannot represent.
     pub diagnostics: Vec<Diagnostic>,
-    /// The source and the files that it names.
+    /// The source and all files that it refers to.
     pub inputs: Vec<super::InputFile>,
 }
 
-/// A body that is in a running world.
+/// Robot or movable object in a running world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
-    /// Its number: that of a robot, or that of a movable object.
+    /// Number of the robot or of the movable object.
     pub number: u32,
     /// Name of its type.
     pub kind: String,
-    /// Where it stands.
+    /// Current pose.
     pub pose: Pose,
 }
 
-/// The text of the scene `from` in our own form with its robots and movable objects as they stand in a run: each at its pose,
-/// those that have gone left out, those that have come added, these robots without a program. Robots are numbered anew.
+/// Text of the scene `from` in our own form with the current state of a run: robots and movable objects at their current poses,
+/// without removed ones, with spawned ones (whose robots have no program). Robots are renumbered.
 ///
-/// References are those of the scene's own folder. Objects that the world's file places stay where it places them.
+/// References are relative to the scene's own folder. Objects placed by the world's file stay at their original poses.
 ///
 /// # Errors
-/// What is wrong with the scene, where that keeps it from being read.
+/// The diagnostics, if the scene cannot be read.
 pub fn scene_as_it_stands(
     from: &str,
     files: &dyn Files,
@@ -67,7 +67,7 @@ pub fn scene_as_it_stands(
     if sim.world.is_none() && sim.inline.world.is_none() {
         sim.inline.world = Some(loaded.scene.world.clone());
     }
-    // Numbers have no gaps.
+    // Robot numbers must be contiguous.
     let ids = (0..).map(RobotId::from_index);
     let lines =
         ids.zip(robots).map(|(id, robot)| RobotLine { id: Some(id), ..line_of_robot(robot, &sim, &loaded.scene) });
@@ -76,7 +76,7 @@ pub fn scene_as_it_stands(
     Ok(print::print_scene(&sim))
 }
 
-/// The line of a robot that stands there.
+/// Scene line of a robot at its current pose.
 fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
     let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
     let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
@@ -93,7 +93,7 @@ fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLin
     RobotLine { start: StartRef::Pose(robot.pose), ..line }
 }
 
-/// Puts the movable objects of a scene's lines where they stand.
+/// Moves the movable objects of a scene's lines to their current poses.
 fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[Standing]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
     let of_scene = number;
@@ -128,7 +128,7 @@ fn named(kind: &str) -> TypeRef {
     TypeRef::Name(PathRef { text: kind.to_owned(), span: Span::default() })
 }
 
-/// A kind of file, by its extension.
+/// Kind of file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Sim,
@@ -153,10 +153,10 @@ impl Kind {
     }
 }
 
-/// Converts the file `from` to one named `to`, whose extension says what it becomes.
+/// Converts the file `from` to one named `to`, whose extension selects the format.
 ///
-/// References are rewritten for the folder of `to`; both names are relative to the working folder or both absolute. Nothing is
-/// written here.
+/// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
+/// files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
     let (Some(source), Some(target)) = (Kind::of(from), Kind::of(to)) else {
         let name = if Kind::of(from).is_none() { from } else { to };
@@ -196,7 +196,7 @@ struct Conversion<'a> {
     from: &'a str,
     to: &'a str,
     files: &'a dyn Files,
-    /// Warnings on what the target cannot hold.
+    /// Warnings about properties that the target cannot represent.
     lost: Sink,
     outputs: Vec<Output>,
 }
@@ -223,14 +223,14 @@ impl Conversion<'_> {
         loaded
     }
 
-    /// The text of the source itself as a spec.
+    /// Parses the source text itself into a spec.
     fn source(&self) -> SimSpec {
         let text = self.files.read(self.from).map_or(String::new(), |bytes| decode(&bytes).0);
         let read = if Kind::of(self.from) == Some(Kind::Scene) { read_scene } else { read_sim };
         read(self.from, &text).0
     }
 
-    /// Puts what a scene describes in place into files beside the target, since a sim file can only name them.
+    /// Moves the inline parts of a scene into files beside the target, since a sim file can only refer to files.
     fn write_inline(&mut self, sim: &mut SimSpec) {
         let inline = std::mem::take(&mut sim.inline);
         if let Some(world) = inline.world {
@@ -259,7 +259,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Writes a file beside the target that is named after it.
+    /// Adds an output file beside the target, named after the target.
     fn beside(&mut self, part: &str, extension: &str, printed: Printed) -> PathRef {
         let stem = path::stem(self.to);
         let name = format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem));
@@ -344,18 +344,18 @@ impl Conversion<'_> {
         self.write(self.to.to_owned(), printed);
     }
 
-    /// The one world or type that a TOML file describes in place, and nothing else of it.
+    /// Loads only the one inline world or type of a TOML file.
     fn part_of_scene(&mut self, target: Kind) -> Loaded {
         let mut loaded = Loaded::default();
         let text = match self.files.read(self.from) {
             Ok(bytes) => decode(&bytes).0,
             Err(_) => {
-                // Says why it cannot be read.
+                // Reports why the file cannot be read.
                 return load_scene(self.from, self.files);
             }
         };
         let (mut sim, diagnostics) = read_scene(self.from, &text);
-        // A file of types alone is no scene, but good enough here.
+        // A file with types only is no complete scene, but sufficient here.
         let is_whole = scene::has_marks(&text);
         loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
@@ -421,7 +421,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// A relative reference to something beside the source, as seen from the target; all others lead to where they led.
+    /// Rewrites a relative reference to a file beside the source for the target's folder; all other references keep their target.
     fn rewrite_path(&self, reference: &mut PathRef) {
         let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
         if old == new {
@@ -437,7 +437,7 @@ impl Conversion<'_> {
     }
 }
 
-/// Sorts the lines that only a type's file tells to be robots or objects to where they belong.
+/// Sorts lines that name a loaded type into robots and objects, by the kind of the type.
 fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
     for line in std::mem::take(&mut sim.named) {
         let is_object = scene.objects.iter().any(|object| object.span == line.span);
@@ -446,7 +446,7 @@ fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
                 sim.objects.push(ObjectLine { kind: line.kind, pose, friction: None, span: line.span });
             }
             _ if scene.robots.iter().any(|robot| robot.span == line.span) => sim.robots.push(line),
-            // A line of an unknown type, which has been warned about.
+            // Line of an unknown type, already reported.
             _ => {}
         }
     }
@@ -454,7 +454,7 @@ fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
     sim.objects.sort_by_key(|line| line.span);
 }
 
-/// A name as part of a file's name.
+/// Replaces characters of a name that are unsafe in a file name.
 fn safe(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).collect()
 }
@@ -464,7 +464,7 @@ mod tests {
     use super::super::load::FileError;
     use super::*;
 
-    /// A scene with two lines of robots and one object.
+    /// File system with one scene: two robot lines and one object.
     struct One;
 
     impl Files for One {

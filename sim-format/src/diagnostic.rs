@@ -1,4 +1,4 @@
-//! What a reader has to say about a text: where, how bad, what was expected.
+//! Diagnostics of the readers: position, severity, message and expected input.
 
 use std::borrow::Cow;
 
@@ -6,13 +6,13 @@ use serde::Serialize;
 
 use super::{Code, Span};
 
-/// How bad a mistake is.
+/// Severity of a mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The line is skipped or read as far as it goes, as EyeSim does silently.
+    /// The line is skipped or read in part, as EyeSim does silently.
     Warning,
-    /// The file or a robot is lost: such a scene is not run.
+    /// The file or a robot is unusable: such a scene is not run.
     Error,
 }
 
@@ -28,20 +28,20 @@ impl std::fmt::Display for Severity {
 /// One mistake in one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// Whether the file can still be used.
+    /// Severity: an error makes the file or a robot unusable.
     pub severity: Severity,
-    /// Which kind of mistake.
+    /// Kind of the mistake.
     pub code: Code,
-    /// Name of the file as the reader was given it.
+    /// Name of the file as passed to the reader.
     pub file: String,
-    /// Where.
+    /// Position in the file.
     #[serde(flatten)]
     pub span: Span,
-    /// What is wrong, the user's own words in backquotes; unprintable characters of them as `\u{1b}`.
+    /// Description of the mistake, with the user's own words in backquotes; unprintable characters appear as `\u{1b}`.
     pub message: String,
-    /// What would have been right.
+    /// Expected input.
     pub expected: String,
-    /// A correction, where one can be guessed.
+    /// Suggested correction, if one can be guessed.
     pub suggestion: Option<String>,
 }
 
@@ -56,12 +56,12 @@ impl std::fmt::Display for Diagnostic {
     }
 }
 
-/// True when one of the `diagnostics` is an error.
+/// Returns true if one of the `diagnostics` is an error.
 pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
-/// Diagnostics of one file that are kept; of those that follow, only their number.
+/// Greatest number of diagnostics kept per file; further ones are only counted.
 const MAX_KEPT: usize = 1000;
 
 /// Collects the diagnostics of one file.
@@ -70,7 +70,7 @@ pub(super) struct Sink {
     file: String,
     diagnostics: Vec<Diagnostic>,
     left_out: usize,
-    /// The last diagnostic that was left out, the worst severity of all of them.
+    /// The last diagnostic that was left out, with the worst severity of all of them.
     last_left_out: Option<Diagnostic>,
 }
 
@@ -79,17 +79,17 @@ impl Sink {
         Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
     }
 
-    /// The file that is read.
+    /// Name of the file that is being read.
     pub(super) fn file(&self) -> &str {
         &self.file
     }
 
-    /// True as long as there is nothing to say.
+    /// Returns true if there are no diagnostics so far.
     pub(super) fn is_empty(&self) -> bool {
         self.diagnostics.is_empty()
     }
 
-    /// Adds a diagnostic and hands it out, so that a suggestion can be added.
+    /// Adds a diagnostic and returns it, so that the caller can add a suggestion.
     pub(super) fn report(
         &mut self,
         severity: Severity,
@@ -137,7 +137,7 @@ impl Sink {
         self.report(Severity::Error, code, span, message, expected)
     }
 
-    /// All diagnostics, in the order of the text; what they quote is cut where it is long.
+    /// All diagnostics, in the order of the text, with long quotations shortened.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
         self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
@@ -159,23 +159,23 @@ impl Sink {
     }
 }
 
-/// True for characters of a file that must not reach a terminal or a line of a log: they steer the cursor, end the line or
-/// turn the direction of writing.
+/// Returns true for characters that must not reach a terminal or a line of a log: they move the cursor, end the line or
+/// change the writing direction.
 fn is_unprintable(character: char) -> bool {
     let turns = matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     character.is_control() || turns
 }
 
-/// The character, or `\u{1b}` and the like for one that is unprintable.
+/// The character, or its escape such as `\u{1b}` if it is unprintable.
 fn printable(character: char) -> String {
     if is_unprintable(character) { character.escape_unicode().to_string() } else { character.to_string() }
 }
 
-/// Bytes of a word and of a message that fill no screen.
+/// Greatest lengths of a quoted word and of a message, in bytes.
 const MAX_WORD: usize = 300;
 const MAX_MESSAGE: usize = 3000;
 
-/// Cuts out the middles of words, then of the whole message, where they are too long: a file may consist of one word.
+/// Cuts the middle out of long words, then of the whole message: a file may consist of one word.
 fn shorten(text: &mut String) {
     if text.len() > MAX_WORD {
         *text = text.split_inclusive(' ').map(|word| cut(word, MAX_WORD)).collect();
@@ -183,7 +183,7 @@ fn shorten(text: &mut String) {
     }
 }
 
-/// The first and the last sixth of a `text` that has more than `max` bytes.
+/// First and last sixth of `text` if it is longer than `max` bytes, else the whole text.
 fn cut(text: &str, max: usize) -> Cow<'_, str> {
     if text.len() <= max {
         return Cow::Borrowed(text);

@@ -1,6 +1,6 @@
-//! Object types: `.esObj` of EyeSim VR.
+//! Object types: `.esObj` files of EyeSim VR.
 //!
-//! All numbers of lengths, times the factor of `scale`, are millimetres (those of the mesh file, times the same factor, are
+//! All lengths, multiplied by the factor of `scale`, are millimetres (those of the mesh file, multiplied by the same factor, are
 //! metres). They are in the frame of EyeSim VR's graphics library (X right, Y up, Z forward).
 
 use glam::DVec3;
@@ -35,7 +35,7 @@ const MIN_SIZE: f64 = 1e-6;
 
 /// Reads an object file.
 ///
-/// What the file leaves out has the defaults of docs/formats/esobj.md; a missing shape or mass is warned about.
+/// Missing values get the defaults of docs/formats/esobj.md; a missing shape or mass gives a warning.
 pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),
@@ -55,11 +55,11 @@ pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
 
 struct Reader {
     sink: Sink,
-    /// Lengths as written, axes those of the object, until `finish`.
+    /// The object under construction: lengths in units of the file and axes of the object, until `finish`.
     object: ObjectType,
-    /// Where the colliders are written.
+    /// Spans of the colliders.
     places: Vec<Span>,
-    /// Factor on all lengths: millimetres in a unit of the file, metres in a unit of the mesh file.
+    /// Factor on all lengths: millimetres per unit of the file, metres per unit of the mesh file.
     scale: f64,
     has_mass: bool,
 }
@@ -128,7 +128,7 @@ impl Reader {
         }
     }
 
-    /// The first `count` values of a line; reports if there are fewer, or more.
+    /// The first `count` values of a line; reports missing or extra ones.
     fn words<'w, 't>(
         &mut self,
         keyword: &Word<'_>,
@@ -177,7 +177,7 @@ impl Reader {
         }
     }
 
-    /// A collider, by the word that names its shape.
+    /// Reads a collider of the shape named by `shape`.
     fn collider(&mut self, shape: &Word<'_>, values: &[Word<'_>]) {
         let [x, y, z] = PLACE;
         let collider = match shape.text {
@@ -222,7 +222,7 @@ impl Reader {
                 return None;
             }
         };
-        // As the graphics library of EyeSim VR has it: the half spheres alone.
+        // As in the graphics library of EyeSim VR: a height below the diameter leaves the two half spheres.
         let height = height.max(2.0 * radius);
         Some(Collider::Capsule { centre: from_graphics(x, y, z), radius, height, axis })
     }
@@ -237,7 +237,7 @@ impl Reader {
 
     fn finish(mut self) -> (ObjectType, Vec<Diagnostic>) {
         let metres = unit::metres_from_mm(self.scale);
-        // A unit of the mesh is a metre where one of a collider is a millimetre.
+        // One unit is a metre in the mesh and a millimetre in a collider.
         self.object.scale = self.scale;
         self.object.centre_of_mass *= metres;
         let written = std::mem::take(&mut self.object.colliders);
@@ -276,9 +276,9 @@ impl Reader {
     }
 }
 
-/// From X right, Y up, Z forward to x forward, y left, z up.
+/// Converts from the axes X right, Y up, Z forward to x forward, y left, z up.
 fn from_graphics(right: f64, up: f64, forward: f64) -> DVec3 {
-    // Not -right, which would turn 0 into -0.
+    // `0.0 - right` avoids -0, which `-right` would give.
     DVec3::new(forward, 0.0 - right, up)
 }
 
@@ -296,7 +296,7 @@ fn scaled(collider: Collider, factor: f64) -> Collider {
     }
 }
 
-/// Whether a collider, in metres, is neither absurdly small nor absurdly large.
+/// Returns true if a collider's sizes and position, in metres, are within sensible limits.
 fn is_sane(collider: &Collider) -> bool {
     let (centre, smallest, largest) = match *collider {
         Collider::Box { centre, size } => (centre, size.min_element(), size.max_element()),
@@ -314,12 +314,12 @@ const SPHERE_FORM: &str = "`collider sphere X Y Z RADIUS`";
 const CAPSULE_FORM: &str = "`collider capsule X Y Z RADIUS HEIGHT x|y|z`: centre, radius, whole height, axis";
 const CYLINDER_FORM: &str = "`collider cylinder X Y Z RADIUS HEIGHT`: centre, radius, height";
 
-/// A length above 0 in units of the file.
+/// Positive length in units of the file.
 const fn length(name: &'static str) -> Quantity {
     Quantity::number(name, 1e-9, 1e15).minor()
 }
 
-/// A place in units of the file.
+/// Coordinate in units of the file.
 const fn place(name: &'static str) -> Quantity {
     Quantity::number(name, -1e15, 1e15).minor()
 }

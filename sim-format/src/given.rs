@@ -1,8 +1,8 @@
-//! Names and numbers that a file has given to devices of one kind, to find those given twice.
+//! Names and numbers of devices of one kind in a file, for the detection of duplicates.
 
 use std::collections::BTreeMap;
 
-/// What has been given so far, with the lines.
+/// Names and numbers seen so far, with their lines.
 #[derive(Debug, Default)]
 pub(super) struct Given {
     names: BTreeMap<String, u32>,
@@ -10,14 +10,14 @@ pub(super) struct Given {
 }
 
 impl Given {
-    /// The line that has given this name or this number before.
+    /// Line that used this name or this number before.
     pub(super) fn line_of(&self, name: &str, id: Option<i32>) -> Option<u32> {
         let by_name = self.names.get(name);
         let by_id = id.and_then(|id| self.ids.get(&id));
         [by_name, by_id].into_iter().flatten().min().copied()
     }
 
-    /// Remembers a device.
+    /// Records a device.
     pub(super) fn add(&mut self, name: &str, id: Option<i32>, line: u32) {
         self.names.entry(name.to_owned()).or_insert(line);
         if let Some(id) = id {

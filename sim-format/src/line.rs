@@ -1,4 +1,4 @@
-//! Lines, words and numbers: what the classic formats have in common.
+//! Lines, words and numbers, common to the classic formats.
 
 pub(super) use sim_core::nearest::nearest;
 pub(super) use sim_core::unit::Quantity;
@@ -11,13 +11,13 @@ use super::diagnostic::{Severity, Sink};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line<'a> {
     pub(super) text: &'a str,
-    /// Byte of its first character in the whole text.
+    /// Byte offset of its first character in the whole text.
     start: usize,
     /// Number of the line, from 1.
     number: u32,
 }
 
-/// Words that are told apart in one line, so that a file of a single line does not fill the memory.
+/// Greatest number of words per line, so that a file of a single line does not exhaust the memory.
 const MAX_WORDS: usize = 1000;
 
 /// A word of a line, without its quotes.
@@ -25,7 +25,7 @@ const MAX_WORDS: usize = 1000;
 pub(super) struct Word<'a> {
     pub(super) text: &'a str,
     pub(super) span: Span,
-    /// It opens with a quotation mark that nothing closes.
+    /// The word opens with a quotation mark that is never closed.
     pub(super) is_unclosed: bool,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// Byte at which each line of a text begins; lines end as in [`lines`].
+/// Byte offsets of the starts of a text's lines; lines end as in [`lines`].
 pub(super) fn line_starts(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
     let ends = (0..bytes.len()).filter(|&place| match bytes[place] {
@@ -60,13 +60,13 @@ pub(super) fn line_starts(text: &str) -> Vec<usize> {
 }
 
 impl<'a> Line<'a> {
-    /// The whole line.
+    /// Span of the whole line.
     pub(super) fn span(&self) -> Span {
         Span { start: self.start, end: self.start + self.text.len(), line: self.number, column: 1 }
     }
 
-    /// The words: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
-    /// the start of a word. No line of any format has [`MAX_WORDS`]: what follows them is not looked at.
+    /// Words of the line: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
+    /// the start of a word. Words beyond [`MAX_WORDS`], more than any format needs, are ignored.
     pub(super) fn words(&self) -> Vec<Word<'a>> {
         let mut words = Vec::new();
         let mut characters = self.text.char_indices().zip(1..).peekable();
@@ -105,12 +105,12 @@ impl<'a> Line<'a> {
         words
     }
 
-    /// The empty line before this one's first character.
+    /// Empty line just before this line's first character.
     pub(super) fn before(&self) -> Line<'a> {
         Line { text: "", ..*self }
     }
 
-    /// A single character of the line, given its byte and its column.
+    /// Span of a single character of the line, given its byte and its column.
     pub(super) fn character_span(&self, byte: usize, column: u32) -> Span {
         let length = self.text[byte..].chars().next().map_or(0, char::len_utf8);
         Span { start: self.start + byte, end: self.start + byte + length, line: self.number, column }
@@ -118,29 +118,29 @@ impl<'a> Line<'a> {
 }
 
 impl<'a> Word<'a> {
-    /// Takes everything up to the end of `last`, a later word of the same `line`, into this word.
+    /// Extends this word to the end of `last`, a later word of the same `line`.
     pub(super) fn extend_to(&mut self, line: &Line<'a>, last: &Word<'a>) {
         self.span = self.span.to(last.span);
         self.text = &line.text[self.span.start - line.start..self.span.end - line.start];
     }
 }
 
-/// True when a word is meant as a number.
+/// Returns true if a word is meant as a number.
 pub(super) fn looks_numeric(word: &str) -> bool {
     let unsigned = word.trim_start_matches(['+', '-']);
     unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') || word.parse::<f64>().is_ok()
 }
 
-/// How bad a value out of the bounds of `quantity` is.
+/// Severity of a value out of the bounds of `quantity`.
 fn severity_of(quantity: &Quantity) -> Severity {
     if quantity.is_minor() { Severity::Warning } else { Severity::Error }
 }
 
-/// The number that `word` gives for `quantity`, in SI units; reports what is wrong with it.
+/// Parses `word` as `quantity`, in SI units; reports mistakes.
 ///
-/// A word that is no number is as bad as `severity` says (does EyeSim skip the line or lose a robot?). A number outside the
-/// bounds, an infinity and NaN are errors, since EyeSim reads them and loses the file to them; they are warnings where the
-/// quantity is a minor one.
+/// A word that is not a number has the given `severity` (EyeSim either skips the line or loses a robot). A number out of
+/// bounds, an infinity and NaN are errors, since EyeSim reads them and the whole file fails; they are warnings if the
+/// quantity is minor.
 pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quantity: &Quantity) -> Option<f64> {
     let name = quantity.name;
     let Ok(value) = word.text.parse::<f64>() else {
@@ -157,7 +157,7 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// The number that was probably meant: a comma for a point, letters for digits, or a unit stuck to it.
+/// Guess of the intended number: a comma for the point, letters for digits, or an attached unit.
 pub(super) fn number_within(word: &str) -> Option<String> {
     let digits = |c: char| match c {
         'O' | 'o' => '0',
@@ -170,7 +170,7 @@ pub(super) fn number_within(word: &str) -> Option<String> {
     guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
 }
 
-/// The numbers of a line of exactly `N` values; reports all that are wrong.
+/// Numbers of a line of exactly `N` values; reports every mistake.
 pub(super) fn numbers<const N: usize>(
     sink: &mut Sink,
     severity: Severity,

@@ -1,4 +1,4 @@
-//! From a sim file to a scene: finds and reads all files that it names.
+//! Loading of a scene: finds and reads all files that it refers to.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,15 +18,15 @@ use super::{
 use sim_core::build::MeshSource;
 use sim_core::drive::DriveKind;
 
-/// Ground that differs from the floor by no more than this, in metres, is level for wheels. Source: our choice.
+/// Deviation of the ground from the floor's height, in metres, up to which it counts as level for wheels. Source: our choice.
 const LEVEL: f64 = 1e-3;
 
-/// The file system as the readers see it; paths have slashes.
+/// File system interface of the readers; paths have slashes.
 pub trait Files {
-    /// The bytes of a file.
+    /// Content of a file.
     ///
     /// # Errors
-    /// [`FileError::Missing`] if there is none of this name, [`FileError::Unreadable`] if it cannot be read.
+    /// [`FileError::Missing`] if there is no such file, [`FileError::Unreadable`] if it cannot be read.
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError>;
 
     /// Names of the files and folders in a folder, in any order; empty if there is no such folder. `""` is the working
@@ -37,14 +37,14 @@ pub trait Files {
     fn home(&self) -> Option<&str>;
 }
 
-/// Files that are held in memory, by their paths: a scene as a text, with what it names. There is no installation.
+/// In-memory file system, indexed by path: for a scene as a text, and the files that it refers to. Has no installation.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryFiles {
     files: BTreeMap<String, Vec<u8>>,
 }
 
 impl MemoryFiles {
-    /// Puts a file there, in place of one of the same path.
+    /// Adds a file, replacing an existing one of the same path.
     pub fn insert(&mut self, path: impl Into<String>, bytes: impl Into<Vec<u8>>) {
         self.files.insert(path.into(), bytes.into());
     }
@@ -77,13 +77,13 @@ impl Files for MemoryFiles {
     }
 }
 
-/// Why a file could not be read.
+/// Reason why a file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileError {
     /// There is no file of this name.
     #[error("no such file")]
     Missing,
-    /// There is one, but it cannot be read.
+    /// The file exists but cannot be read.
     #[error("{0}")]
     Unreadable(String),
 }
@@ -93,38 +93,38 @@ pub enum FileError {
 pub struct InputFile {
     /// Path under which it was found.
     pub path: String,
-    /// Its bytes.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
-/// A scene with everything that was said and read on the way.
+/// Result of loading a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loaded {
     /// The scene; complete if and only if there are no errors.
     pub scene: SceneSpec,
-    /// What is wrong, in the order in which the files were read.
+    /// Mistakes, in the order in which the files were read.
     pub diagnostics: Vec<Diagnostic>,
-    /// The files that were read, in that order, each once.
+    /// Files that were read, in that order, each once.
     pub inputs: Vec<InputFile>,
 }
 
 impl Loaded {
-    /// True when the scene must not be run.
+    /// Returns true if the scene has errors and must not be run.
     pub fn has_errors(&self) -> bool {
         super::has_errors(&self.diagnostics)
     }
 }
 
-/// Reads a scene, of our own form where its name ends in `.toml`, else a sim file, and all worlds, robis and object files that
-/// it names. Programs and meshes are not looked for.
+/// Loads a scene, in our own form if its name ends in `.toml`, else a sim file, and all worlds, robis and object files that
+/// it refers to. Does not look for programs and meshes.
 ///
-/// Robots without a pose take the starts of the world in order, or that of their letter. A type is read once, however many robots
-/// or objects have it. A robot or an object that starts inside something else is warned about.
+/// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once, however many
+/// robots or objects use it. Robots and objects that start inside something else give a warning.
 pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
     load_scene_with(path, None, files)
 }
 
-/// The same, with a seed that goes before the scene's own: random layouts are drawn from it.
+/// Loads a scene as [`load_scene`], with a seed that overrides the scene's own: random layouts depend on it.
 pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
@@ -206,7 +206,7 @@ pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
     (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
-/// The text of a file, and the place of the first byte that is not UTF-8, if any: such bytes become U+FFFD.
+/// Decodes a file as UTF-8; invalid bytes become U+FFFD. Also returns the offset of the first invalid byte, if any.
 pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     match std::str::from_utf8(bytes) {
         Ok(text) => (text.to_owned(), None),
@@ -214,7 +214,7 @@ pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     }
 }
 
-/// Finds and reads files, each once, and keeps what is wrong in them.
+/// Finds and reads files, each once, and collects the diagnostics.
 pub(super) struct Loader<'a> {
     pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
@@ -223,11 +223,11 @@ pub(super) struct Loader<'a> {
     objects: Shelf<ObjectType>,
 }
 
-/// Types that were read.
+/// Cache of types that were read.
 struct Shelf<T> {
-    /// By the text of the reference; `None` for a file that is nowhere.
+    /// By the text of the reference; `None` for a file that does not exist.
     referenced: BTreeMap<String, Option<Arc<T>>>,
-    /// By the path at which they were found.
+    /// By the path of the file.
     found: BTreeMap<String, Arc<T>>,
 }
 
@@ -247,7 +247,7 @@ impl<'a> Loader<'a> {
         Loaded { scene, diagnostics: self.diagnostics, inputs: self.inputs }
     }
 
-    /// The file that the user named.
+    /// Reads the file that the user named.
     fn root(&mut self, path: &str) -> Option<String> {
         match self.files.read(path) {
             Ok(bytes) => Some(self.take(path, bytes)),
@@ -260,13 +260,13 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Remembers a file and decodes it.
+    /// Records a file as input and decodes it.
     pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
         let (text, invalid) = decode(&bytes);
         if let Some(place) = invalid {
             let starts = line::line_starts(&text[..place]);
             let line = &text[starts.last().copied().unwrap_or_default()..place];
-            // A byte order mark is one only at the start of the text.
+            // A byte order mark counts only at the start of the text.
             let line = if starts.len() == 1 { line.trim_start_matches('\u{feff}') } else { line };
             let span = Span {
                 start: place,
@@ -287,12 +287,12 @@ impl<'a> Loader<'a> {
         text
     }
 
-    /// The path and bytes of the file that `reference` in `file` names; if it is nowhere, an error lists all places tried.
+    /// Path and content of the file that `reference` in `file` refers to; if it does not exist, an error lists all paths tried.
     pub(super) fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
         self.find_or(Severity::Error, file, folder, reference)
     }
 
-    /// The same, where a file that is nowhere is as bad as `severity` says.
+    /// Like [`Loader::find`], with a given `severity` for a missing file.
     pub(super) fn find_or(
         &mut self,
         severity: Severity,
@@ -342,7 +342,7 @@ impl<'a> Loader<'a> {
         found
     }
 
-    /// The file whose path differs from `place` only in upper and lower case.
+    /// File whose path differs from `place` only in upper and lower case.
     fn in_other_case(&self, place: &str) -> Option<(String, Vec<u8>)> {
         let root = if place.starts_with('/') { "/" } else { "" };
         let mut path = root.to_owned();
@@ -364,7 +364,7 @@ impl<'a> Loader<'a> {
         Some((path, bytes))
     }
 
-    /// A file in one of the folders tried whose name is nearly the one sought.
+    /// File with a similar name in one of the folders tried.
     fn similar(&self, places: &[String]) -> Option<String> {
         places.iter().find_map(|place| {
             let mut names = self.files.list(path::folder_of(place));
@@ -375,13 +375,13 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// The world that the sim file names; `None`, with an error, if there is none.
+    /// World that the sim file refers to; `None`, with an error, if there is none.
     fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         if let Some(world) = &sim.inline.world {
             return Some(world.clone());
         }
         let Some(line) = &sim.world else {
-            // A line that could not be read has its own error.
+            // A line that could not be read already gave an error.
             if super::has_errors(&self.diagnostics) {
                 return None;
             }
@@ -407,7 +407,7 @@ impl<'a> Loader<'a> {
         Some(WorldSpec { looks: line.looks, ..world })
     }
 
-    /// The cost table of the scene `file`; one that is a file is read.
+    /// Cost table of the scene `file`, read if it is a reference to a file.
     fn costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
         let CostsRef::File(reference) = costs else {
             return Some(costs);
@@ -419,7 +419,7 @@ impl<'a> Loader<'a> {
         Some(CostsRef::Table(table))
     }
 
-    /// Reads the noise profiles that the scene `file` and its robots have in files.
+    /// Reads the noise profiles that the scene `file` and its robots refer to.
     fn profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
         let mut read: BTreeMap<String, Option<NoiseRef>> = BTreeMap::new();
         let of_robots = sim.robots.iter_mut().map(|line| &mut line.noise);
@@ -445,7 +445,7 @@ impl<'a> Loader<'a> {
         NoiseRef::Profile(Arc::new(profile))
     }
 
-    /// The robot type that `reference` in the sim file `file` names; reports if it is nowhere.
+    /// Robot type that `reference` in the sim file `file` refers to; an error if it does not exist.
     pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<RobiSpec>> {
         if let Some(known) = self.robots.referenced.get(&reference.text) {
             return known.clone();
@@ -463,7 +463,7 @@ impl<'a> Loader<'a> {
         robi
     }
 
-    /// The object type that `reference` in the sim file `file` names; warns if it is nowhere.
+    /// Object type that `reference` in the sim file `file` refers to; a warning if it does not exist.
     pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<ObjectType>> {
         if let Some(known) = self.objects.referenced.get(&reference.text) {
             return known.clone();
@@ -483,7 +483,7 @@ impl<'a> Loader<'a> {
         object
     }
 
-    /// A robi and the companion beside it.
+    /// Reads a robi and the companion beside it.
     fn robi_text(&mut self, path: &str, text: &str) -> RobiSpec {
         let (mut robi, diagnostics) = read_robi(path, text);
         self.diagnostics.extend(diagnostics);
@@ -506,7 +506,7 @@ impl<'a> Loader<'a> {
 }
 
 impl Loader<'_> {
-    /// Reads the files that devices at the serial interfaces of a type in `file` send.
+    /// Reads the data files of the devices at the serial interfaces of a type in `file`.
     fn serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
         for serial in &mut robi.serials {
             if let SerialLine::File { path, bytes } = &mut serial.line
@@ -520,7 +520,7 @@ impl Loader<'_> {
 }
 
 impl Loader<'_> {
-    /// Reads the meshes that range sensors see, as the scene `file` says: the terrain, and those of objects.
+    /// Reads the meshes that range sensors see: the terrain, and objects. `file` is the scene.
     fn solids(&mut self, file: &str, world: Option<&mut WorldSpec>, objects: &mut [(ObjectType, Span)]) {
         let mut reader = MeshReader::new(self.files);
         let mut sink = Sink::new(file);
@@ -547,7 +547,7 @@ impl Loader<'_> {
 }
 
 impl Loader<'_> {
-    /// Says once that a robot on wheels starts where the ground is not level at the height of the floor.
+    /// Warns once if a robot on wheels starts on ground that is not level with the floor.
     fn wheels_on_terrain(&mut self, scene: &SceneSpec) {
         let Some(terrain) = &scene.world.terrain else { return };
         let Some(field) = &terrain.field else { return };
@@ -567,7 +567,7 @@ impl Loader<'_> {
     }
 }
 
-/// The world that EyeSim VR takes where a scene names none: a box with a wall on each side.
+/// EyeSim VR's default world for a scene that names none: a box with a wall on each side.
 fn empty_box() -> WorldSpec {
     const SIDE: f64 = 2.0;
     let corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)].map(DVec2::from);

@@ -17,7 +17,7 @@ use sim_core::unit;
 /// Reads a maze file.
 ///
 /// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
-/// Neighbouring wall pieces on one line become one wall, so that there are no joints that the maze does not have.
+/// Adjacent wall pieces on one line are merged, so that walls have no joints that the maze does not have.
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut sink = Sink::new(file);
     let (rows, cell) = rows_and_cell(&mut sink, text);
@@ -30,7 +30,7 @@ pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     (world, sink.finish())
 }
 
-/// The drawn lines from top to bottom, the upper border first, and the cell size in metres.
+/// Drawn lines from top to bottom, the upper border first, and the cell size in metres.
 fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
     let mut rows: Vec<Line<'_>> = Vec::new();
     let mut cell = None;
@@ -38,7 +38,7 @@ fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
     for line in line::lines(text) {
         let words = line.words();
         let Some(first) = words.first() else {
-            // Blank lines before and after the drawing are nothing, but one amid it was meant as a row, or not.
+            // Blank lines before and after the drawing are ignored; one within it may have been meant as a row.
             if !rows.is_empty() && line.text.trim().is_empty() {
                 blank = Some(line);
             }
@@ -89,32 +89,32 @@ fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &
     *cell = size.or(*cell);
 }
 
-/// Which columns of the drawing are walls, and which are cells.
+/// Layout of the drawing: columns for walls and columns for cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Grid {
-    /// Characters from one column of walls to the next.
+    /// Characters from one wall column to the next.
     pitch: u32,
-    /// Characters before the first column of walls; all of them blank.
+    /// Characters before the first wall column, all blank.
     indent: u32,
 }
 
-/// What stands at a place of a row.
+/// Role of a character position in a row.
 enum Place {
-    /// On the grid line to the left of the column of cells with this number.
+    /// On the grid line to the left of the cell column with this number.
     Wall(u32),
-    /// In this column of cells.
+    /// In this cell column.
     Cell(u32),
 }
 
 impl Grid {
-    /// That of EyeSim: walls in the columns 1, 3, 5, ...
+    /// EyeSim's layout: walls in the columns 1, 3, 5, ...
     const USUAL: Grid = Grid { pitch: 2, indent: 0 };
     /// Indented by one character.
     const SHIFTED: Grid = Grid { pitch: 2, indent: 1 };
     /// Cells two characters wide.
     const WIDE: Grid = Grid { pitch: 3, indent: 0 };
 
-    /// The grid on which all `|` of the `rows` lie; where there is none, the usual one.
+    /// Layout with all `|` of the `rows` in wall columns; the usual one if there is none.
     fn of(sink: &mut Sink, rows: &[Line<'_>]) -> Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
@@ -138,7 +138,7 @@ impl Grid {
         grid
     }
 
-    /// What the character at `place`, from 0, is for; `None` before the drawing.
+    /// Role of the character position `place`, counted from 0; `None` before the drawing.
     fn place(self, place: u32) -> Option<Place> {
         let inner = place.checked_sub(self.indent)?;
         let column = inner / self.pitch;
@@ -146,7 +146,7 @@ impl Grid {
     }
 }
 
-/// The characters of a row: place from 0, character, where.
+/// Characters of a row: position from 0, character, span.
 fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
     let line = *line;
     let characters = line.text.trim_end().char_indices().zip(0..);
@@ -157,14 +157,14 @@ fn is_comment(character: char) -> bool {
     matches!(character, ';' | '#')
 }
 
-/// What the characters say, in cells and rows; rows are counted from the upper border, which is row 0.
+/// Content of the drawing, by cells and rows; rows are counted from the upper border, which is row 0.
 struct Drawing {
     grid: Grid,
-    /// (column of the grid line, row, where).
+    /// (grid line to the left of this cell column, row, span).
     vertical: Vec<(u32, u32, Span)>,
-    /// (row whose lower edge it is, column of cells, where).
+    /// (row above the wall, cell column, span).
     horizontal: Vec<(u32, u32, Span)>,
-    /// (lower-case letter, column, row, where).
+    /// (lower-case letter, column, row, span).
     letters: Vec<(char, u32, u32, Span)>,
     columns: u32,
 }
@@ -197,7 +197,7 @@ impl Drawing {
                     self.vertical.push((column + 1, row, span));
                 }
                 ('_', Place::Cell(column)) => self.floor_line(row, column, span),
-                // Between two cells it counts for the left one.
+                // In a wall column it counts for the cell on the left.
                 ('_', Place::Wall(0)) => {}
                 ('_', Place::Wall(column)) => self.floor_line(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
@@ -222,7 +222,7 @@ impl Drawing {
         }
         let column = match place {
             Place::Cell(column) => column,
-            // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
+            // In a wall column a letter counts for the cell on the left; no row begins with a letter.
             Place::Wall(column) => column.saturating_sub(1),
         };
         self.columns = self.columns.max(column + 1);
@@ -232,7 +232,7 @@ impl Drawing {
         }
     }
 
-    /// Warns of the first gap in the border of a maze that is closed otherwise: by more than three quarters.
+    /// Warns about the first gap in the border of a maze that is more than three quarters closed.
     fn check_border(&self, sink: &mut Sink, rows: &[Line<'_>]) {
         let last = (rows.len() as u32).saturating_sub(1);
         let upright: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
@@ -306,7 +306,7 @@ impl Drawing {
     }
 }
 
-/// Built-in types of the letters `o` and `x`.
+/// Built-in types for the letters `o` and `x`.
 const BALL: &str = "Soccer";
 const BOX: &str = "Crate";
 
@@ -314,8 +314,8 @@ fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
     ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, friction: None, span }
 }
 
-/// Neighbouring pieces (line, place along it, where) of a sorted list taken together: (line, first place, place after the
-/// last, where the first is).
+/// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after the
+/// last, span of the first).
 fn runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
     pieces
         .chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= 1)

@@ -1,4 +1,4 @@
-//! References to other files: how they are written and where they are looked for.
+//! References to other files: syntax and search paths.
 
 use super::code::Code;
 use super::diagnostic::{Severity, Sink};
@@ -6,22 +6,21 @@ use super::line::Word;
 use super::spec::PathRef;
 pub use sim_core::spec::{file_name, stem};
 
-/// What stands for the installation's folder at the beginning of a path.
+/// Placeholder for the installation's folder at the beginning of a path.
 const INSTALLATION: &str = "%sim%";
 
-/// Folders of the installation in which a reference is looked for last.
+/// Folders of the installation that are searched last.
 const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 
-/// The places at which the file that `text` names may be, in the order in which they are tried.
+/// Paths at which the file named `text` is searched, in order.
 ///
-/// `folder` is that of the file which mentions it, `home` the installation's folder. Back slashes are read as slashes.
-/// `%sim%` at the beginning is the installation and nothing else is tried. A relative path is looked for in `folder`, in the
-/// working folder, in the installation and in its folders `worlds` and `robis`; an absolute one as it stands and, since old
-/// files write so, below the installation.
+/// `folder` is that of the referring file, `home` the installation's folder. Back slashes are read as slashes.
+/// `%sim%` at the beginning stands for the installation; no other folder is searched then. A relative path is searched in `folder`,
+/// in the working folder, in the installation and in its folders `worlds` and `robis`; an absolute one unchanged and, since old
+/// files use this form, below the installation.
 ///
-/// Source: reference section 4.0; that `folder` comes before the working folder, so that a scene does not
-/// depend on where it is run from, is our choice, and so is that `..` undoes the part before it, whether or not that part is
-/// a link.
+/// Source: reference section 4.0. Our choice: `folder` precedes the working folder, so that a scene does not depend on the
+/// directory it is run from; `..` removes the part before it, even if that part is a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let mut places = Vec::new();
@@ -46,8 +45,8 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
-/// Where the file of the absolute path `text` of another machine may lie: each of its ends, the longest first, below `folder`, the
-/// two folders above that, and the installation; its last part alone not in the folders above. Empty for a relative path.
+/// Candidates for an absolute path `text` from another machine: each of its suffixes, the longest first, below `folder`, the two
+/// folders above it, and the installation; the file name alone is not searched in the folders above. Empty for a relative path.
 pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {
@@ -67,7 +66,7 @@ pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String>
     places
 }
 
-/// The folder that a path's last part is in; empty for the working folder.
+/// Folder part of a path; empty for the working folder.
 pub fn folder_of(path: &str) -> &str {
     match path.rfind('/') {
         Some(0) => "/",
@@ -76,7 +75,7 @@ pub fn folder_of(path: &str) -> &str {
     }
 }
 
-/// The extension of a path in lower case, without its point; empty if it has none.
+/// Extension of a path in lower case, without the dot; empty if it has none.
 pub(super) fn extension(path: &str) -> String {
     let name = file_name(path);
     name.rfind('.').map_or(String::new(), |place| name[place + 1..].to_lowercase())
@@ -87,7 +86,7 @@ pub(super) fn with_extension(path: &str, extension: &str) -> String {
     format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
 }
 
-/// The `path` as seen from `folder`, if both are relative to the same place: `../worlds/a.wld`. Else the path as it is.
+/// The `path` relative to `folder`, if both are relative or both absolute: `../worlds/a.wld`. Else the path unchanged.
 pub(super) fn relative(folder: &str, path: &str) -> String {
     if is_absolute(folder) != is_absolute(path) {
         return path.to_owned();
@@ -95,7 +94,7 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     let from: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
     let to: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
     let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
-    // What lies above a folder that is itself above the working folder has no name that is known here.
+    // The name of a folder above the working folder is unknown here.
     if from[shared..].contains(&"..") {
         return path.to_owned();
     }
@@ -113,7 +112,7 @@ fn is_absolute(text: &str) -> bool {
     text.starts_with('/') || bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/"
 }
 
-/// `text` below `folder`.
+/// Path of `text` below `folder`.
 pub(super) fn join(folder: &str, text: &str) -> String {
     let text = text.trim_start_matches('/');
     match folder {
@@ -123,7 +122,7 @@ pub(super) fn join(folder: &str, text: &str) -> String {
     }
 }
 
-/// The path without `.` parts and double slashes, and with `..` taken together with the part before it.
+/// Path without `.` parts and double slashes, with `..` resolved textually.
 fn normalised(path: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
@@ -140,7 +139,7 @@ fn normalised(path: &str) -> String {
     format!("{root}{}", parts.join("/"))
 }
 
-/// The one file that a keyword's line names.
+/// Reads the single file reference on a keyword's line.
 pub(super) fn reference(
     sink: &mut Sink,
     severity: Severity,
@@ -160,7 +159,7 @@ pub(super) fn reference(
     named(sink, severity, word, form)
 }
 
-/// The file that `word` names.
+/// Reads `word` as a file reference.
 pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<PathRef> {
     if word.is_unclosed {
         sink.warn(

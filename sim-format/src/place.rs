@@ -1,4 +1,4 @@
-//! From the lines of a sim file to robots and objects with their types and poses.
+//! Placement: creates robots and objects, with their types and poses, from the lines of a sim file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -18,17 +18,17 @@ use super::{Severity, Span, builtin, path};
 use sim_core::RobotId;
 use sim_core::pose::Pose;
 
-/// What stands in a scene.
+/// Entities of a scene.
 pub(super) struct Placed {
-    /// In order of their ids.
+    /// Robots in the order of their ids.
     pub(super) robots: Vec<RobotSpec>,
-    /// Those of the world first.
+    /// Objects, those of the world first.
     pub(super) objects: Vec<ObjectSpec>,
-    /// How many of the objects are the world's.
+    /// Number of objects that come from the world.
     pub(super) of_world: usize,
 }
 
-/// Places all that `sim`, in `folder`, and its world name. `None` as a world means that it is missing, which has been told.
+/// Places all entities of `sim`, in `folder`, and of its world. `None` for a missing world, which is already reported.
 pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Placed {
     let types = Types::load(loader, sim, folder);
     let mut placer = Placer {
@@ -66,28 +66,28 @@ struct Placer<'a> {
     folder: &'a str,
     types: Types,
     starts: Starts<'a>,
-    /// Types of objects that are a mesh alone, by its file.
+    /// Types of objects that consist of a mesh only, by the mesh's file.
     shapes: BTreeMap<String, Arc<ObjectType>>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// There are robots, be it that they are lost.
+    /// The scene names robots, even if none of them is usable.
     has_robots: bool,
 }
 
-/// The robots of a line.
+/// Robots of one line.
 struct Group<'a> {
     line: &'a RobotLine,
-    /// Their type; `None` if it is missing, which has been told.
+    /// Type of the robots; `None` if it is missing, which is already reported.
     robi: Option<Arc<RobiSpec>>,
     count: u32,
-    /// How they stand; `None` for one that stands alone.
+    /// Layout of the group; `None` for a single robot.
     layout: Option<Layout>,
-    /// There is no place for one of them, which has been told, nor for those after it.
+    /// No place is left for the remaining robots of the group, which is already reported.
     is_full: bool,
 }
 
 impl Group<'_> {
-    /// Area, clearance and heading of those that stand at random.
+    /// Area, clearance and heading of a random layout.
     fn random(&self) -> Option<(Option<[DVec2; 2]>, f64, Option<f64>)> {
         match self.layout {
             Some(Layout::Random { area, clearance, heading }) => Some((area, clearance, heading)),
@@ -96,16 +96,16 @@ impl Group<'_> {
     }
 }
 
-/// One of the robots of a line.
+/// Robot of a group.
 struct Member {
     id: RobotId,
-    /// Which of the groups.
+    /// Index of the group.
     group: usize,
-    /// Its place in the group.
+    /// Index within the group.
     index: u32,
 }
 
-/// The numbers that robots without one get, in order.
+/// Generator of numbers for robots without one.
 struct Ids {
     last: u32,
     given: BTreeSet<RobotId>,
@@ -139,7 +139,7 @@ impl Placer<'_> {
         }
     }
 
-    /// The object type that a scene or a maze names.
+    /// Object type named by a scene or a maze.
     fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &PathRef) -> Option<Arc<ObjectType>> {
         match self.types.find(&mut self.sink, name) {
             Some(Kind::Object(object)) => Some(object),
@@ -155,7 +155,7 @@ impl Placer<'_> {
         }
     }
 
-    /// The type that a classic `object` line names: an object file, or a mesh, whose shape only a built-in type of that name gives.
+    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of its name, else a cylinder.
     fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);
@@ -178,7 +178,7 @@ impl Placer<'_> {
         Some(kind)
     }
 
-    /// The lines that place a robot, and those that place either a robot or an object of a loaded type.
+    /// Places the robots of all lines, and the objects of lines that name a loaded object type.
     fn robots(&mut self, loader: &mut Loader<'_>) {
         let mut lines: Vec<&RobotLine> = self.sim.robots.iter().chain(&self.sim.named).collect();
         lines.sort_by_key(|line| line.span);
@@ -197,7 +197,7 @@ impl Placer<'_> {
             }
             groups.push(Group { line, robi, count, layout, is_full: false });
         }
-        // Whatever goes from robot to robot goes by their numbers, not by their lines.
+        // Placement proceeds in the order of robot numbers, not of lines.
         members.sort_by_key(|member| member.id);
         for member in &members {
             self.stand(&mut groups[member.group], member);
@@ -206,7 +206,7 @@ impl Placer<'_> {
         self.has_robots = !members.is_empty();
     }
 
-    /// The type of the robot of a line, without one if that is missing, which has been told; `None` if the line places no robot.
+    /// Type of the robot of a line: `Some(None)` if the type is missing, which is already reported; `None` if the line places no robot.
     fn robot_kind(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
         let name = match &line.kind {
             TypeRef::File(path) => return Some(loader.robot_type(&self.sim.file, self.folder, path)),
@@ -224,7 +224,7 @@ impl Placer<'_> {
                 None
             }
             None => {
-                // Without a program it may have been an object, and EyeSim skips the line.
+                // Without a program the line may have meant an object, and EyeSim skips it.
                 let is_robot = self.sim.form == SceneForm::Toml
                     || line.program.is_some()
                     || !matches!(line.start, StartRef::Pose(_));
@@ -235,7 +235,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Puts a robot where its line says, if there is a place left.
+    /// Places a robot as its line demands, if a place is left.
     fn stand(&mut self, group: &mut Group<'_>, member: &Member) {
         if group.is_full {
             return;
@@ -244,7 +244,7 @@ impl Placer<'_> {
         let start = match group.layout {
             None => self.start(line),
             Some(Layout::Starts) => self.next(line.span),
-            // Where there is room shows when all others stand.
+            // Provisional: `scatter` finds a free pose when all others are placed.
             Some(Layout::Random { .. }) => Some(Pose::default()),
             Some(layout) => layout.pose(member.index, group.count),
         };
@@ -268,7 +268,7 @@ impl Placer<'_> {
         });
     }
 
-    /// Gives the robots of random layouts their places, in order of their ids; those without room are lost.
+    /// Places the robots of random layouts, in order of their ids; robots without room are dropped.
     fn scatter(&mut self, members: &[Member], groups: &mut [Group<'_>]) {
         let scattered: BTreeMap<RobotId, &Member> =
             members.iter().filter(|member| groups[member.group].random().is_some()).map(|it| (it.id, it)).collect();
@@ -302,7 +302,7 @@ impl Placer<'_> {
         });
     }
 
-    /// An object of a loaded type.
+    /// Places an object of a loaded type.
     fn named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
         let form = "`NAME X Y PHI` in mm and degrees";
         if let Some(program) = &line.program {
@@ -332,7 +332,7 @@ impl Placer<'_> {
 
     fn next(&mut self, span: Span) -> Option<Pose> {
         let start = self.starts.next();
-        // Where the world is missing, that is what has to be mended.
+        // A missing world is already reported; only that needs to be fixed.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
             let expected = match self.sim.form {
@@ -359,7 +359,7 @@ impl Placer<'_> {
             format!("it has {}", letters.join(", "))
         };
         let expected = "a letter of the maze, or `X Y PHI`";
-        // In the first EyeSim VR, `s` was the start of the maze, whatever its letter.
+        // In the first EyeSim VR, `s` meant the start of the maze, regardless of its letter.
         if letter == 'S' && !letters.is_empty() {
             let message = format!("the world has no start `S`: {there_are}; the next free one is taken");
             self.sink.warn(Code::SimStartLetter, span, message, expected);
@@ -371,7 +371,7 @@ impl Placer<'_> {
     }
 }
 
-/// The starts of a world and which of them robots have taken.
+/// Starts of a world, with those taken by robots.
 struct Starts<'a> {
     world: Option<&'a WorldSpec>,
     taken: Vec<bool>,
@@ -382,14 +382,14 @@ impl<'a> Starts<'a> {
         Self { world, taken: vec![false; world.map_or(0, |world| world.starts.len())] }
     }
 
-    /// The first that no robot has taken.
+    /// Takes the first free start.
     fn next(&mut self) -> Option<Pose> {
         let place = self.taken.iter().position(|taken| !taken)?;
         self.taken[place] = true;
         Some(self.world?.starts[place].pose)
     }
 
-    /// The first of this letter that no robot has taken; if all are, the first: two robots of one letter stand in one cell.
+    /// Takes the first free start with this letter; if all are taken, returns the first: two robots of one letter share a cell.
     fn of_letter(&mut self, letter: char) -> Option<Pose> {
         let starts = &self.world?.starts;
         let mut places = (0..starts.len()).filter(|place| starts[*place].letter == Some(letter));

@@ -1,4 +1,4 @@
-//! Links, buses and servos of a robot type: what shows once all its devices are known.
+//! Checks of links, buses and servos of a robot type, which require that all its devices are known.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use super::spec::{BODY, LinkSpec, MAX_SONARS_ON_BUS, PathRef, RobiSpec};
 use super::table::Reader;
 use sim_core::build;
 
-/// Names that a message lists at most.
+/// Greatest number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// What is left to say once all devices of a robot type are known.
+/// Checks after all devices of a robot type are read.
 impl Reader {
-    /// Reports devices that a program could not tell apart, and links and servos that there are not; sensors whose link is
-    /// not there sit on the body.
+    /// Reports devices that a program could not tell apart, and references to missing links and servos; sensors on a missing
+    /// link are moved to the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
         self.doubles(robi);
         self.buses(robi);
@@ -35,7 +35,7 @@ impl Reader {
         }
     }
 
-    /// Reports each bus with more sonars than it has addresses, at the first that finds none.
+    /// Reports each bus with more sonars than addresses, at the first sonar without an address.
     fn buses(&mut self, robi: &RobiSpec) {
         let mut sonars: BTreeMap<u32, usize> = BTreeMap::new();
         for range in &robi.ranges {
@@ -51,7 +51,7 @@ impl Reader {
         }
     }
 
-    /// Servos that turn links and are not there.
+    /// Reports links that are turned by a missing servo, and fixes them.
     fn turned_by(&mut self, robi: &mut RobiSpec) {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
@@ -69,7 +69,7 @@ impl Reader {
         }
     }
 
-    /// Place of each link by its name, beyond all others for those of legs; the second of one name is reported.
+    /// Index of each link by its name, `usize::MAX` for the links of legs; reports duplicate names.
     fn link_names(&mut self, robi: &RobiSpec) -> BTreeMap<String, usize> {
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
         for (index, link) in robi.links.iter().enumerate() {
@@ -99,7 +99,7 @@ impl Reader {
         names
     }
 
-    /// Reports a link that is not there, and puts what was to sit on it onto the body.
+    /// Reports a missing link, and moves the device or link mounted on it to the body.
     fn known_link(&mut self, on: &mut Option<PathRef>, names: &BTreeMap<String, usize>) {
         let Some(wanted) = on.take_if(|wanted| !names.contains_key(&wanted.text)) else { return };
         let known = || [BODY].into_iter().chain(names.keys().map(String::as_str));
@@ -109,14 +109,14 @@ impl Reader {
         self.sink.error(Code::LinkUnknown, wanted.span, message, expected).suggestion = suggestion;
     }
 
-    /// Reports links that hang on each other in a circle, each circle once, and cuts it.
+    /// Reports cycles of links, each cycle once, and breaks them.
     fn circles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
         let count = links.len();
         let parent = |link: &LinkSpec| {
             let on = link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
             on.filter(|place| *place < count)
         };
-        // By link from which start it was first reached.
+        // For each link, the start from which it was first reached.
         let mut reached: Vec<Option<usize>> = vec![None; links.len()];
         for start in 0..links.len() {
             let mut at = Some(start);

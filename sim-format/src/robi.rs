@@ -20,15 +20,14 @@ const KEYWORDS: [&str; 15] = [
     "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
     "axel", "lidar", "fisheye",
 ];
-/// Names of the robots that EyeSim VR has without a file.
+/// Names of the robots that are built into EyeSim VR.
 const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 /// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
-/// Which dialect it is, follows from all its lines together: any that only EyeSim VR knows makes it a file of EyeSim VR.
-/// What the file leaves out has the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line is warned about. The
-/// wheelbase is the distance of the two `axel` lines; without them, that which the geometry suggests: 0.6 of the diameter
-/// for Ackermann, the track otherwise.
+/// All lines together determine the dialect: any line that only EyeSim VR knows makes it a file of EyeSim VR. Missing values get
+/// the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between
+/// the two `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
     let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));
@@ -46,17 +45,17 @@ struct Reader {
     robi: RobiSpec,
     /// Names and numbers of the PSDs.
     psds: Given,
-    /// The first keyword of the file.
+    /// Span of the first keyword of the file.
     first: Option<Span>,
-    /// The line of the driven wheels.
+    /// Span of the driven wheels' line.
     wheel: Option<Span>,
     is_wheel_read: bool,
-    /// The drive line.
+    /// Span of the drive line.
     drive: Option<Span>,
-    /// Places of the driven and of the steered axle on the robot's x axis, and their lines.
+    /// Position of the driven and of the steered axle on the robot's x axis, with their spans.
     axles: [Option<(f64, Span)>; 2],
     has_diameter: bool,
-    /// Field of view in radians, and where it is given.
+    /// Field of view in radians, with its span.
     fisheye: Option<(f64, Span)>,
 }
 
@@ -128,7 +127,7 @@ impl Reader {
         self.robi.name = name.to_owned();
     }
 
-    /// A keyword with one number; true if it is good.
+    /// Reads a keyword with one number; returns true if it is valid.
     fn one(
         &mut self,
         keyword: &Word<'_>,
@@ -157,7 +156,7 @@ impl Reader {
         }
     }
 
-    /// `axis FORWARD`, or `axis HEIGHT FORWARD`; the wheels' own diameter says how high their axis is.
+    /// Reads `axis FORWARD`, or `axis HEIGHT FORWARD`; the height is ignored, since it follows from the wheels' diameter.
     fn axis(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let forward = Quantity::coordinate("axis offset");
         if rest.len() < 2 {
@@ -171,7 +170,7 @@ impl Reader {
         }
     }
 
-    /// `axel drive|turn HEIGHT FORWARD`: an axle of a car.
+    /// Reads `axel drive|turn HEIGHT FORWARD`: an axle of a car.
     fn axel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
         let Some((which, values)) = self.which_axle(keyword, rest, form) else {
@@ -184,7 +183,7 @@ impl Reader {
         }
     }
 
-    /// Whether a line is about the driven (0) or the steered (1) axle, and what follows that word.
+    /// Determines whether a line concerns the driven (0) or the steered (1) axle, and returns its remaining words.
     fn which_axle<'r, 'a>(
         &mut self,
         keyword: &Word<'_>,
@@ -213,7 +212,7 @@ impl Reader {
             },
             false => (0, rest),
         };
-        // The steered wheels roll along: only the driven ones are simulated.
+        // Steered wheels roll freely: only the driven ones are simulated.
         if which == 0 {
             self.wheel = Some(span);
         }
@@ -268,7 +267,7 @@ impl Reader {
     }
 }
 
-/// A keyword and what follows it.
+/// Span from a keyword to the last of its values.
 fn span_of(keyword: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(keyword.span, |last| keyword.span.to(last.span))
 }
@@ -280,7 +279,7 @@ const VR_WHEEL_FORM: &str =
 const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
                           front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, or \
                           `drive LEGGED_DRIVE` with legs in the companion";
-/// Drives: the word for each, and the names that its devices have where none are given.
+/// Drives: the keyword of each, and its default device names.
 pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 4] = [
     ("DIFFERENTIAL_DRIVE", DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
     ("ACKERMANN_DRIVE", DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
@@ -292,13 +291,13 @@ pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 4] = [
     ("LEGGED_DRIVE", DriveKind::Legged, &[]),
 ];
 
-/// The motors and the servo that steers of a drive that names none.
+/// Default motors and steering servo of a drive.
 pub(super) fn drive_devices(kind: DriveKind) -> (Vec<MotorSpec>, Option<String>) {
     let names = DRIVES.iter().find(|(_, known, _)| *known == kind).map_or(&[] as &[&str], |(.., names)| *names);
     motors_and_steering(kind, names)
 }
 
-/// Motors and steering of a drive whose devices have these names.
+/// Motors and steering servo of a drive from the names of its devices.
 fn motors_and_steering(kind: DriveKind, names: &[&str]) -> (Vec<MotorSpec>, Option<String>) {
     match (kind, names) {
         (DriveKind::Ackermann, [motors @ .., servo]) => (MotorSpec::pairs(motors), Some((*servo).to_owned())),

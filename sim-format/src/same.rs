@@ -1,4 +1,4 @@
-//! Specs without the places where they are written, so that what two texts say can be compared.
+//! Specs without source positions, for comparing the content of two texts.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::spec::{
     SerialLine, SimSpec, Solid, TypeRef, WorldSpec,
 };
 
-/// What a scene says, wherever it and the files of its world and types lie.
+/// Content of a scene, independent of the paths of its files.
 pub fn scene(scene: &SceneSpec) -> SceneSpec {
     let mut scene = SceneSpec { file: String::new(), folder: String::new(), ..scene.clone() };
     scene.world = world(&scene.world);
@@ -17,7 +17,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.program.iter_mut().for_each(forget);
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
-        // A hint at the generation of a program, which no other form gives.
+        // A hint at the generation of a program, which no other format has.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
@@ -38,7 +38,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
     scene
 }
 
-/// What the text of a scene itself says.
+/// Content of a scene's own text.
 pub fn sim(sim: &SimSpec) -> SimSpec {
     let mut sim = SimSpec { file: String::new(), ..sim.clone() };
     sim.world.iter_mut().for_each(|line| forget(&mut line.path));
@@ -59,7 +59,7 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     sim
 }
 
-/// What a world says.
+/// Content of a world.
 pub fn world(world: &WorldSpec) -> WorldSpec {
     let mut world = WorldSpec { file: String::new(), ..world.clone() };
     world.texture.iter_mut().for_each(forget);
@@ -74,7 +74,7 @@ pub fn world(world: &WorldSpec) -> WorldSpec {
     world
 }
 
-/// What a robot type says.
+/// Content of a robot type.
 pub fn robi(robi: &RobiSpec) -> RobiSpec {
     let mut robi = RobiSpec { file: String::new(), ..robi.clone() };
     robi.model.iter_mut().for_each(forget_model);
@@ -116,14 +116,14 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
     robi
 }
 
-/// What a noise profile says.
+/// Content of a noise profile.
 pub fn noise(noise: &NoiseSpec) -> NoiseSpec {
     let mut noise = NoiseSpec { file: String::new(), ..noise.clone() };
     noise.entries.iter_mut().for_each(|entry| entry.span = Span::default());
     noise
 }
 
-/// What an object type says.
+/// Content of an object type.
 pub fn object(object: &ObjectType) -> ObjectType {
     let mut object = ObjectType { file: String::new(), ..object.clone() };
     object.model.iter_mut().for_each(forget_model);

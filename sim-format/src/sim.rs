@@ -1,7 +1,7 @@
-//! Scenes: `.sim`, the world, the robots with their programs, the objects and the markers.
+//! Scenes: `.sim`, with the world, the robots and their programs, the objects and the markers.
 //!
-//! One reader for all dialects: the number and the kind of a line's values tell them apart. Which line a name of a loaded type
-//! places, a robot or an object, shows only when the type's file is read; that is for [`super::load_scene`].
+//! One reader for all dialects, distinguished by the number and the kind of a line's values. A line that starts with the name of a
+//! loaded type may place a robot or an object; [`super::load_scene`] decides when it has read the type's file.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
@@ -12,18 +12,18 @@ use super::spec::{
 use super::{Span, builtin, path};
 use sim_core::pose::Pose;
 
-/// First words of lines, besides the names of types.
+/// First words of lines, except for the names of types.
 pub(super) const KEYWORDS: [&str; 8] = ["world", "maze", "settings", "robi", "robot", "obj", "object", "marker"];
-/// Those whose line is no mere decoration: a scene without it is another one.
+/// Keywords of essential lines: without such a line the scene is a different one.
 const VITAL: [&str; 4] = ["world", "maze", "robi", "robot"];
-/// Letters of mazes that a robot may start at.
+/// Letters of maze cells at which a robot may start.
 const START_LETTERS: [char; 5] = ['S', 'U', 'R', 'D', 'L'];
-/// Words of a `settings` line.
+/// Words on a `settings` line.
 const SETTINGS: [&str; 2] = ["VIS", "TRACE"];
-/// Colour of a marker that does not say: red, opaque. Source: our choice.
+/// Default colour of a marker: red, opaque. Source: our choice.
 const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 
-/// Reads a sim file, and none of the files that it names (that is [`super::load_scene`]).
+/// Reads a sim file, but none of the files that it refers to (see [`super::load_scene`]).
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let mut reader = Reader { sink: Sink::new(file), sim: SimSpec { file: file.to_owned(), ..SimSpec::default() } };
     for line in line::lines(text) {
@@ -90,20 +90,20 @@ impl Reader {
         }
     }
 
-    /// `robi FILE` or `robot FILE`: loads a robot type.
+    /// Reads `robi FILE` or `robot FILE`, which loads a robot type.
     fn robot_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let path = path::reference(&mut self.sink, Severity::Error, keyword, rest, "`robi FILE.robi`");
         self.sim.robot_types.extend(path);
     }
 
-    /// `obj FILE` or `object FILE`: loads an object type.
+    /// Reads `obj FILE` or `object FILE`, which loads an object type.
     fn object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
         self.sim.object_types.extend(path);
     }
 
-    /// `robi FILE PROGRAM [X Y PHI]`.
+    /// Reads `robi FILE PROGRAM [X Y PHI]`.
     fn classic_robot(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = whole(keyword, rest);
         let [robi, program, pose @ ..] = rest else {
@@ -141,7 +141,7 @@ impl Reader {
         }
     }
 
-    /// `object X Y PHI FRICTION MESH`.
+    /// Reads `object X Y PHI FRICTION MESH`.
     fn classic_object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = whole(keyword, rest);
         let [pose @ .., mesh] = rest else {
@@ -165,14 +165,14 @@ impl Reader {
         }
     }
 
-    /// A built-in robot by its name.
+    /// Reads a line that places a built-in robot.
     fn robot(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
         if let Some(line) = self.placement(name, rest, PLACE_ROBOT) {
             self.sim.robots.push(line);
         }
     }
 
-    /// A built-in object by its name.
+    /// Reads a line that places a built-in object.
     fn object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
         let span = whole(name, rest);
         if rest.len() < 3 {
@@ -187,7 +187,7 @@ impl Reader {
         }
     }
 
-    /// A line that begins with no keyword: a robot or an object of a loaded type if it looks like one, else a mistake.
+    /// Reads a line without a keyword: a robot or an object of a loaded type if it has that form, else a mistake.
     fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));
@@ -199,7 +199,7 @@ impl Reader {
         }
         let known = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
         let nearest = line::nearest(first.text, known);
-        // A misspelt world or robot is one that is missing.
+        // A misspelt world or robot line loses that world or robot.
         let is_lost = nearest.is_some_and(|word| VITAL.contains(&word) || builtin::ROBOTS.contains(&word));
         let severity = if is_lost { Severity::Error } else { Severity::Warning };
         if nearest.is_none() && count_numbers(rest) > 0 {
@@ -212,7 +212,7 @@ impl Reader {
         diagnostic.suggestion = nearest.map(|keyword| format!("write `{keyword}`"));
     }
 
-    /// `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
+    /// Reads `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
     fn placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], form: &str) -> Option<RobotLine> {
         let span = whole(name, rest);
         let (start, program) = match rest.first().and_then(letter) {
@@ -264,7 +264,7 @@ impl Reader {
         }
     }
 
-    /// Warns about what follows the first `count` of `words`.
+    /// Warns about words after the first `count` of `words`.
     fn extra(&mut self, words: &[Word<'_>], count: usize, form: &str) {
         if let Some(extra) = words.get(count) {
             let message = format!("`{}` is left over", extra.text);
@@ -276,7 +276,7 @@ impl Reader {
     }
 }
 
-/// From the first word of a line to its last.
+/// Span from the first word of a line to its last.
 fn whole(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(first.span, |last| first.span.to(last.span))
 }
@@ -285,23 +285,23 @@ fn reference(word: &Word<'_>) -> PathRef {
     PathRef { text: word.text.to_owned(), span: word.span }
 }
 
-/// True for a number and for what was meant as one, but not for a file name that begins with a digit.
+/// Returns true for a number and for a malformed number, but not for a file name that begins with a digit.
 fn is_number(word: &Word<'_>) -> bool {
     line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::number_within(word.text).is_some())
 }
 
-/// Whether a pose has fewer than three numbers: after a number that is missing, unlike one that is misspelt, there are no more.
+/// Returns true if a pose has fewer than three numbers because some are missing, not because one is misspelt.
 fn is_short(pose: &[Word<'_>]) -> bool {
     let count = count_numbers(pose);
     pose.len() < 3 || count < 3 && !pose[count..3].iter().any(is_number)
 }
 
-/// How many numbers `words` begins with.
+/// Number of leading words of `words` that are numbers.
 fn count_numbers(words: &[Word<'_>]) -> usize {
     words.iter().take_while(|word| is_number(word)).count()
 }
 
-/// The letter that `word` consists of, in upper case.
+/// The single letter that `word` consists of, in upper case.
 fn letter(word: &Word<'_>) -> Option<char> {
     let mut characters = word.text.chars();
     let letter = characters.next().filter(char::is_ascii_alphabetic)?;

@@ -1,4 +1,4 @@
-//! Tables of TOML: what the reader of companions and that of scenes have in common.
+//! TOML tables: common parts of the readers of companions and scenes.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -11,7 +11,7 @@ use super::diagnostic::Sink;
 use super::line::{self, Quantity};
 use super::spec::PathRef;
 
-/// A text of TOML that is being read, and what is wrong with it.
+/// Reader of a TOML text, with its diagnostics.
 pub(super) struct Reader {
     pub(super) sink: Sink,
     /// The text without byte order mark.
@@ -21,7 +21,7 @@ pub(super) struct Reader {
     starts: Vec<usize>,
 }
 
-/// A table and the keys of it that have been asked for.
+/// Table, with the keys that have been looked up.
 pub(super) struct Section<'a, 'i> {
     pub(super) name: &'static str,
     pub(super) table: &'a DeTable<'i>,
@@ -30,17 +30,17 @@ pub(super) struct Section<'a, 'i> {
 }
 
 impl<'a, 'i> Section<'a, 'i> {
-    /// A whole document.
+    /// Section of a whole document.
     pub(super) fn root(table: &'a DeTable<'i>) -> Self {
         Section { name: "", table, span: Span::default(), known: Vec::new() }
     }
 
-    /// Whether the table has this key; that alone does not make it a known one.
+    /// Returns true if the table has this key, without marking the key as known.
     pub(super) fn has(&self, key: &str) -> bool {
         self.table.iter().any(|(name, _)| name.get_ref() == key)
     }
 
-    /// The value of a key, which is known from now on.
+    /// Value of a key; marks the key as known.
     pub(super) fn get(&mut self, key: &'static str) -> Option<&'a Spanned<DeValue<'i>>> {
         if !self.known.contains(&key) {
             self.known.push(key);
@@ -50,7 +50,7 @@ impl<'a, 'i> Section<'a, 'i> {
 }
 
 impl Reader {
-    /// Takes the text of `file` apart; what is no TOML is reported, and what can be read of it is read.
+    /// Parses the text of `file`; syntax errors are reported, and the valid part is kept.
     pub(super) fn parse<'t>(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
         let whole = text.len();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -71,7 +71,7 @@ impl Reader {
 }
 
 impl Reader {
-    /// Where `range` lies in the file.
+    /// Span of the bytes `range` in the file.
     pub(super) fn span(&self, range: Range<usize>) -> Span {
         let mut start = range.start.min(self.text.len());
         while !self.text.is_char_boundary(start) {
@@ -159,7 +159,7 @@ impl Reader {
         self.text_of(section, key, "a text that is not empty, between double quotes")
     }
 
-    /// A text that is not empty; `expected` says of what.
+    /// Non-empty string; `expected` describes it in messages.
     pub(super) fn text_of(
         &mut self,
         section: &mut Section<'_, '_>,
@@ -174,12 +174,12 @@ impl Reader {
         text.map(str::to_owned)
     }
 
-    /// A file, or a name of a type.
+    /// Reference to a file, or the name of a type.
     pub(super) fn reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
         self.reference_to(section, key, "a text that is not empty, between double quotes")
     }
 
-    /// The same, where `expected` says to what.
+    /// Reference like [`Reader::reference`]; `expected` describes it in messages.
     pub(super) fn reference_to(
         &mut self,
         section: &mut Section<'_, '_>,
@@ -191,7 +191,7 @@ impl Reader {
         Some(PathRef { text, span })
     }
 
-    /// Texts, each of which may be empty.
+    /// Array of strings, each of which may be empty.
     pub(super) fn texts(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
         let Some(items) = self.array(section, key, "an array of texts") else {
             return Vec::new();
@@ -206,7 +206,7 @@ impl Reader {
         texts
     }
 
-    /// `true` or `false`.
+    /// Boolean.
     pub(super) fn flag(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<bool> {
         let value = section.get(key)?;
         let DeValue::Boolean(flag) = value.get_ref() else {
@@ -216,7 +216,7 @@ impl Reader {
         Some(*flag)
     }
 
-    /// One of some words: its place among them.
+    /// One of `words`, as its index.
     pub(super) fn choice(&mut self, section: &mut Section<'_, '_>, key: &'static str, words: &[&str]) -> Option<usize> {
         let expected = format!("one of {}", words.join(", "));
         let value = section.get(key)?;
@@ -233,7 +233,7 @@ impl Reader {
         place
     }
 
-    /// An array of `N` numbers.
+    /// Array of `N` numbers.
     pub(super) fn numbers<const N: usize>(
         &mut self,
         section: &mut Section<'_, '_>,
@@ -265,7 +265,7 @@ impl Reader {
         is_complete.then_some(values)
     }
 
-    /// `N` shades of colours, each 0 to 255.
+    /// `N` colour channels, each 0 to 255.
     pub(super) fn shades<const N: usize>(
         &mut self,
         section: &mut Section<'_, '_>,
@@ -284,7 +284,7 @@ impl Reader {
         shades.try_into().ok()
     }
 
-    /// An array.
+    /// Items of an array.
     pub(super) fn array<'a, 'i>(
         &mut self,
         section: &mut Section<'a, 'i>,
@@ -299,7 +299,7 @@ impl Reader {
         Some(items)
     }
 
-    /// Reports those of the `keys` that a table has although `other` excludes them; true if it has none.
+    /// Reports those of `keys` that a table has although `other` excludes them; returns true if it has none.
     pub(super) fn exclude(&mut self, section: &mut Section<'_, '_>, other: &str, keys: &[&'static str]) -> bool {
         let mut is_clean = true;
         for key in keys {
@@ -313,19 +313,19 @@ impl Reader {
         is_clean
     }
 
-    /// Where a key is written; the table where it is not.
+    /// Span of a key; that of the table if the key is missing.
     pub(super) fn key_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
         let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
         written.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
-    /// Where the value of a key is written; the table where it is not.
+    /// Span of a key's value; that of the table if the key is missing.
     pub(super) fn value_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
         let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
         written.map_or(section.span, |(_, value)| self.span(value.span()))
     }
 
-    /// The number that a key is.
+    /// Parses a key itself as a number, as in `3 = 512`.
     pub(super) fn number_of(
         &mut self,
         key: &Spanned<DeString<'_>>,
@@ -350,7 +350,7 @@ impl Reader {
         self.as_section(key, value)
     }
 
-    /// The same, with an example of what it may be.
+    /// Subtable, with an example of its content for messages.
     pub(super) fn section_like<'a, 'i>(
         &mut self,
         parent: &mut Section<'a, 'i>,
@@ -388,7 +388,7 @@ impl Reader {
         }
     }
 
-    /// The tables of an array `[[key]]`; a single `[key]` counts as one.
+    /// Tables of an array `[[key]]`; a single `[key]` counts as one.
     pub(super) fn sections<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Vec<Section<'a, 'i>> {
         let Some(value) = parent.get(key) else {
             return Vec::new();
@@ -414,7 +414,7 @@ impl Reader {
             let message = format!("unknown key `{name}`{place}");
             let expected = format!("one of {}", section.known.join(", "));
             let known = || section.known.iter().copied();
-            // The key without its unit is as near as any.
+            // A key that lacks only its unit counts as similar, too.
             let whole = known().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
             let nearest = line::nearest(name, known()).or(whole);
             let suggestion = nearest.map(|key| format!("write `{key}`"));
@@ -423,7 +423,7 @@ impl Reader {
     }
 }
 
-/// True for a TOML text with one of `keys` at its top level.
+/// Returns true for a TOML text with one of `keys` at its top level.
 pub(super) fn has_top_key(text: &str, keys: &[&str]) -> bool {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (root, _) = DeTable::parse_recoverable(text);

@@ -1,4 +1,4 @@
-//! Types of robots and objects by their names: the built-in ones and those that a sim file loads.
+//! Registry of robot and object types by name: built-in types and those that a sim file loads.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use super::load::Loader;
 use super::spec::{ObjectType, PathRef, RobiSpec, SceneForm, SimSpec};
 use super::{Severity, Span, builtin, line, path, sim};
 
-/// A type of robot or of object.
+/// Type of a robot or of an object.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
     Robot(Arc<RobiSpec>),
@@ -32,24 +32,24 @@ impl Kind {
     }
 }
 
-/// The types that a scene knows by names.
+/// Types of a scene by name.
 pub(super) struct Types {
     by_name: BTreeMap<String, Known>,
-    /// Names by their lower case.
+    /// Names by their lower-case form.
     by_lower_case: BTreeMap<String, Vec<String>>,
-    /// What lines would load that name types which are not loaded; filled when the first such type is met.
+    /// Types in nearby files that are not loaded, by name the line that would load each; filled when the first unknown type is found.
     nearby: Option<BTreeMap<String, String>>,
     form: SceneForm,
 }
 
 struct Known {
     kind: Kind,
-    /// The reference that loads it; `None` for a built-in type.
+    /// Span of the reference that loads the type; `None` for a built-in type.
     loaded: Option<Span>,
 }
 
 impl Types {
-    /// The built-in types and those that `sim` loads. Built-in names are reserved, and the first of two types of one name counts.
+    /// Registers the built-in types and those that `sim` loads. Built-in names are reserved; of two types of one name the first counts.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| Kind::Robot(Arc::new(it)));
@@ -95,7 +95,7 @@ impl Types {
         let known = self.by_name.get(name);
         let message = match known.map(|known| (known.kind.file(), known.loaded)) {
             _ if is_reserved => format!("`{}` is a type named `{name}`, but that name is built in", kind.file()),
-            // The same file once more.
+            // The same file a second time.
             Some((file, _)) if file == kind.file() => return,
             Some((file, _)) => format!("`{}` is a type named `{name}`, but so is `{file}` above", kind.file()),
             None => return self.add(kind, Some(span)),
@@ -110,14 +110,14 @@ impl Types {
         self.by_name.insert(name, Known { kind, loaded });
     }
 
-    /// The type of the name that `reference` gives. Warns if the name is written in another case or is loaded only further below.
+    /// Type named by `reference`. Warns if the name differs in case or the type is loaded only further below.
     pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<Kind> {
         let mut known = self.by_name.get(&reference.text);
         if known.is_none()
             && let Some([name]) = self.by_lower_case.get(&reference.text.to_lowercase()).map(Vec::as_slice)
         {
             known = self.by_name.get(name);
-            // EyeSim VR reads the names of its own types in any case.
+            // EyeSim VR reads the names of its built-in types case-insensitively.
             if known.is_some_and(|known| known.loaded.is_some()) {
                 let message = format!("`{}` is loaded as `{name}`: upper and lower case differ", reference.text);
                 sink.warn(Code::SimTypeCase, reference.span, message, "the name as the type's file has it");
@@ -138,7 +138,7 @@ impl Types {
         Some(known.kind.clone())
     }
 
-    /// Says that no type bears the name that `reference` gives, and what to do about it.
+    /// Reports that no type has the name in `reference`, with a suggestion.
     pub(super) fn report_unknown(
         &mut self,
         loader: &Loader<'_>,
@@ -173,22 +173,22 @@ impl Types {
     }
 }
 
-/// Folders of an EyeSim tree in which types are looked for, above the folder of the sim file. Others may hold anything, and a
-/// million files of it.
+/// Folders of an EyeSim tree that are searched for types, above the folder of the sim file. Other folders may hold anything, such as
+/// a million files.
 const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
-/// How many folders above the sim file's it begins.
+/// Number of folder levels above the sim file's folder at which the search begins.
 const ABOVE: usize = 2;
-/// How many folders below that of the sim file, and below those of the tree, it ends.
+/// Depth of the search below the sim file's folder, and below those of the tree.
 const BELOW: usize = 2;
-/// Entries of folders, and files, that it looks at.
+/// Greatest numbers of folder entries, and of files, that the search reads.
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 
-/// The types of the files near `folder` that are not loaded: by name the line that loads them.
+/// Types in files near `folder`: by name the line that loads each.
 fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);
-    // Folders as the sim file would name them, with a slash at the end; the last comes first.
+    // Folders as the sim file would write them, with a slash at the end; the last is searched first.
     let tree = (1..=ABOVE).rev().flat_map(|up| TREE.map(|name| format!("{}{name}/", "../".repeat(up))));
     let mut folders: Vec<(String, usize)> = tree.chain([String::new()]).map(|below| (below, BELOW)).collect();
     while let Some((below, depth)) = folders.pop() {

@@ -1,4 +1,4 @@
-//! Worlds: `.wld`, the line format of Saphira as EyeSim extended it.
+//! Worlds: `.wld`, the line format of Saphira with EyeSim's extensions.
 
 use glam::DVec2;
 
@@ -13,8 +13,8 @@ const KEYWORDS: [&str; 7] = ["floor", "width", "height", "floor_texture", "posit
 
 /// Reads a world file.
 ///
-/// `file` is its name for the diagnostics. Whatever the text is, the spec holds finite numbers only: a line with a mistake
-/// is left out and reported.
+/// `file` is its name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is left out and
+/// reported.
 pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),
@@ -37,7 +37,7 @@ struct Reader {
     world: WorldSpec,
     width: Option<f64>,
     height: Option<f64>,
-    /// World pose of each open local frame; the world's own first.
+    /// World poses of the open local frames; the world's own first.
     frames: Vec<Pose>,
 }
 
@@ -56,7 +56,7 @@ impl Reader {
         }
     }
 
-    /// The values of a keyword's line; fewer are a mistake, more are left out with a warning as EyeSim does silently.
+    /// Values of a keyword's line; too few are a mistake, extra ones give a warning (EyeSim ignores them silently).
     fn arguments<const N: usize>(
         &mut self,
         keyword: &Word<'_>,
@@ -108,9 +108,9 @@ impl Reader {
     fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`push X Y PHI` in mm and degrees clockwise";
         let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
-            // Clockwise, unlike every other angle: the data files fit together only so.
+            // Clockwise, unlike all other angles: only this makes the data files consistent.
             Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
-            // A frame all the same, so that the `pop` that belongs to it closes no other.
+            // Opens a frame nevertheless, so that the matching `pop` does not close another one.
             None => self.frame(),
         };
         let is_near = frame.position.abs().max_element() <= MAX_LENGTH;

@@ -1,4 +1,4 @@
-//! The camera of a robot: when and from where its images are exposed, their numbers, their depths and labels.
+//! The camera of a robot: time and pose of its exposures, their numbers, depths and labels.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use sim_format::{MemoryFiles, MeshReader, load_scene, read_robi};
 
 const ROBOT: RobotId = RobotId(1);
 
-/// A robot at (1, 0.5) that looks along y, with a camera 100 mm ahead of it, 50 mm to its left and 200 mm high.
+/// Simulation of a robot at (1, 0.5), facing y, with a camera 100 mm ahead, 50 mm to the left and 200 mm high.
 fn bench() -> (Simulation, Arc<Scenery>) {
     let robi = "name Rover\ndiameter 200\nspeed 5000\nturn 720\nwheel 100 3600 1000 100\n\
                 drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n\
@@ -31,7 +31,7 @@ fn bench() -> (Simulation, Arc<Scenery>) {
     (simulation, Arc::clone(visuals.scenery()))
 }
 
-/// The only robot of a scene, of a type that is built in.
+/// The only robot of a scene, of a built-in type.
 fn robot_of(kind: &str) -> RobotSpec {
     let text = format!("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"{kind}\"\nx_mm = 1000\ny_mm = 1500\n");
     scene(&text).robots.remove(0)
@@ -63,7 +63,7 @@ fn an_image_is_exposed_where_the_robot_was_a_sixtieth_of_a_second_ago() {
     take(&mut simulation, &scenery).expect("an image");
     let exposure = simulation.robot(ROBOT).devices.camera.last().expect("the last image");
     assert_eq!((exposure.number, exposure.at), (2, Time(100_000)));
-    // 300 mm on, and the camera ahead and to the left: x to the right, so left is -x.
+    // 300 mm farther, and the camera ahead and to the left: facing y, left is -x.
     let place = exposure.view.world_from_camera().position;
     assert!((place - DVec3::new(0.95, 0.9, 0.2)).length() < 1e-12, "{place}");
 }
@@ -94,7 +94,7 @@ fn an_image_has_the_number_that_it_had() {
         take(&mut simulation, &scenery).expect("an image");
     }
     let camera = &simulation.robot(ROBOT).devices.camera;
-    // What is long ago is forgotten: only the last one is known to have been exposed.
+    // Old exposures are forgotten: for earlier instants the number of the last one is returned.
     assert_eq!([850_000, 900_000, 900_001].map(|at| camera.number_at(Time(at))), [3, 3, 4]);
     assert_eq!(camera.number_at(Time::ZERO), 3);
 }
@@ -115,7 +115,7 @@ fn without_a_camera_or_an_image_there_is_a_reason() {
     assert_eq!(simulation.robot(ROBOT).devices.camera.setting, None, "nothing has changed");
 }
 
-/// A robot with a camera looks at another one, a ball, a stone, a wall.
+/// Robot with a camera that sees another robot, a ball, a stone and a wall.
 const SIGHT: &str = r#"
 [world]
 floor_mm = [4000, 3000]
@@ -153,7 +153,7 @@ fn colours_depths_and_labels_are_of_one_image() {
     for (depth, label) in depth.pixels().iter().zip(labels.pixels()) {
         assert_eq!(depth.is_infinite(), *label == Label::Sky, "only the sky is infinitely far away");
     }
-    // The ball is where it is, as seen from the camera: nearest on the line to its middle.
+    // The ball is at its true position as seen from the camera: nearest on the line to its centre.
     let view = simulation.robot(ROBOT).devices.camera.last().expect("an exposure").view;
     let nearest = depth.pixels().iter().zip(labels.pixels()).filter(|(_, label)| **label == ball);
     let nearest = nearest.map(|(depth, _)| *depth).fold(f32::INFINITY, f32::min);

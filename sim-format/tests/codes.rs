@@ -1,4 +1,4 @@
-//! The pages of docs/formats/codes/: one for each code of the registry, with an example that has the mistake and one that has not.
+//! The pages of docs/formats/codes/: one per code of the registry, with one example that has the mistake and one that does not.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,9 +9,8 @@ use sim_format::{
     Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, load_world,
 };
 
-/// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or
-/// robots, a program, a conversion or the
-/// functions of RoBIOS.
+/// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
+/// robots, a program, a conversion or the functions of RoBIOS.
 const WITHOUT_EXAMPLE: [Code; 16] = [
     Code::ConvertKind,
     Code::ConvertLost,
@@ -31,7 +30,7 @@ const WITHOUT_EXAMPLE: [Code; 16] = [
     Code::TextureSize,
 ];
 
-/// Files that examples may name.
+/// Files that examples may refer to.
 const FOLDER: [(&str, &str); 6] = [
     ("wedge.obj", "mtllib wedge.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"),
     ("wedge.mtl", "newmtl red\nKd 1 0 0\n"),
@@ -45,7 +44,7 @@ const FOLDER: [(&str, &str); 6] = [
     ),
 ];
 
-/// A folder of texts.
+/// In-memory folder of texts.
 struct Folder(BTreeMap<String, String>);
 
 impl Files for Folder {
@@ -62,7 +61,7 @@ impl Files for Folder {
     }
 }
 
-/// An example of a page: the kind of file that it is, and its text.
+/// Example on a page: the kind of file, and its text.
 #[derive(Debug)]
 struct Example {
     kind: String,
@@ -70,7 +69,7 @@ struct Example {
 }
 
 impl Example {
-    /// Reads it as a file of its kind, beside [`FOLDER`].
+    /// Diagnostics of the example, read as a file of its kind beside [`FOLDER`].
     fn diagnostics(&self) -> Vec<Diagnostic> {
         let name = format!("example.{}", self.kind);
         let folder = FOLDER.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
@@ -103,14 +102,14 @@ impl Example {
     }
 }
 
-/// What is said about the mesh of a robot type.
+/// Diagnostics of the mesh of a robot type.
 fn looks(robi: &str, files: &dyn Files) -> Vec<Diagnostic> {
     let mut reader = MeshReader::new(files);
     load_robi(robi, files).0.and_then(|robi| reader.robot(&robi));
     reader.finish().0
 }
 
-/// A page: its lines before the examples, and the examples.
+/// Page of a code: the lines before the examples, and the examples.
 struct Page {
     text: &'static str,
     wrong: Option<Example>,
@@ -124,7 +123,7 @@ impl Page {
         Self { text, wrong, right }
     }
 
-    /// The severities that its third line allows.
+    /// Severities that the page's third line allows.
     fn severities(&self) -> Vec<Severity> {
         let line = self.text.lines().nth(2).unwrap_or_default();
         let stated = line.split("**").nth(1).unwrap_or_default();
@@ -135,13 +134,13 @@ impl Page {
             .collect()
     }
 
-    /// Codes that it says come along with its own, in a line `Along with it: [CODE](CODE.md).`
+    /// Codes that the page lists as accompanying its own, in a line `Along with it: [CODE](CODE.md).`
     fn along(&self) -> BTreeSet<&str> {
         let line = self.text.lines().find_map(|line| line.strip_prefix("Along with it: ")).unwrap_or_default();
         line.split('[').skip(1).filter_map(|rest| rest.split_once(']')).map(|(code, _)| code).collect()
     }
 
-    /// What is wrong with its examples for `code`.
+    /// Defects of the page's examples for `code`.
     fn complaints(&self, code: Code) -> Vec<String> {
         let (Some(wrong), Some(right)) = (&self.wrong, &self.right) else {
             return vec!["the page has no example fenced as ```KIND wrong, or none as ```KIND right".to_owned()];

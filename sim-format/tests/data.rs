@@ -1,4 +1,4 @@
-//! The data files of the repository, and a corpus of real ones where it is at hand.
+//! The data files of the repository, and a local corpus of real files if present.
 
 use std::path::{Path, PathBuf};
 use std::{fs, panic};
@@ -61,7 +61,7 @@ fn name(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Reads a file of any kind with all that it names.
+/// Diagnostics of a file of any kind and of all files that it refers to.
 fn load(path: &Path) -> Vec<Diagnostic> {
     let name = name(path);
     match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
@@ -156,7 +156,7 @@ fn starts_of_our_worlds_hold_the_largest_robot_that_they_are_made_for() {
     }
 }
 
-/// Cells that can be reached from the first start of a maze, by their column and row from the lower left.
+/// Cells reachable from the first start of a maze, by their column and row from the lower left.
 fn reachable(maze: &WorldSpec) -> Vec<(i32, i32)> {
     let cell = maze.cell.expect("a maze");
     let walls = walls(maze);
@@ -213,7 +213,7 @@ fn robots_have_the_drives_that_they_are_made_for() {
     assert_eq!(robi("feeler.robi").bumpers.len(), 3);
 }
 
-/// The corpus of real files beside the repository; `None`, with a word about it, where it is absent.
+/// Corpus of real files beside the repository; prints a note and returns `None` if it is absent.
 fn corpus() -> Option<PathBuf> {
     let corpus = root().join("../shared/eyesim/corpus");
     if !corpus.is_dir() {
@@ -228,7 +228,7 @@ fn no_file_of_the_corpus_makes_a_reader_panic() {
     let Some(corpus) = corpus() else { return };
     let mut count = 0;
     for path in files_below(&corpus) {
-        // Each reader must bear each text, whatever it is.
+        // Each reader must accept any text.
         let Ok(bytes) = fs::read(&path) else { continue };
         let (text, _) = sim_format::decode(&bytes);
         let outcome = panic::catch_unwind(|| {
@@ -267,7 +267,7 @@ fn the_walls_of_a_real_building_meet() {
         let world = load_world(&name(path), &disk()).scene.world;
         assert_eq!(world.walls.len(), 443, "{}", path.display());
         assert!(gaps(&world).iter().all(|gap| *gap < 0.012), "{}: {:?}", path.display(), gaps(&world));
-        // Were `push` to turn the other way, ten ends would hang free.
+        // With `push` turning the other way, ten wall ends would be unconnected.
         let text = sim_format::decode(&fs::read(path).expect("a readable file")).0;
         let (mirrored, _) = sim_format::read_world("x", &with_turns_negated(&text));
         let far: Vec<f64> = gaps(&mirrored).into_iter().filter(|gap| *gap > 0.012).collect();
@@ -278,7 +278,7 @@ fn the_walls_of_a_real_building_meet() {
     assert!(found > 0, "uwa-ee4.wld is not in the corpus");
 }
 
-/// For each end of each wall, how far it is from all other walls, in metres.
+/// For each end of each wall, the distance to the nearest other wall, in metres.
 fn gaps(world: &WorldSpec) -> Vec<f64> {
     let ends = world.walls.iter().enumerate().flat_map(|(index, wall)| [(index, wall.from), (index, wall.to)]);
     let gap = |(index, end): (usize, DVec2)| {
@@ -288,7 +288,7 @@ fn gaps(world: &WorldSpec) -> Vec<f64> {
     ends.map(gap).collect()
 }
 
-/// The text of a world with the angle of each `push` turned round.
+/// Text of a world with the angle of each `push` negated.
 fn with_turns_negated(text: &str) -> String {
     let line = |line: &str| {
         let data = line.split(';').next().unwrap_or_default();

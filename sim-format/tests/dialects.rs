@@ -1,4 +1,4 @@
-//! Robot files, worlds and mazes of all dialects, read from a corpus of real ones where it is at hand.
+//! Robot files, worlds and mazes of all dialects, from a local corpus of real files if present.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use sim_core::spec::{DriveKind, JointSpec, Lens, MotorSpec, RobiSpec, TypeRef, WorldSpec};
 use sim_format::{Code, Diagnostic, Severity, decode, read_maze, read_robi, read_world};
 
-/// The corpus beside the repository; `None`, with a word about it, where it is absent.
+/// Corpus beside the repository; prints a note and returns `None` if it is absent.
 fn corpus() -> Option<PathBuf> {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/eyesim/corpus");
     if !corpus.is_dir() {
@@ -18,7 +18,7 @@ fn corpus() -> Option<PathBuf> {
     Some(corpus)
 }
 
-/// All files below `folder` with one of the `extensions`: path below it and text, in order of the paths.
+/// All files below `folder` with one of the `extensions`: relative path and text, sorted by path.
 fn texts(folder: &Path, extensions: &[&str]) -> Vec<(String, String)> {
     let mut open = vec![folder.to_owned()];
     let mut texts = Vec::new();
@@ -39,7 +39,7 @@ fn text(corpus: &Path, name: &str) -> String {
     decode(&fs::read(corpus.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))).0
 }
 
-/// The words of each line before a comment.
+/// Words of each line, without comments.
 fn lines(text: &str) -> impl Iterator<Item = Vec<&str>> {
     let words = text.lines().map(|line| {
         let data = line.split([';', '#']).next().unwrap_or_default();
@@ -52,7 +52,7 @@ fn count(text: &str, keyword: &str) -> usize {
     lines(text).filter(|words| words[0] == keyword).count()
 }
 
-/// Codes of the warnings, each once; panics where there is an error.
+/// Codes of the warnings, each once; panics on an error.
 fn warnings(name: &str, diagnostics: &[Diagnostic]) -> Vec<Code> {
     let errors: Vec<_> = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).collect();
     assert!(errors.is_empty(), "{name}: {errors:#?}");
@@ -77,7 +77,7 @@ fn every_robot_file_keeps_its_devices() {
         ] {
             assert_eq!(usize::from(has), count(&text, keyword), "{name}: {keyword}");
         }
-        // In the body, with their rim.
+        // The wheels are within the body, including their rims.
         assert!(robi.wheel.track <= robi.diameter, "{name}: {} in {}", robi.wheel.track, robi.diameter);
     }
 }
@@ -119,17 +119,17 @@ fn robots_of_every_dialect_are_what_their_files_say() {
     };
     let classic_labbot = "vr-2018/older/7832648/RobotVR-Build/robots/LabBot.robi";
     assert_eq!(facts(classic_labbot), ("LabBot".to_owned(), 260.0, 145.0, 40.0, 145.0, vec![]));
-    // From the time between the dialects: its lines are classic ones, so that 70 is what they say.
+    // A file between the dialects: its lines are classic, so 70 is taken literally.
     let between = "vr-2018/older/9840ff9/RobotVR-Build/robots/LabBot.robi";
     assert_eq!(facts(between), ("LabBot".to_owned(), 260.0, 70.0, 40.0, 70.0, vec![]));
-    // Half of 140: EyeSim VR rounded the 145 away.
+    // Half of 140: EyeSim VR rounded the 145 of the classic file.
     let labbot = "vr-2018/Test Assets/robots/LabBot/LabBot.robi";
     assert_eq!(facts(labbot), ("LabBot2".to_owned(), 269.072, 140.0, 10.8, 140.0, vec![]));
     let classic_s4 = "vr-2018/older/c6c6bcb/Test Assets/robots/S4.robi";
     assert_eq!(facts(classic_s4), ("S4".to_owned(), 186.0, 90.0, 0.0, 90.0, vec![]));
     let s4 = "vr-2018/Test Assets/robots/S4/S4.robi";
     assert_eq!(facts(s4), ("S4Bot".to_owned(), 190.394, 90.0, 10.8, 90.0, vec![]));
-    // It begins with the words `Robi file:`.
+    // The file begins with the words `Robi file:`.
     let blue = "vr-2025/Sims/Updated_Robots/S4blue.robi";
     assert_eq!(facts(blue), ("S4blue".to_owned(), 190.394, 90.0, 10.8, 90.0, vec![Code::RobiKeyword]));
     let odw = "vr-2018/Test Assets/examples/omni/odw.robi";
@@ -138,7 +138,7 @@ fn robots_of_every_dialect_are_what_their_files_say() {
     assert_eq!(facts(s4y), ("S4Y".to_owned(), 186.0, 90.0, 0.0, 90.0, vec![]));
     let car = "vr-2018/Test Assets/robots/Ackermann/Ackermann.robi";
     assert_eq!(facts(car), ("Ackermann2".to_owned(), 258.155, 89.0, -94.0, 160.1, vec![]));
-    // Neither body nor devices of the drive, PSDs numbered as in classic files: what its twin odw says, as far as it goes.
+    // Neither body nor drive devices, PSDs numbered as in classic files: the values of its twin odw, as far as given.
     let omni = "vr-2018/Test Assets/robots/Omni/Omni.robi";
     let codes = vec![Code::RobiBodyMissing, Code::RobiPsdOrder];
     assert_eq!(facts(omni), ("Omni1".to_owned(), 388.33, 220.0, 0.0, 220.0, codes));
@@ -186,7 +186,7 @@ fn devices_of_every_dialect_are_what_their_files_say() {
     assert_eq!((mm(car.wheel.diameter), car.wheel.ticks_per_turn), (40.0, 640.0));
 }
 
-/// The drawing of a maze's walls with cells of `pitch - 1` characters, without blanks at the ends of the lines.
+/// Drawing of a maze's walls with cells of `pitch - 1` characters, without trailing blanks.
 fn draw(maze: &WorldSpec, pitch: usize) -> Vec<String> {
     let cell = maze.cell.expect("a maze");
     let place = |position: DVec2| [position.x, position.y].map(|at| (at / cell).round() as usize);
@@ -204,8 +204,8 @@ fn draw(maze: &WorldSpec, pitch: usize) -> Vec<String> {
     drawing.iter().map(|row| row.iter().collect::<String>().trim_end().to_owned()).collect()
 }
 
-/// The rows of a drawing with nothing but walls in them: an upper-case letter is a wall below its cell, which is the one on
-/// its left where it stands in a column of walls; so is a `_` there.
+/// Rows of a drawing reduced to its walls: an upper-case letter means a wall below its cell. A letter or `_` in a wall
+/// column belongs to the cell on its left.
 fn walls_of(text: &str, pitch: usize) -> Vec<String> {
     let rows = text.lines().filter(|line| line.starts_with(['|', ' ', '_']) && !line.trim().is_empty());
     let walls = |row: &str| {
@@ -269,7 +269,7 @@ fn mazes_have_the_sizes_starts_and_objects_of_their_files() {
     }
 
     let starts: Vec<_> = maze("two-starts/00-field.maz").starts.iter().map(|s| (s.letter, s.pose.position)).collect();
-    // The second stands in a column of walls: it belongs to the cell on its left.
+    // The second stands in a wall column: it belongs to the cell on its left.
     assert_eq!(starts, [(Some('U'), DVec2::new(3.5, 0.5)), (Some('S'), DVec2::new(5.5, 0.5))]);
 
     let objects: Vec<_> = maze("vr-2018/Test Assets/maze1.maz")

@@ -1,4 +1,4 @@
-//! Robots with legs before cameras: each part where the robot's joints put it.
+//! Legged robots seen by cameras: each part at the pose given by the robot's joints.
 
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ fn legs_are_seen_where_their_joints_put_them() {
         let still = scenery.still(&world, at);
         let stance = motion.stance(at);
         let pose = |part: usize| still.poses()[of_legs[part]].expect("it is there");
-        // The tip of the left shank, and the sole of the right foot where it meets the ground.
+        // Tip of the left shank, and the contact point of the right foot's sole with the ground.
         let tip = pose(1).transform_point(DVec3::new(0.0, 0.0, -0.44));
         let sole = pose(4).transform_point(DVec3::new(stance.feet[1].sole.ahead, 0.0, -0.07));
         for (point, foot) in [tip, sole].into_iter().zip(&stance.feet).filter(|(_, foot)| foot.is_down) {

@@ -1,4 +1,4 @@
-//! Walking: feet that stand do not slide, joints are continuous, and nothing depends on who asks when.
+//! Walking: standing feet do not slide, joints are continuous, and queries do not affect the result.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -98,10 +98,10 @@ fn walker_on(legs: &Arc<Legs>, ground: Ground) -> Motion {
     motion.with_legs(Arc::clone(legs), Arc::new(ground))
 }
 
-/// Bumps of up to 0.1 m every 0.3 m, and a step of 0.15 m up across the way.
+/// Ground with bumps of up to 0.1 m every 0.3 m, and a step of 0.15 m up across the way.
 fn rough() -> Ground {
     let mut xs: Vec<f64> = (-40..=40).map(|index| f64::from(index) * 0.3).collect();
-    // The step: one coordinate twice.
+    // A step: the same coordinate twice.
     let step = 46;
     xs.insert(step, xs[step]);
     let ys: Vec<f64> = (-40..=40).map(|index| f64::from(index) * 0.3).collect();
@@ -115,7 +115,7 @@ fn rough() -> Ground {
     Ground::Field(Arc::new(HeightField::new(xs, ys, heights).expect("a field")))
 }
 
-/// Where each foot touches the ground by its joints: the world's point of the sole that its state names.
+/// Contact point of each foot by forward kinematics: the point of the sole named by its state, in the world frame.
 fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVec3> {
     let world_from_robot = Pose3::from_planar(pose, stance.lift);
     let mut first = 0;
@@ -131,8 +131,8 @@ fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVe
     points
 }
 
-/// Walks for `seconds` and asks each 5 ms: feet on the ground stand on it and stay where they are, by their joints.
-/// Returns the number of steps and the greatest rate of a joint, rad/s.
+/// Walks for `seconds`, queried every 5 ms, and checks that feet on the ground touch it and do not move, by forward kinematics.
+/// Returns the number of steps and the greatest joint rate, rad/s.
 fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (usize, f64) {
     check_on(legs, &Ground::Flat, motion, from, seconds)
 }
@@ -154,7 +154,7 @@ fn check_on(legs: &Arc<Legs>, ground: &Ground, motion: &mut Motion, from: Time, 
             if foot.is_down {
                 let off = (*point - foot.point).length();
                 assert!(off < 1e-3, "{at}: foot {index} is {off} m from where it stands, lift {}", stance.lift);
-                // The whole sole is as high as the ground under the ankle.
+                // The whole sole is at the height of the ground under the ankle.
                 let (sin, cos) = math::sin_cos(foot.heading);
                 let ankle = foot.point.truncate() - DVec2::new(cos, sin) * foot.sole.ahead;
                 let above = point.z - ground.height(ankle);
@@ -230,7 +230,7 @@ fn a_walk_that_stops_ends_with_the_feet_under_the_hips() {
             assert!((foot.point.truncate() - place).length() < 6e-3 && foot.is_down, "{foot:?} {place}");
         }
         assert!(stance.lift.abs() < 1e-3);
-        // And rests.
+        // The robot then rests.
         assert_eq!(motion.stance(Time(20_000_000)), stance);
     }
 }
@@ -246,10 +246,10 @@ fn one_foot_of_a_creeping_robot_is_in_the_air_at_a_time() {
     }
     let falls = motion.take_footfalls(Time(10_000_000));
     assert!(falls.windows(2).all(|pair| pair[0].time <= pair[1].time));
-    // In turns: back left, front left, back right, front right.
+    // Order of the legs: back left, front left, back right, front right.
     assert!(falls.windows(4).all(|four| (0..4).all(|leg| four.iter().any(|fall| fall.leg == leg))), "{falls:?}");
     assert_eq!(falls[0].leg, 2);
-    // A step of a foot in full walk is speed times period.
+    // At full walk the stride of a foot is speed times period.
     let of_first: Vec<_> = falls.iter().filter(|fall| fall.leg == 0).collect();
     let stride = (of_first[3].point - of_first[2].point).length();
     assert!((stride - 0.4).abs() < 1e-9, "{stride}");
@@ -272,7 +272,7 @@ fn a_correction_shifts_the_foothold_and_lifts_the_foot() {
     };
     let (plain, low) = fall(None);
     let shift = Pose::new(0.0, 0.0, 0.7).transform_point(DVec2::new(0.03, -0.02)).extend(0.0);
-    // Before it lifts off, and in the middle of its way.
+    // Before the foot lifts off, and in the middle of its swing.
     for at in [Time(0), Time(80_000)] {
         let (corrected, high) = fall(Some(at));
         assert_eq!((corrected.leg, corrected.time), (plain.leg, plain.time));
@@ -301,7 +301,7 @@ fn legs_refuse_what_they_cannot_do() {
     assert!(none.command(at, Command::Wheels([1.0; 4]), &[]).is_err());
 }
 
-/// One thing that a program tells its robot.
+/// A program's command to its robot.
 #[derive(Clone, Copy, Debug)]
 enum Said {
     Twist(Twist),
@@ -427,7 +427,7 @@ fn a_natural_walk_is_near_its_source() {
     assert!(rms.iter().all(|rms| *rms < 6.0) && most.iter().all(|most| *most < 18.0), "{rms:?} {most:?}");
 }
 
-/// A person of 1.75 m, as in robis/biped.toml.
+/// Biped of 1.75 m height, as in robis/biped.toml.
 fn person() -> Legs {
     let foot = Some(Foot { heel: 0.055, toe: 0.16, height: 0.068 });
     let leg =
@@ -435,8 +435,8 @@ fn person() -> Legs {
     Legs { legs: vec![leg("LEFT", 0.09), leg("RIGHT", -0.09)], step_height: 0.0, ..biped() }
 }
 
-/// A sensor on the shank looks ahead at right angles to it, 2 m far, in full natural walk: the incidence on the floor while
-/// it sees it runs from 33 to 78 degrees in France et al. 1999, section 6.3.
+/// A sensor on the shank looks ahead at right angles to it, with a range of 2 m, at full natural walk: its incidence angle on the
+/// floor runs from 33 to 78 degrees in France et al. 1999, section 6.3.
 #[test]
 fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
     let legs = Arc::new(person());
@@ -498,7 +498,7 @@ fn wheels_in_the_place_of_feet_roll_along() {
     assert!(motion.take_footfalls(Time(4_000_000)).iter().all(|fall| fall.leg < 2));
 }
 
-/// The robi types with legs.
+/// Robot types with legs.
 const TYPES: [(&str, &str, &str); 3] = [
     ("biped.robi", include_str!("../../robis/biped.robi"), include_str!("../../robis/biped.toml")),
     ("alduro.robi", include_str!("../../robis/alduro.robi"), include_str!("../../robis/alduro.toml")),
@@ -529,7 +529,7 @@ fn types_with_legs_are_read_printed_and_read_again() {
         let links = build::links(&robi);
         let joints = links.iter().filter_map(|link| link.joint).collect::<Vec<_>>();
         assert_eq!(joints, (motors..motors + legs.joint_count()).collect::<Vec<_>>(), "{file}");
-        // It walks.
+        // The robot can walk.
         let walls = Arc::new(Walls::new(Vec::new()));
         let model = Arc::new(build::model(&robi));
         let speed = model.max_speed.min(robi.max_speed);
@@ -550,7 +550,7 @@ fn sensors_sit_on_the_links_of_legs() {
     let (mut robi, _) = read_robi(file, text);
     read_companion(file, companion, &mut robi);
     let sensors = build::range_sensors(&robi);
-    // Yaw, roll, thigh, shank and foot of the left leg stand before.
+    // The links yaw, roll, thigh, shank and foot of the left leg come before.
     assert_eq!(sensors[0].link, Some(5 + 3));
     let (links, legs) = (build::links(&robi), build::legs(&robi).expect("it has legs"));
     let posture = Posture { links: &links, angles: &legs.standing_joints(), lift: 0.25, ..Posture::default() };

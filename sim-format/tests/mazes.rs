@@ -1,7 +1,7 @@
-//! Mazes: where a robot can drive is where a flood fill on the characters comes to.
+//! Mazes: a robot can drive exactly to the cells that a flood fill on the characters reaches.
 //!
-//! The flood fill knows nothing of the reader: it asks the text for `|` and `_` between two cells. The robot is a body that
-//! drives from the middle of a cell to that of its neighbour in the world that the reader's walls make.
+//! The flood fill is independent of the reader: it looks for `|` and `_` between two cells of the text. The robot is a body that
+//! drives from the centre of a cell to that of its neighbour in the world built from the reader's walls.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
@@ -25,7 +25,7 @@ type Cell = (i32, i32);
 /// Right, up, left, down: change of row and column.
 const WAYS: [Cell; 4] = [(0, 1), (-1, 0), (0, -1), (1, 0)];
 
-/// A maze as characters.
+/// Maze as characters.
 struct Drawing {
     /// The upper border, then each row of cells.
     rows: Vec<Vec<char>>,
@@ -63,7 +63,7 @@ impl Drawing {
         character.copied().unwrap_or(' ')
     }
 
-    /// Whether a line is drawn at the bottom of a cell; row 0 is the upper border.
+    /// Returns true if a line is drawn at the bottom of a cell; row 0 is the upper border.
     fn has_floor(&self, (row, column): Cell) -> bool {
         let beside = self.at(row, 2 * column + 2);
         let inside = self.at(row, 2 * column + 1);
@@ -81,14 +81,14 @@ impl Drawing {
         }
     }
 
-    /// Cells with the letter of a robot, in the order of the text.
+    /// Cells with a robot's start letter, in the order of the text.
     fn starts(&self) -> Vec<Cell> {
         let places = (0..).zip(&self.rows).flat_map(|(row, characters)| (0..).zip(characters).map(move |p| (row, p)));
         let letters = places.filter(|(_, (_, character))| "surdlSURDL".contains(**character));
         letters.map(|(row, (place, _))| (row, (place + 1) / 2 - 1)).collect()
     }
 
-    /// Neighbours of a cell, those just outside of the maze included.
+    /// Neighbours of a cell, including cells just outside the maze.
     fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> {
         let (rows, columns) = (self.rows.len() as i32, self.columns);
         let cells = WAYS.map(|(down, right)| (cell.0 + down, cell.1 + right));
@@ -99,7 +99,7 @@ impl Drawing {
         !(1..self.rows.len() as i32).contains(row) || !(0..self.columns).contains(column)
     }
 
-    /// All cells that can be reached from `start` where `can_pass` lets one from cell to cell.
+    /// All cells reachable from `start` by moves that `can_pass` allows.
     fn flood(&self, start: Cell, mut can_pass: impl FnMut(Cell, Cell) -> bool) -> BTreeSet<Cell> {
         let mut reached = BTreeSet::from([start]);
         let mut front = vec![start];
@@ -115,8 +115,8 @@ impl Drawing {
     }
 }
 
-/// The rows with walls in even places, from 0: a drawing whose walls are all in odd places is indented, and one whose
-/// walls are in the places 0, 3, 6, ... has cells of two characters.
+/// Rows normalised to walls at even positions, from 0: a drawing with all walls at odd positions is indented, one with walls at
+/// positions 0, 3, 6, ... has cells of two characters.
 fn in_usual_columns(rows: &[Vec<char>]) -> Vec<Vec<char>> {
     let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&place| row[place] == '|'));
     if walls().all(|place| place % 2 == 0) {
@@ -164,7 +164,7 @@ impl Robot {
         DVec2::new(f64::from(column) + 0.5, f64::from(self.rows - 1 - row) + 0.5) * self.cell
     }
 
-    /// Drives from the middle of `from` straight to that of `to`, and tells whether it came there.
+    /// Drives straight from the centre of `from` to that of `to`; returns true if the robot arrives.
     fn drives(&self, from: Cell, to: Cell) -> bool {
         let way = WAYS.iter().position(|way| *way == (to.0 - from.0, to.1 - from.1)).expect("a neighbour");
         let middle = self.middle(from);
@@ -257,7 +257,7 @@ fn mazes_of_eyesim_are_driven_as_drawn() {
         if ["chicago-1986", "reno-1993", "regional1-1991", "size-example", "soccer"].contains(&name) {
             contests.insert(name.to_owned());
             let drawing = Drawing::new(&text);
-            // From the start, or where there is none from the middle.
+            // From the start, or from the middle if there is none.
             let inside =
                 drawing.starts().first().copied().unwrap_or((drawing.rows.len() as i32 / 2, drawing.columns / 2));
             let robot = Robot::new(&world, &drawing);
@@ -272,7 +272,7 @@ fn mazes_of_eyesim_are_driven_as_drawn() {
     assert_eq!(contests.len(), 5, "contest mazes seen: {contests:?}");
 }
 
-/// Mazes as people write them: rows of any length, either line end, the size first, last or not at all.
+/// Mazes in users' styles: rows of any length, either line end, the size first, last or missing.
 fn maze() -> impl Strategy<Value = String> {
     let walls = prop::collection::vec(0..100_u8, 15 * 8);
     let letters = prop::collection::vec((1..8_usize, 1..14_usize, prop::sample::select(LETTERS)), 1..5);
@@ -289,7 +289,7 @@ fn maze() -> impl Strategy<Value = String> {
                 };
                 lines.push((0..=2 * columns).map(draw).collect());
             }
-            // A blank border would be none, and a blank row no row.
+            // A blank border or row would not count.
             lines[0][1] = '_';
             lines[1..].iter_mut().for_each(|line| line[0] = '|');
             for (row, place, letter) in letters {
@@ -332,7 +332,7 @@ fn a_gap_is_found_and_a_wall_is_not_driven_through() {
     let wide = BTreeSet::from([(1, 0), (1, 1), (2, 0), (2, 1)]);
     assert_eq!(compare("wide.maz", " _____\n| s   |\n|__|__|\n").1, std::slice::from_ref(&wide));
     assert_eq!(compare("indented.maz", "  ___\n |s  |\n |_|_|\n").1, [wide]);
-    // A letter on the place of a wall means the cell on its left, and in upper case closes that below.
+    // A letter in a wall column belongs to the cell on its left; in upper case it adds a wall below that cell.
     let (_, reached) = compare("letter.maz", " _____\n| | S |\n|_|___|\n");
     assert_eq!(reached, [BTreeSet::from([(1, 1), (1, 2), (2, 1), (2, 2)])]);
 }

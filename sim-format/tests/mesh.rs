@@ -1,4 +1,4 @@
-//! The meshes of the corpus of real files, where it is at hand.
+//! Meshes of a local corpus of real files, if present.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,9 +60,9 @@ fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
 fn the_meshes_of_the_corpus_are_read() {
     let Some(corpus) = corpus() else { return };
     let signs = "vr-2025/Sims/Updated_Objects";
-    // Folder and mesh as the .esObj file names it, scale, triangles (a quad counts twice), materials, height in metres as
-    // the file's largest y times its scale, what is said.
-    // One sign asks for `Grey.png`, where there is a `Grey.JPG`.
+    // Folder and mesh as named by the .esObj file, scale, triangles (a quad counts twice), materials, height in metres as
+    // the file's largest y times its scale, codes of the diagnostics.
+    // One sign refers to `Grey.png`, but the file is `Grey.JPG`.
     for (folder, mesh, scale, triangles, materials, height, codes) in [
         (
             format!("{signs}/StopSign"),
@@ -91,7 +91,7 @@ fn the_meshes_of_the_corpus_are_read() {
     }
 }
 
-/// The word on the stop sign reads from left to right for who stands before it: no mirror image.
+/// The word on the stop sign reads from left to right for a viewer in front: the image is not mirrored.
 #[test]
 fn the_stop_sign_can_be_read() {
     let Some(corpus) = corpus() else { return };
@@ -102,12 +102,12 @@ fn the_stop_sign_can_be_read() {
         let [a, b, c] = mesh.corners(triangle);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let Some(uv) = triangle.uv.filter(|_| mesh.material(triangle).name == "STOP") else { continue };
-        // The plate lies across x; its back and front alone, not its rim.
+        // The plate lies across x; only its back and front, not its rim.
         if normal.x > -0.99 || (b - a).cross(c - a).length() < 1e-3 {
             continue;
         }
         faces += 1;
-        // Who looks along +x sees +y on the left; u must grow to the right, v upwards.
+        // For a viewer facing +x, +y is on the left; u must grow to the right, v upwards.
         let (ab, ac) = (b - a, c - a);
         let (uv_b, uv_c) = ((uv[1] - uv[0]).as_dvec2(), (uv[2] - uv[0]).as_dvec2());
         // Both spans have the same sense of rotation exactly if the image is not mirrored.

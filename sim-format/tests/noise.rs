@@ -1,4 +1,4 @@
-//! Noise profiles: what they read as, what is wrong in them, and the way to print and back.
+//! Noise profiles: reading, mistakes, and printing with round trip.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use sim_format::{
     read_noise, read_scene, same,
 };
 
-/// Every key of every section with a number that it may have.
+/// Every key of every section with a valid number.
 const ALL: &str = r#"
 base = "mild"
 [psd]
@@ -199,7 +199,7 @@ fn profiles_are_told_from_other_tables() {
     assert!(!is_noise("lab.robi", "base = 3"));
 }
 
-/// The files of a test.
+/// Files of a test.
 struct Written(BTreeMap<&'static str, &'static str>);
 
 impl Files for Written {

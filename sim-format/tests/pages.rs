@@ -1,17 +1,17 @@
-//! The pages of docs/formats/: what they show as examples is read, and every keyword has its section.
+//! The pages of docs/formats/: their examples can be read, and every keyword has a section.
 
 use std::fs;
 use std::path::PathBuf;
 
 use sim_format::{Code, Diagnostic, read_esobj, read_maze, read_robi, read_sim, read_world};
 
-/// A page with the reader of its kind of file.
+/// Page, with the reader of its kind of file.
 struct Page {
     name: &'static str,
     read: fn(&str) -> Vec<Diagnostic>,
-    /// Lines that stand before an example, so that it is the only line that can be wrong.
+    /// Lines inserted before an example, so that only the example can be wrong.
     before: &'static str,
-    /// What is said about a word that is no keyword.
+    /// Code for a word that is not a keyword.
     unknown: Code,
 }
 
@@ -32,7 +32,7 @@ impl Page {
         text(self.name)
     }
 
-    /// The keywords, as the reader names them to somebody who has misspelt one.
+    /// Keywords, from the reader's message about a misspelt one.
     fn keywords(&self) -> Vec<String> {
         let said = (self.read)("qwertz\n");
         let unknown = said.iter().find(|said| said.code == self.unknown).expect("an unknown keyword");
@@ -47,7 +47,7 @@ fn text(name: &str) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What stands in backquotes in the sentences that begin with `Example:` or `Examples:`.
+/// Texts in backquotes within sentences that begin with `Example:` or `Examples:`.
 fn examples(text: &str) -> Vec<String> {
     let paragraphs = text.split("\n\n").filter(|paragraph| !paragraph.starts_with('|'));
     let behind = paragraphs.filter_map(|paragraph| {
@@ -70,7 +70,7 @@ fn lines_shown_as_examples_are_read() {
         assert!(examples.len() > 5, "{}.md: {examples:?}", page.name);
         for example in examples {
             let said = (page.read)(&format!("{}{example}\n", page.before));
-            // What is missing in a file of one line is not the line's fault.
+            // Lines missing in a file of one line are not the example's fault.
             let wrong = said.iter().find(|said| {
                 let name = said.code.name();
                 said.code == page.unknown
@@ -105,7 +105,7 @@ fn every_keyword_has_its_section() {
         let keywords = page.keywords();
         assert!(keywords.len() > 3, "{}: {keywords:?}", page.name);
         for keyword in keywords {
-            // Other words for a keyword stand in its section, with their values.
+            // Synonyms of a keyword are listed in its section, with their values.
             let is_there = headings.iter().any(|heading| heading.contains(&format!("`{keyword}`")))
                 || text.contains(&format!("| `{keyword}` "))
                 || text.contains(&format!("`{keyword} FILE`"));

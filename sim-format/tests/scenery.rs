@@ -1,4 +1,4 @@
-//! What cameras see of scenes, and the bodies in them.
+//! Sceneries built from scenes: the bodies that cameras see.
 
 use std::f64::consts::TAU;
 use std::io::Cursor;
@@ -93,7 +93,7 @@ fn a_terrain_takes_the_place_of_the_ground() {
     assert_eq!((scenery.parts().len(), scenery.parts()[0].label), (1, Label::Ground));
 }
 
-/// Boxes around the parts of a mesh whose faces hang together by their corners.
+/// Bounding boxes of the parts of a mesh whose faces are connected by shared corners.
 fn pieces(mesh: &Mesh) -> Vec<(DVec3, DVec3)> {
     let mut pieces: Vec<(DVec3, DVec3)> = Vec::new();
     for face in &mesh.triangles {
@@ -105,7 +105,7 @@ fn pieces(mesh: &Mesh) -> Vec<(DVec3, DVec3)> {
     pieces
 }
 
-/// Whether all faces lead down to the floor over faces whose boxes meet.
+/// Returns true if all faces are supported: connected to the floor through faces whose boxes touch.
 fn stands(mesh: &Mesh) -> bool {
     const TOUCH: f64 = 1e-6;
     let mut open = pieces(mesh);
@@ -124,7 +124,7 @@ fn stands(mesh: &Mesh) -> bool {
     rest.is_empty() && !reached.is_empty()
 }
 
-/// Robot types of every kind of drive and body, and some odd ones.
+/// Robot types with every kind of drive and body, and some unusual ones.
 fn types() -> Vec<RobiSpec> {
     let vr = |shape: &str| format!("drive DIFFERENTIAL_DRIVE\ncollider {shape}\naxis 22 0\nwheel 45 3600 540 70\n");
     let texts = [
@@ -147,12 +147,12 @@ fn types() -> Vec<RobiSpec> {
     read.chain(builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name))).collect()
 }
 
-/// The body of the first robot, of this type.
+/// Mesh of a robot of this type.
 fn looks(robi: &RobiSpec) -> Arc<Mesh> {
     alone_in_nothing(Newcomer::Robot(RobotId(1), Arc::new(robi.clone())))
 }
 
-/// The first part of what cameras see of a newcomer.
+/// First part of the camera view of a spawned entity in an empty world.
 fn alone_in_nothing(newcomer: Newcomer) -> Arc<Mesh> {
     let files = memory([]);
     let mut reader = MeshReader::new(&files);
@@ -166,7 +166,7 @@ fn bodies_stand_on_the_floor_and_no_part_of_them_hangs_in_the_air() {
     for robi in types() {
         let mesh = looks(&robi);
         let (low, high) = mesh.bounds().expect("faces");
-        // A wheel of so many corners strays from its circle.
+        // A polygonal wheel deviates slightly from its circle.
         assert!(low.z.abs() <= 0.01 * robi.wheel.diameter, "{}: {low}", robi.name);
         assert!(high.z < 3.0 * robi.diameter.max(robi.wheel.diameter).max(0.1), "{}: {high}", robi.name);
         assert!(mesh.triangles.iter().all(|face| area(&mesh, face) > 0.0));
@@ -192,7 +192,7 @@ const GREEN: [u8; 3] = [0, 255, 0];
 const BLUE: [u8; 3] = [0, 0, 255];
 const YELLOW: [u8; 3] = [255, 255, 0];
 
-/// An image of four fields: red and green above, blue and yellow below.
+/// Image of four fields: red and green above, blue and yellow below.
 fn fields() -> image::RgbaImage {
     image::RgbaImage::from_fn(64, 64, |column, row| {
         let [red, green, blue] = [[RED, GREEN], [BLUE, YELLOW]][row as usize / 32][column as usize / 32];
@@ -200,7 +200,7 @@ fn fields() -> image::RgbaImage {
     })
 }
 
-/// What is seen of a scenery without things that move.
+/// Picture of a static scenery.
 fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u8; 3]> {
     let pose = View::looking(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
@@ -208,7 +208,7 @@ fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u
     Camera::default().colour(&scenery.still(&world, Time::ZERO), &view, None, 1)
 }
 
-/// A mesh alone in the world.
+/// Scenery with a single mesh.
 fn alone(mesh: Arc<Mesh>) -> Scenery {
     let place = Place::Fixed(Pose3::IDENTITY);
     let part = Part { mesh, label: Label::Fixed(0), place };
@@ -231,7 +231,7 @@ fn the_image_of_the_floor_lies_as_the_world_is_drawn() {
     let picture = seen(&scenery, DVec3::new(0.5, 0.5, 1.2), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
     let corners = [(10, 10), (30, 10), (10, 30), (30, 30)].map(|(column, row)| *picture.pixel(column, row));
     assert_eq!(corners, [RED, GREEN, BLUE, YELLOW]);
-    // As seen by who stands at its lower border.
+    // From a viewpoint at its lower border.
     let picture = seen(&scenery, DVec3::new(0.5, -0.7, 0.6), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
     let corners = [(14, 16), (26, 16), (12, 24), (28, 24)].map(|(column, row)| *picture.pixel(column, row));
     assert_eq!(corners, [RED, GREEN, BLUE, YELLOW]);
@@ -239,12 +239,12 @@ fn the_image_of_the_floor_lies_as_the_world_is_drawn() {
 
 #[test]
 fn the_heading_of_a_body_is_seen_from_every_side_and_from_above() {
-    // What stands out from a blue body: lamps of the sides and of the back, those of the front and the nose.
+    // Visible details on a blue body: lamps at the sides and the back, lamps at the front and the nose.
     let is_red = |[r, g, b]: [u8; 3]| r > 150 && g < 80 && b < 80;
     let is_green = |[r, g, b]: [u8; 3]| g > 180 && r < 80 && b < 110;
     let is_white = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let is_screen = |[r, g, b]: [u8; 3]| g > 150 && (120..180).contains(&r) && b < 140;
-    // Of the odd types wheels hide the sides.
+    // On the unusual types wheels hide the sides.
     for robi in types().into_iter().filter(|robi| robi.colliders.is_empty() && robi.name != "a") {
         let scenery = alone(looks(&robi));
         let middle = DVec3::new(0.0, 0.0, 0.2 * robi.diameter);
@@ -255,7 +255,7 @@ fn the_heading_of_a_body_is_seen_from_every_side_and_from_above() {
         };
         let [front, left, back, right] = [0.0, 0.25, 0.5, 0.75].map(|turn| turn * TAU);
         let name = &robi.name;
-        // The edges of the lamps at its sides show from its front.
+        // From the front, the edges of the side lamps are visible.
         let white = count(front, &is_white);
         assert!(white > 4 && 3 * count(front, &is_red).max(count(front, &is_green)) < white, "{name} from its front");
         assert_eq!(count(front, &is_screen), 0, "{name} from its front");

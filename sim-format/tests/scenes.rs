@@ -1,4 +1,4 @@
-//! Scenes and object types of all dialects, read from a corpus of real ones where it is at hand: all that is said about them.
+//! Scenes and object types of all dialects, from a local corpus of real files if present, with all their diagnostics.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use sim_format::{Code, FileError, Files, Loaded, Severity, load_object, load_scene};
 
-/// The corpus beside the repository, with one of its folders as the installation.
+/// Corpus beside the repository, with one of its folders as the installation.
 struct Corpus {
     root: PathBuf,
 }
 
 impl Corpus {
-    /// `None`, with a word about it, where it is absent.
+    /// Finds the corpus; prints a note and returns `None` if it is absent.
     fn find() -> Option<Self> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/eyesim/corpus");
         if !root.is_dir() {
@@ -23,7 +23,7 @@ impl Corpus {
         Some(Self { root })
     }
 
-    /// Paths below the corpus of all files with the extension, in order.
+    /// Sorted paths, below the corpus, of all files with the extension.
     fn files(&self, extension: &str) -> Vec<String> {
         let mut open = vec![self.root.clone()];
         let mut files = Vec::new();
@@ -58,10 +58,10 @@ impl Files for Corpus {
     }
 }
 
-/// What is said about a line: `E` or `W` for the severity, the code, the line.
+/// Diagnostic of a line: `E` or `W` for the severity, the code, the line.
 type Said = (char, &'static str, u32);
 
-/// What is said about the sim file itself, in order; what follows itself, once.
+/// Diagnostics of the sim file itself, in order; of successive equal ones the first.
 fn said(file: &str, loaded: &Loaded) -> Vec<Said> {
     let of_sim = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.file == file);
     let mut said: Vec<_> = of_sim
@@ -75,9 +75,9 @@ fn said(file: &str, loaded: &Loaded) -> Vec<Said> {
     said
 }
 
-/// The corpus has these defects, and its other scenes none.
+/// Known defects of the corpus; its other scenes have none.
 const DEFECTS: &[(&str, &[Said])] = &[
-    // Paths of the machine on which they were saved; the files have come along.
+    // Absolute paths of the author's machine; the files were moved along with the scene.
     ("vr-2018/123.sim", &[('W', "sim-robot-missing", 0), ('W', "file-moved", 4)]),
     ("vr-2018/Test Assets/MySim.sim", &[('W', "file-moved", 4)]),
     ("vr-2018/Test Assets/examples/random/Random1.sim", &[('W', "file-moved", 2)]),
@@ -88,22 +88,22 @@ const DEFECTS: &[(&str, &[Said])] = &[
     ("vr-2025/Sims/Track_1_Objects.sim", &[('W', "file-moved", 8)]),
     ("vr-2018/older/3b2ffd9/Test Assets/test.sim", &[('W', "file-moved", 4)]),
     ("vr-2018/older/d3e0685/Test Assets/test.sim", &[('W', "sim-robot-missing", 0), ('W', "file-moved", 4)]),
-    // Robot files that the corpus does not hold.
+    // Robot files missing in the corpus.
     ("vr-2018/Test Assets/examples/drivemodes/Ackermann.sim", &[('E', "file-missing", 5)]),
     ("vr-2018/Test Assets/examples/drivemodes/Diff.sim", &[('E', "file-missing", 5)]),
     ("vr-2018/Test Assets/examples/drivemodes/Omni.sim", &[('E', "file-missing", 5)]),
     ("vr-2018/Test Assets/examples/maze/MazeSearch.sim", &[('E', "file-missing", 5)]),
-    // Worlds that it does not hold.
+    // Worlds missing in the corpus.
     ("vr-2018/older/31051b1/Test Assets/sims/test.sim", &[('E', "file-missing", 2)]),
     ("vr-2018/older/6f4cc45/Test Assets/test.sim", &[('E', "file-missing", 2)]),
     ("vr-2018/older/7d098b2/RobotVR-Build/examples/SPEED.sim", &[('E', "file-missing", 2)]),
     ("vr-2018/older/f906f0a/SavedSim.sim", &[('E', "file-missing", 4)]),
-    // A template with names for show.
+    // A template with placeholder names.
     (
         "vr-2018/Test Assets/sims/Example.sim",
         &[('E', "file-missing", 14), ('W', "file-missing", 17), ('W', "sim-type-unknown", 28)],
     ),
-    // The maze's start has another letter.
+    // The start of the maze has another letter.
     ("vr-2018/Test Assets/simple.sim", &[('W', "sim-start-letter", 3)]),
     ("vr-2018/Test Assets/sims/test.sim", &[('W', "sim-object-wall", 10)]),
     // Scenes without a world or without robots.
@@ -135,7 +135,7 @@ fn every_scene_has_the_defects_that_it_has() {
     }
 }
 
-/// Robots and objects that lines of a scene place, counted on the text.
+/// The numbers of loaded robots and objects equal the numbers of lines that place them, counted on the text.
 #[test]
 fn every_line_that_places_something_does() {
     let Some(corpus) = Corpus::find() else { return };
@@ -172,7 +172,7 @@ fn every_object_file_is_read() {
         let (object, loaded) = load_object(&file, &corpus);
         let object = object.expect("a file");
         let codes: Vec<&str> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
-        // A lone `0` in a line.
+        // A stray `0` on a line.
         let expected: &[&str] = if file.ends_with("Boxes.esObj") { &["esobj-keyword"] } else { &[] };
         assert_eq!(codes, expected, "{file}");
         assert_eq!(object.colliders.len(), 1, "{file}");

@@ -1,4 +1,4 @@
-//! The simulation as a value: stepped in any interleaving, copied and set back, it is the same to the bit.
+//! The simulation as a value: stepped in any interleaving, copied and restored, it gives the same bits.
 
 use std::sync::{Arc, LazyLock};
 
@@ -17,7 +17,7 @@ use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::{MemoryFiles, load_scene};
 
-/// Robots of several kinds with errors, a radio that loses messages, and things to push.
+/// Robots of several kinds with noise, a lossy radio, and movable objects.
 const SCENE: &str = r#"
 [world]
 floor_mm = [4000, 3000]
@@ -80,7 +80,7 @@ fn scene(text: &str) -> Arc<SceneSpec> {
 
 static CROWD: LazyLock<Arc<SceneSpec>> = LazyLock::new(|| scene(SCENE));
 
-/// What cameras see of it, built once.
+/// Camera view of the scene, built once.
 static VISUALS: LazyLock<Visuals> = LazyLock::new(|| Visuals::new(&CROWD, &mut NoMeshes));
 
 fn simulation(seed: u64, slot_ms: i64) -> Simulation {
@@ -92,7 +92,7 @@ fn simulation(seed: u64, slot_ms: i64) -> Simulation {
     simulation
 }
 
-/// What a robot does in step `step`: drives, reads, sends and receives.
+/// Actions of a robot in step `step`: drives, reads, sends and receives.
 fn act(robot: &mut Robot, world: &World, step: u64) {
     let turn = f64::from((step as u32 * 7 + robot.id.0 * 3) % 11) / 5.0 - 1.0;
     if step.is_multiple_of(5) {
@@ -117,7 +117,7 @@ fn act(robot: &mut Robot, world: &World, step: u64) {
     }
 }
 
-/// What people do at the start of step `step`, if that is the start of a slot.
+/// User intervention at the start of step `step`, if that is the start of a slot.
 fn intervention(step: u64) -> Option<Action> {
     let [x_m, y_m, phi_rad] = [0.5 + 0.1 * (step % 30) as f64, 0.4 + 0.1 * (step % 20) as f64, step as f64];
     let named = |name: &str| name.to_owned();
@@ -135,13 +135,13 @@ fn intervention(step: u64) -> Option<Action> {
     })
 }
 
-/// Steps it by 30 ms, from its step `from` on to before `to`.
+/// Advances by 30 ms per step, from step `from` to before step `to`.
 fn steps(simulation: &mut Simulation, from: u64, to: u64) {
     for step in from..to {
-        // What is refused, since nobody is there or there is no room, is refused to a copy, too.
+        // Refused interventions (missing robot, no room) are refused in a copy, too.
         let _ = intervention(step).map(|action| simulation.act(&action));
         for id in (0..simulation.robot_count()).map(RobotId::from_index) {
-            // What has no room in the station's buffer is a part of the run, too.
+            // A full send buffer is part of the run, too.
             if !simulation.robot(id).is_removed {
                 simulation.with_robot(id, |robot, world| act(robot, world, step));
             }
@@ -153,7 +153,7 @@ fn steps(simulation: &mut Simulation, from: u64, to: u64) {
     }
 }
 
-/// All that can be seen of it, to the bit.
+/// The complete observable state, to the bit.
 fn seen(simulation: &Simulation) -> String {
     let robots = (0..simulation.robot_count()).map(|index| {
         let mut robot = simulation.robot(RobotId::from_index(index)).clone();
@@ -193,7 +193,7 @@ proptest! {
         }
         prop_assert_eq!(seen(&simulation), seen(&alone));
         prop_assert_eq!(seen(&copy), seen(&alone));
-        // Set back, after it has gone on.
+        // Restored after advancing.
         simulation.clone_from(&snapshot);
         steps(&mut simulation, at, STEPS);
         prop_assert_eq!(seen(&simulation), seen(&alone));
@@ -223,7 +223,7 @@ fn a_thousand_side_by_side_are_each_as_alone() {
             let alone = &alone;
             scope.spawn(move || {
                 let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64, place % 10)).collect();
-                // The order of steps comes from a linear congruential generator.
+                // A linear congruential generator chooses the order of steps.
                 let mut state: u64 = half;
                 while !many.is_empty() {
                     state = state.wrapping_mul(6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
@@ -249,13 +249,13 @@ fn a_robot_drives_as_far_as_its_twist_says() {
     let mut simulation = Simulation::new(&scene, &Options::default()).expect("a robot");
     let id = RobotId(1);
     simulation.command(id, Command::Twist(Twist::new(0.2, 0.0))).expect("a twist");
-    // In the middle of a slot, and skipping none: the robot moves.
+    // To the middle of a slot, without skipping any, since the robot moves.
     simulation.advance_to(Time(1_234_567));
     assert_eq!(simulation.now(), Time(1_234_567));
     let mut robot = simulation.robot(id).clone();
     let x = robot.motion.pose(simulation.now()).position.x;
     assert!((x - (1.0 + 0.2 * 1.234_567)).abs() < 1e-12, "{x}");
-    // The sensor ahead sees the wall at x = 9 m from the edge at which it sits.
+    // The sensor ahead sees the wall at x = 9 m from its mounting point at the edge.
     let ahead = robot.spec.psds.iter().position(|psd| psd.angle.abs() < 1e-9).expect("a sensor ahead");
     let (reach, sits) = (robot.spec.psds[ahead].range, robot.spec.psds[ahead].position.x);
     let expected = 9.0 - x - sits;
@@ -273,7 +273,7 @@ fn time_in_which_nothing_happens_is_skipped() {
         starts += u32::from(matches!(record.event, Event::ProgramStarted { .. }));
         Ok(())
     };
-    // A million seconds in 20 million slots, of which one is run.
+    // A million seconds in 20 million slots, of which only one is executed.
     simulation.advance_with(Time::from_millis(1_000_000_000), count).expect("no error is shown");
     assert_eq!((simulation.now(), starts), (Time::from_millis(1_000_000_000), 1));
     let mut fresh = Simulation::new(&scene, &Options::default()).expect("a robot");

@@ -1,4 +1,4 @@
-//! Terrain from a scene to what sensors meet.
+//! Terrain, from a scene to the readings of sensors.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -35,7 +35,7 @@ fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// A world of 4 m by 3 m with this terrain, and what was said about it.
+/// Loads a world of 4 m by 3 m with this terrain.
 fn with_image(terrain: &str, image: Vec<u8>) -> Loaded {
     let text = format!("[world]\nfloor_mm = [4000, 3000]\nterrain = {{ {terrain} }}\n");
     let files = [("a.scene.toml".to_owned(), text.into_bytes()), ("a.png".to_owned(), image)];
@@ -51,7 +51,7 @@ fn field(loaded: &Loaded) -> &HeightField {
     build::height_field(&loaded.scene.world).unwrap_or_else(|| panic!("a field, but {codes:?}"))
 }
 
-/// The codes of what was said but that there is no robot, errors in capitals.
+/// Codes of the diagnostics except for the missing robot, errors in capitals.
 fn codes(loaded: &Loaded) -> Vec<String> {
     let said = loaded.diagnostics.iter().filter(|said| said.code.name() != "sim-robot-missing");
     said.map(|said| match said.severity {

@@ -1,4 +1,4 @@
-//! Runs a scene with its robots' programs as a library: to its end, or slot by slot with a look at every second.
+//! Runs a scene with its robots' programs through the library: to its end, or in steps with a look at every second.
 //!
 //! `cargo run --release -p sim-host --example run -- sims/demo.sim`
 
@@ -13,14 +13,14 @@ fn main() -> Result<(), Error> {
     let path = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("sims/demo.sim"), PathBuf::from);
     let until = Some(Time::from_millis(10_000));
 
-    // To its end, in one go.
+    // To the end in one call.
     let options = Options { seed: Some(7), until, ..Options::default() };
     let finished = Scene::open(&path, options.clone())?.load()?.run()?;
     for robot in &finished.report.robots {
         println!("robot {} (`{}`): {:?}, {:.3} m", robot.id, robot.program, robot.outcome, robot.path_m);
     }
 
-    // Step by step: between two steps nobody runs, and looking changes nothing.
+    // In steps: between two steps no program runs, and reading the state changes nothing.
     let mut running = Scene::open(&path, options)?.load()?.start(Observers::default())?;
     for second in 1..=10 {
         let time = Time::from_millis(1_000 * second);

@@ -1,4 +1,4 @@
-//! The file system as the readers of scenes see it.
+//! File system access for the readers of scenes.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -8,29 +8,29 @@ use std::path::{Path, PathBuf};
 
 use sim_format::{FileError, Files};
 
-/// The environment variable that names the installation's folder, which `%sim%` stands for.
+/// Environment variable with the folder of the installation, for which `%sim%` stands.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
-/// Larger files are no meshes or images; reading them would only use up the memory.
+/// Size limit of a file in MiB. Larger files are no meshes or images; reading them would only exhaust the memory.
 const MAX_MEBIBYTES: u64 = 256;
-/// The same for the texts of scenes, of which each line may become a wall or a robot.
+/// Size limit of a scene's text file in MiB, of which each line may become a wall or a robot.
 const MAX_TEXT_MEBIBYTES: u64 = 16;
-/// Extensions of such texts.
+/// Extensions of text files.
 const TEXTS: [&str; 7] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml"];
 
 /// Real files, relative to the working folder.
 #[derive(Clone, Debug, Default)]
 pub struct DiskFiles {
     home: Option<String>,
-    /// Files whose real names are no text, or have back slashes in them.
+    /// Paths of files whose real names are not valid text or contain back-slashes.
     real: BTreeMap<String, PathBuf>,
-    /// Files that are texts of the caller's.
+    /// Files whose texts the caller supplies.
     texts: BTreeMap<String, String>,
 }
 
 impl DiskFiles {
-    /// Files with the installation that [`HOME_VARIABLE`] names; else the folder above the running binary that holds
-    /// `worlds` and `robis`; else the checkout from which the binary was built, if it is still there.
+    /// Files with the installation that [`HOME_VARIABLE`] names; else the folder above the running binary that contains
+    /// `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
     pub fn of_environment() -> Self {
         let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
         let home = named.or_else(above_binary).or_else(checkout);
@@ -42,13 +42,13 @@ impl DiskFiles {
         Self { home: Some(slashed(home)), ..Self::default() }
     }
 
-    /// The same files, but that of this name is `text`.
+    /// Replaces the contents of the file `name` by `text`.
     pub fn with_text(mut self, name: &Path, text: &str) -> Self {
         self.texts.insert(slashed(name), text.to_owned());
         self
     }
 
-    /// The name under which a reader finds the file `path`, whatever characters or bytes its real name consists of.
+    /// Name under which a reader finds the file `path`; works for any characters or bytes in its real name.
     pub fn name(&mut self, path: &Path) -> String {
         let name = slashed(path);
         if path.to_str() != Some(name.as_str()) {
@@ -83,19 +83,19 @@ impl Files for DiskFiles {
     }
 }
 
-/// The regular file at `path`, opened; a pipe or a device, which may never end, is refused before anything waits for it.
+/// Opens the regular file at `path`; a pipe or a device, which may never end, is refused without blocking.
 ///
 /// # Errors
-/// What keeps it from being opened.
+/// The file cannot be opened or is not a regular file.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     let file = File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("it is not a file")) }
 }
 
-/// What is in the regular file at `path`.
+/// Contents of the regular file at `path`.
 ///
 /// # Errors
-/// What keeps it from being read; also when it is larger than 256 MiB.
+/// The file cannot be read, or is larger than 256 MiB.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     read_at_most(path, MAX_MEBIBYTES)
 }
@@ -111,7 +111,7 @@ fn read_at_most(path: &Path, most_mebibytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The path with slashes, as the readers write paths.
+/// The path with forward slashes, as the readers write paths.
 pub fn slashed(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/")
 }

@@ -20,9 +20,9 @@
 //! # }
 //! ```
 //!
-//! [`launch`] is where to begin: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a simulation of
-//! `sim_core`, [`robios`] says what each call does, [`program`] finds, builds and loads programs, and [`mod@record`] has the sinks of what is
-//! recorded. [`cli`] and [`window`] are the binary's. A simulation without programs needs nothing of this crate: see
+//! Start at [`launch`]: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a simulation of
+//! `sim_core`, [`robios`] implements the calls, [`program`] finds, builds and loads programs, and [`mod@record`] contains the sinks of the
+//! record. [`cli`] and [`window`] belong to the binary. A simulation without programs needs nothing of this crate: see
 //! `sim_core::simulation`.
 
 pub mod cli;

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-/// The host's heap is not libc's: a robot program that faults may have left that one locked or broken.
+/// The host's heap is not libc's, which a robot program that faults may leave locked or corrupted.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -1,4 +1,4 @@
-//! What the cameras of a run see: built when the first of them is asked for an image, and shared by all.
+//! Scenery of a run for its cameras: built when the first camera takes an image, and shared by all.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,46 +9,46 @@ use sim_core::camera::{Light, Scenery, Sky};
 use sim_core::spec::SceneSpec;
 use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 
-/// The scenery of a run, which a run without cameras never builds: no mesh or image is read for it then.
+/// Lazily built scenery of a run. A run without cameras never builds it, and reads no meshes or images.
 ///
-/// What is built is a function of the scene and its files, and of who has come into the run, so it does not matter which robot asks
-/// first.
+/// The scenery is a function of the scene, its files, and the robots and objects added to the run, so its contents do not depend on
+/// which robot needs it first.
 pub struct LazyScenery {
-    /// The scene and its files; none for a black sky.
+    /// The scene and its files; `None` for a black sky.
     source: Option<Source>,
     built: OnceLock<Built>,
     present: Mutex<Present>,
-    /// What was read for the scene itself.
+    /// Files that were read for the scene itself.
     of_scene: Vec<InputFile>,
 }
 
 struct Source {
     scene: Arc<SceneSpec>,
     files: Box<dyn Files + Send + Sync>,
-    /// What the user knows of the scene already.
+    /// Diagnostics that the user has seen already.
     told: Vec<Diagnostic>,
 }
 
-/// What was read for a scenery.
+/// Diagnostics and files of a scenery that was built.
 #[derive(Debug)]
 pub struct Built {
-    /// What is wrong in meshes and images, as far as the user has not been told before.
+    /// Mistakes in meshes and images, without those that the user has seen already.
     pub diagnostics: Vec<Diagnostic>,
-    /// The files read, in order; those that the scene itself needed may be among them.
+    /// The files read, in order; files that the scene itself needed may be among them.
     pub inputs: Vec<InputFile>,
 }
 
-/// What can be seen now.
+/// Present state of the scenery.
 #[derive(Default)]
 struct Present {
     visuals: Option<Visuals>,
-    /// Those who have come into the run since it was built.
+    /// Robots and objects added to the run that are not yet in `visuals`.
     newcomers: Vec<Newcomer>,
 }
 
 impl LazyScenery {
-    /// The scenery of `scene`, whose meshes and images come from `files`; `told` is what the user knows of the scene already, and
-    /// `of_scene` what was read for it.
+    /// The scenery of `scene`, with meshes and images from `files`; `told` are the diagnostics that the user has seen already, and
+    /// `of_scene` the files that were read for the scene.
     pub fn new(
         scene: Arc<SceneSpec>,
         files: impl Files + Send + Sync + 'static,
@@ -59,13 +59,13 @@ impl LazyScenery {
         Self { source, built: OnceLock::new(), present: Mutex::default(), of_scene }
     }
 
-    /// What can be seen; whoever asks first builds it, and who asks meanwhile waits.
+    /// The present scenery. The first caller builds it, while others wait.
     pub fn get(&self) -> Arc<Scenery> {
         let mut present = self.present.lock();
         let Present { visuals, newcomers } = &mut *present;
         let visuals = visuals.get_or_insert_with(|| self.build());
         if let Some(source) = &self.source {
-            // Their types are built in, or were read for the scene: there is nothing new to be told.
+            // The types of added robots and objects are built in, or were read for the scene: there are no new diagnostics.
             visuals.add(newcomers.drain(..), &mut MeshReader::new(&*source.files));
         }
         Arc::clone(visuals.scenery())
@@ -86,17 +86,17 @@ impl LazyScenery {
         visuals
     }
 
-    /// Somebody has come into the run, who is seen from now on.
+    /// Adds a spawned robot or object, which is visible from now on.
     pub fn add(&self, newcomer: Newcomer) {
         self.present.lock().newcomers.push(newcomer);
     }
 
-    /// What was read; `None` as long as nobody has asked for it.
+    /// Diagnostics and files of the scenery; `None` until it is built.
     pub fn built(&self) -> Option<&Built> {
         self.built.get()
     }
 
-    /// All files that diagnostics may speak of: the scene's and those read for cameras.
+    /// All files to which diagnostics may refer: the scene's and those read for cameras.
     pub fn inputs(&self) -> Vec<InputFile> {
         let built = self.built().map(|built| &built.inputs);
         self.of_scene.iter().chain(built.into_iter().flatten()).cloned().collect()

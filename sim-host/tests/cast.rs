@@ -1,4 +1,4 @@
-//! Robots and movable objects that come into a running simulation, and leave it.
+//! Robots and movable objects that are added to a running simulation and removed from it.
 
 use std::num::NonZeroUsize;
 
@@ -13,7 +13,7 @@ const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 3
                     wheel 54 3600 1100 90\n\
                     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
-/// Shows when it began, and drives 1 m in 2 s.
+/// Shows its start time, and drives 1 m in 2 s.
 const DRIVE: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -25,7 +25,7 @@ int main(void) {
 }
 "#;
 
-/// Shows every second what its distance sensor sees, 4 times.
+/// Shows the reading of its distance sensor every second, 4 times.
 const LOOK: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -39,7 +39,7 @@ int main(void) {
 }
 "#;
 
-/// The beginning of a program that says when it leaves.
+/// Beginning of a program that prints a line when it is unwound.
 const LEAVE: &str = r#"
 #include <stdio.h>
 #include <pthread.h>
@@ -54,9 +54,9 @@ int main(void) { pthread_cleanup_push(bye, "key"); KEYGet(); pthread_cleanup_pop
 
 struct Ran {
     ended: Ended,
-    /// The trace's lines.
+    /// Lines of the trace.
     lines: Vec<Value>,
-    /// What became of each action: why it was refused.
+    /// Reason why each action was refused; `None` if it was done.
     answers: Vec<Option<String>>,
 }
 
@@ -86,7 +86,7 @@ fn room(robots: &str, programs: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// Runs the scene for 10 s at most with these actions, their times in ms.
+/// Runs the scene for at most 10 s with these actions and their times in ms.
 fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) -> Ran {
     let folder = folder.path();
     let until = Some(Time::from_millis(10_000));

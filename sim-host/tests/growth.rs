@@ -1,4 +1,4 @@
-//! Many runs in one process, one after another, leave nothing behind.
+//! Many successive runs in one process leak nothing.
 
 mod common;
 
@@ -6,11 +6,11 @@ use std::fs;
 
 use common::{DRIVE, has_compiler, run, scene};
 
-/// As that of `eyesim`.
+/// The allocator of `eyesim`.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// A task beside `main`, files, and more output than a buffer holds.
+/// Three tasks beside `main` that use the heap; `main` then waits for a key.
 const TASKS: &str = r#"
 #include <pthread.h>
 #include <stdio.h>
@@ -39,13 +39,13 @@ int main(void) {
 }
 "#;
 
-/// What of the process grows if something is left behind.
+/// Resources of the process that grow if a run leaks.
 #[derive(Debug, PartialEq, Eq)]
 struct Held {
     threads: usize,
     descriptors: usize,
     mappings: usize,
-    /// Signals for which there is a handler.
+    /// Mask of the signals that have a handler.
     handlers: String,
 }
 
@@ -60,14 +60,14 @@ fn held() -> Held {
     }
 }
 
-/// Memory that is in use, in KiB.
+/// Resident memory in KiB.
 fn resident_kib() -> usize {
     let status = fs::read_to_string("/proc/self/status").expect("the kernel tells");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
     line.trim().trim_end_matches(" kB").parse().expect("a number")
 }
 
-/// `EYESIM_RUNS` says how many runs there are, 300 where it does not.
+/// `EYESIM_RUNS` sets the number of runs, 300 by default.
 #[test]
 fn many_runs_leave_nothing_behind() {
     if !has_compiler() {
@@ -94,9 +94,9 @@ fn many_runs_leave_nothing_behind() {
     let late = held();
     assert_eq!((late.threads, late.descriptors), (early.threads, early.descriptors));
     assert_eq!(late.handlers, at_start.handlers, "the handlers that were there before are back");
-    // Both heaps may take or give back a piece at any time; a run that left one thing behind would have left two hundred.
+    // Either heap may map or unmap memory at any time; a leak of one mapping per run would give two hundred.
     assert!(late.mappings.abs_diff(early.mappings) < 20, "{early:?} {late:?}");
-    // Of 60 KiB a run, what a thread's touched stack takes, there would be 12 MiB.
+    // A leak of 60 KiB per run, the touched part of a thread's stack, would give 12 MiB.
     let grown = resident_kib().saturating_sub(early_kib);
     assert!(grown < 4096, "{grown} KiB more");
 }

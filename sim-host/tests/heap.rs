@@ -1,4 +1,4 @@
-//! A program that breaks within the heap of the C library, which all programs of a process share.
+//! A program that faults within the heap of the C library, which all programs of a process share.
 
 mod common;
 
@@ -11,11 +11,11 @@ use sim_host::executive::conductor::End;
 use sim_host::executive::damage::is_heap_lost;
 use sim_host::executive::interrupt::Interrupt;
 
-/// As that of `eyesim`: not the one that breaks.
+/// The allocator of `eyesim`, whose heap is not the one that breaks.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Frees what it never had.
+/// Frees memory that it never allocated.
 const FREE: &str = r#"
 #include <stdlib.h>
 #include "eyebot.h"
@@ -39,7 +39,7 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         return;
     }
     let (endless, free, other) = (scene(&[ENDLESS]), scene(&[FREE]), scene(&[DRIVE]));
-    // Built before anything breaks.
+    // Built before the fault.
     run(other.path());
     thread::scope(|scope| {
         let (started, starts) = mpsc::channel();
@@ -53,7 +53,7 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         let reason = broken.robots[0].reason.as_deref().unwrap_or_default();
         assert!(reason.starts_with("segmentation fault") && reason.contains("p0.c:7"), "{reason}");
         assert!(is_heap_lost());
-        // Had it not begun by then, it was refused.
+        // If the run had not begun by then, it was refused.
         match ended.join().expect("a run") {
             Ok(ended) => {
                 assert!(matches!(ended.end, End::HeapLost), "{:?}", ended.end);

@@ -1,4 +1,5 @@
-//! A robot that its caller drives gets the images that a program gets: pixel by pixel, with the camera's errors, at the same instants.
+//! A robot commanded through the library gets the same images as a program: pixel by pixel, with camera noise, at the
+//! same instants.
 
 use std::path::Path;
 use std::process::Command;
@@ -52,12 +53,12 @@ x_mm = 2500
 y_mm = 1250
 "#;
 
-/// Seconds of a trace, or of a file's name, as a time.
+/// Converts seconds of a trace to a time.
 fn time(seconds: f64) -> Time {
     Time((seconds * 1e6).round() as i64)
 }
 
-/// The images in `folder`, by their names.
+/// Names and pixels of the images in `folder`, sorted by name.
 fn images(folder: &Path) -> Vec<(String, image::RgbImage)> {
     let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut files: Vec<_> = files.collect();

@@ -1,4 +1,5 @@
-//! What `eyesim new` writes: it is read without a complaint, builds without a warning, and drives to four walls.
+//! Programs written by `eyesim new`: scenes without diagnostics, builds without warnings, and runs that drive to four
+//! walls.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use sim_format::load_scene;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, Loader, Prepared, SearchPath, Tools, find_program, prepare};
 
-/// A folder that stays from one test run to the next, so that cargo need not build `robios-api` each time.
+/// A folder that is kept between test runs, so that cargo need not build `robios-api` each time.
 fn place(name: &str) -> PathBuf {
     let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(place.join("programs"));
@@ -39,7 +40,7 @@ fn new(place: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
     prepared
 }
 
-/// Runs the scene: the program has seen its four walls and ended, without touching one.
+/// Runs the scene and checks the report: the program has seen its four walls and ended without a contact.
 fn check_run(place: &Path, name: &str) {
     let folder = place.join("programs").join(name);
     let report = folder.join("report.json");
@@ -85,7 +86,7 @@ fn check(language: &str, compiler: &str) {
     }
 }
 
-/// What `compile_flags.txt` says is enough for the compiler to find the API, as clangd does.
+/// Checks that the compiler finds the API with the flags of `compile_flags.txt` alone, as clangd does.
 fn check_editor_settings(folder: &Path) {
     let Ok(flags) = fs::read_to_string(folder.join("compile_flags.txt")) else { return };
     let mut sources = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());

@@ -1,4 +1,4 @@
-//! A library user's own binary whose runs have robots in processes of their own.
+//! A library user's binary whose runs have robots in their own processes.
 
 use std::process::ExitCode;
 
@@ -8,7 +8,7 @@ use sim_host::launch::{Options, Scene, serve_child};
 
 mod common;
 
-/// Its own `main`, since the robots' processes are started from this binary.
+/// A custom `main`, since the robots' processes are started from this binary.
 fn main() -> ExitCode {
     if let Some(code) = serve_child() {
         return code;

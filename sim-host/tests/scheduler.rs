@@ -1,4 +1,5 @@
-//! The scheduler as the owner of a run has it: what it is told between two slots, what it may do there, and that looking changes nothing.
+//! The scheduler as the owner of a run uses it: boundaries between slots, actions there, and that observing changes
+//! nothing.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -40,7 +41,7 @@ fn ready() -> Ready {
     scene.and_then(Scene::load).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The run that `owner` advances.
+/// Result of a run that `owner` advances.
 fn run_by(owner: impl FnOnce(&mut Scheduler), sinks: Vec<Box<dyn Sink>>) -> Ended {
     let running = ready().start(Observers { sinks, ..Observers::default() });
     let mut running = running.unwrap_or_else(|error| panic!("{error}"));
@@ -48,7 +49,7 @@ fn run_by(owner: impl FnOnce(&mut Scheduler), sinks: Vec<Box<dyn Sink>>) -> Ende
     running.finish().ended
 }
 
-/// The same in one go.
+/// Result of a run that is advanced in one call.
 fn run() -> Ended {
     run_by(|scheduler| assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused), Vec::new())
 }
@@ -66,7 +67,7 @@ fn has_compiler() -> bool {
     there
 }
 
-/// Whose calls are recorded.
+/// Robots whose calls are recorded.
 #[derive(Default)]
 struct Callers(BTreeSet<RobotId>);
 
@@ -101,7 +102,7 @@ fn whoever_stops_before_each_slot_and_looks_changes_nothing() {
             let run = scheduler.run();
             assert_eq!(run.world().slot_start(), following);
             boundaries.push((following, next));
-            // Robots are suspended, so that their state can be looked at; who listens draws and changes nothing.
+            // Robots are suspended, so that their state can be read; listening to a robot changes nothing either.
             run.listen_to(RobotId(2), true);
             assert_eq!(run.robot(RobotId(1)).id, RobotId(1));
             let Some(next) = next else { return };
@@ -129,7 +130,7 @@ fn a_run_that_waits_for_somebody_goes_on_when_he_acts() {
     let owner = |scheduler: &mut Scheduler| {
         assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
         assert_eq!(scheduler.boundary().next, None);
-        // Within a slot: it happens at its start.
+        // Within a slot: the action happens at the slot's start.
         let at = Time(7_012_345);
         answers = ["KEY1", "KEY9", "KEY1"]
             .into_iter()
@@ -182,7 +183,7 @@ fn an_action_never_comes_after_what_is_due() {
         scheduler.advance_to(Time::NEVER);
     };
     let ended = run_by(owner, Vec::new());
-    // Pressed before the first slot, and kept until the drive is over.
+    // Pressed before the first slot and kept until the drive is over.
     assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
     assert!(ended.time < Time::from_millis(1_200), "{}", ended.time);
     assert_eq!(answers, [Ok(()), Ok(())]);
@@ -238,7 +239,7 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
         let mut running = running.unwrap_or_else(|error| panic!("{error}"));
         running.scheduler.advance_to(end);
         drop(running);
-        // The last flow that leaves takes the run with it, and that its sinks.
+        // The last flow that leaves drops the run, and with it the sinks.
         let start = Instant::now();
         while Arc::strong_count(&callers) > 1 {
             assert!(start.elapsed() < Duration::from_secs(60), "a program has not left");
@@ -247,7 +248,7 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
     }
 }
 
-/// The digest of the run so far.
+/// Digest of the run so far.
 #[derive(Default)]
 struct LastDigest(Option<Digest>);
 
@@ -266,7 +267,7 @@ impl Sink for LastDigest {
     }
 }
 
-/// A run whose robots have no programs goes on as a copy of it does: what a person does to either is the same to the bit.
+/// A run without programs and a copy of it continue alike: user actions have the same effects in both, to the bit.
 #[test]
 fn a_run_without_programs_lends_a_simulation() {
     let folder = tempfile::tempdir().expect("a folder");

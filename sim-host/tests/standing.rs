@@ -1,4 +1,4 @@
-//! Scenes with robots that have no program, and with programs that the scene gives arguments.
+//! Scenes with robots without a program, and with programs that get arguments from the scene.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -16,7 +16,7 @@ use sim_host::record::Trace;
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\nwheel 54 3600 1100 90\n\
                     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
-/// Sees what stands ahead, then drives against it.
+/// Measures the distance ahead, then drives against the obstacle.
 const RAM: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -31,7 +31,7 @@ int main(void) {
 }
 "#;
 
-/// Shows what its `main` gets.
+/// Shows the arguments of its `main`.
 const ECHO: &str = r#"
 #include "eyebot.h"
 int main(int argc, char **argv) {
@@ -56,7 +56,7 @@ fn scene(programs: [&str; 3]) -> tempfile::TempDir {
     folder
 }
 
-/// Runs the scene as `change` makes it; the trace goes to `trace.jsonl` in its folder.
+/// Runs the scene after `change`; the trace goes to `trace.jsonl` in its folder.
 fn run(folder: &Path, workers: usize, change: impl FnOnce(&mut SceneSpec)) -> Ended {
     let until = Some(Time::from_millis(60_000));
     let options = Options { workers: NonZeroUsize::new(workers), until, ..Options::default() };
@@ -71,7 +71,7 @@ fn run(folder: &Path, workers: usize, change: impl FnOnce(&mut SceneSpec)) -> En
     running.finish().ended
 }
 
-/// The trace's lines of robot `robot`: event and time.
+/// Trace lines of robot `robot`: event and time.
 fn events(folder: &Path, robot: u32) -> Vec<(String, f64)> {
     let text = std::fs::read_to_string(folder.join("trace.jsonl")).expect("a trace");
     let lines = text.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).expect("JSON"));

@@ -1,4 +1,4 @@
-//! Several runs with native programs in one process at once: none gets into another's way.
+//! Several concurrent runs with native programs in one process do not interfere.
 
 mod common;
 
@@ -21,7 +21,7 @@ int main(void) {
 }
 "#;
 
-/// Runs until somebody ends it.
+/// Runs until it is ended.
 const ENDLESS: &str = r#"
 #include "eyebot.h"
 int main(void) { for (;;) OSWait(1); }

@@ -1,6 +1,6 @@
 import { defineConfig } from "vite";
 
-// One script and one style sheet with fixed names and nothing beside them, so that the server can write them into one file.
+// One script and one style sheet with fixed names and no other files, so that the server can inline both into one file.
 export default defineConfig({
   base: "./",
   build: {
@@ -18,7 +18,7 @@ export default defineConfig({
     },
   },
   server: {
-    // `npm run dev` beside a running `eyesim view --port 7700`.
+    // For `npm run dev` beside a running `eyesim view --port 7700`.
     proxy: {
       "/ws": { target: "http://127.0.0.1:7700", ws: true, changeOrigin: true, rewriteWsOrigin: true },
       "/files": "http://127.0.0.1:7700",

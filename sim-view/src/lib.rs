@@ -1,7 +1,7 @@
-//! The window through which people watch a simulation and take part in it: a server, the page that it shows, and the protocol
-//! between the two.
+//! The window in which users watch a simulation and take part in it: a server, the page that it serves, and the protocol between
+//! the two.
 //!
-//! Knows nothing of the simulator: who runs it fills the types of [`protocol`] and carries out what pages ask for.
+//! Knows nothing of the simulator, which fills the types of [`protocol`] and carries out the pages' commands.
 #![forbid(unsafe_code)]
 
 pub mod page;

@@ -1,4 +1,4 @@
-//! The page as it is served: files that Vite has built, embedded in release builds, else built when they are needed.
+//! The page as served: files built by Vite, embedded in release builds, built on demand in others.
 
 mod build;
 
@@ -7,18 +7,18 @@ use std::path::Path;
 
 use axum::body::Bytes;
 
-/// The files of the page that release builds hold; none in others.
+/// Files of the page embedded in release builds; empty in others.
 static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 
-/// The files of the page, or why there are none.
+/// Files of the page, or the reason why there are none.
 #[derive(Clone, Debug)]
 pub struct Page {
     files: Result<BTreeMap<String, Bytes>, String>,
 }
 
 impl Page {
-    /// The page of this program: that which is embedded; else, in a checkout, that which is built there, which may have to be
-    /// built first. That takes some seconds to a minute, so `say` hears about it.
+    /// Loads the page: the embedded one or, in a checkout, the one built there. If that has to be built first, which takes some
+    /// seconds to a minute, `say` is told.
     #[must_use]
     pub fn load(mut say: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {
@@ -35,33 +35,33 @@ impl Page {
         }
     }
 
-    /// A page of these files, by their paths; `index.html` is the first that is asked for.
+    /// Page of these files, by path; browsers request `index.html` first.
     #[must_use]
     pub fn of(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Page {
         Page { files: Ok(files.into_iter().map(|(name, content)| (name, content.into())).collect()) }
     }
 
-    /// No page: who asks for it reads `why`.
+    /// A missing page: requests for it are answered with `why`.
     #[must_use]
     pub fn missing(why: &str) -> Page {
         Page { files: Err(why.into()) }
     }
 
-    /// Why there is no page; none if there is one.
+    /// Reason why there is no page; none if there is one.
     #[must_use]
     pub fn why_missing(&self) -> Option<&str> {
         self.files.as_ref().err().map(String::as_str)
     }
 
-    /// The content and the media type of the file at a path such as `index.html`.
+    /// Content and media type of the file at a path such as `index.html`.
     pub(crate) fn file(&self, path: &str) -> Option<(Bytes, &'static str)> {
         Some((self.files.as_ref().ok()?.get(path)?.clone(), media_type(path)))
     }
 
-    /// The page as one HTML text: scripts and style sheets are within it.
+    /// The page as one HTML text with scripts and style sheets inlined.
     ///
     /// # Errors
-    /// Why there is no page.
+    /// The reason why there is no page.
     pub fn inlined(&self) -> Result<String, String> {
         let text = |path: &str| {
             let (content, _) = self.file(path)?;
@@ -94,14 +94,13 @@ impl Page {
         Ok(inlined)
     }
 
-    /// The page as one HTML text that plays a recording, which is the JSON text of a
-    /// [`Recording`](crate::protocol::Recording).
+    /// The page as one HTML text that replays `recording`, the JSON text of a [`Recording`](crate::protocol::Recording).
     ///
     /// # Errors
-    /// Why there is no page.
+    /// The reason why there is no page.
     pub fn with_recording(&self, recording: &str) -> Result<String, String> {
         let page = self.inlined()?;
-        // A `<` stands only within strings of JSON.
+        // JSON has `<` only within strings.
         let recording = recording.replace('<', "\\u003c");
         let element = format!("<script type=\"application/json\" id=\"recording\">{recording}</script>\n");
         let place = page.rfind("</body>").ok_or("the page has no `</body>`")?;
@@ -109,14 +108,14 @@ impl Page {
     }
 }
 
-/// The value of an attribute in a tag that Vite has written.
+/// Value of an attribute in a tag written by Vite.
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     let (_, value) = tag.split_once(&format!(" {name}=\""))?;
     value.split_once('"').map(|(value, _)| value)
 }
 
-/// A script in which HTML sees no end and no comment: `\x3c` is `<` in all texts and patterns of JavaScript, and minified code
-/// has `</` and `<!--` nowhere else.
+/// Escapes a script so that HTML finds no end tag and no comment in it: `\x3c` is `<` in all strings and regular expressions of
+/// JavaScript, and minified code has `</` and `<!--` nowhere else.
 fn safe_script(script: &str) -> String {
     let mut safe = String::with_capacity(script.len());
     let mut rest = script;
@@ -149,7 +148,7 @@ fn media_type(path: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    /// A page whose building appends a line to `built`, outside of what it is made from.
+    /// Writes a page whose build appends a character to `built`, which is not among its sources.
     fn write_page(folder: &Path) {
         let package = r#"{"name":"p","version":"1.0.0","scripts":{"build":"node build.cjs"}}"#;
         let lock =

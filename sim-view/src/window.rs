@@ -1,6 +1,6 @@
-//! The server: shows a run to pages and brings what they ask for.
+//! The server: shows a run to pages and delivers their commands.
 //!
-//! It runs on one thread of its own. Whoever fills it never waits: not for a page, not for the network, not for texts.
+//! It runs on its own thread. The simulation never waits for it: not for a page, the network or serialisation.
 
 mod access;
 mod hub;
@@ -21,12 +21,12 @@ use crate::protocol::{Build, Detail, Event, Scene, Snapshot};
 use hub::Hub;
 use serve::Server;
 
-/// How the window is opened.
+/// Options of a window.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Where pages find it; port 0 for any free one.
+    /// Address of the server; port 0 for any free one.
     pub address: SocketAddr,
-    /// Who may watch and who may act.
+    /// Rights of pages to watch and to act.
     pub access: Access,
     /// Name of the scene.
     pub title: String,
@@ -34,42 +34,42 @@ pub struct Options {
     pub version: String,
 }
 
-/// Why a window cannot be opened.
+/// Error when opening a window.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// Somebody else listens there.
+    /// Another program listens at this address.
     #[error("`{0}` is taken by another program: choose another port, or 0 for any free one")]
     Taken(SocketAddr),
     /// This machine has no such address.
     #[error("`{0}` is not an address of this machine")]
     NoAddress(SocketAddr),
-    /// A class without a token.
+    /// The token of a class is empty.
     #[error("the teacher's token is empty")]
     NoToken,
-    /// Everything else.
+    /// Any other error.
     #[error("cannot open the window at `{0}`: {1}")]
     Other(SocketAddr, io::Error),
 }
 
-/// A robot that some page looks at.
+/// Details of a robot that pages request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
-    /// Its number.
+    /// Number of the robot.
     pub robot: u32,
-    /// With what its camera sees.
+    /// Include pictures of its camera.
     pub camera: bool,
-    /// With its RoBIOS calls among the events.
+    /// Include its RoBIOS calls in the events.
     pub calls: bool,
 }
 
-/// An open window. Dropping it says goodbye to its pages and closes it.
+/// An open window. Dropping it disconnects its pages and closes it.
 pub struct Window {
     address: SocketAddr,
     access: Access,
     hub: Arc<Hub>,
     commands: Commands,
     server: Arc<Server>,
-    /// Tells that the thread is about to end. Several threads of the simulator share a window.
+    /// Signals that the thread is about to end. In a mutex because several threads of the simulator share a window.
     done: Mutex<mpsc::Receiver<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -111,13 +111,13 @@ impl Window {
         Ok(Window { address, access, hub, commands, server, done: Mutex::new(done), thread: Some(thread) })
     }
 
-    /// Where it listens.
+    /// Address at which the server listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// What opens in the browser of whoever started it: with the token, if there is one, where no server sees it.
+    /// URL for the user who started the window: with the token, if there is one, in the fragment, which is sent to no server.
     #[must_use]
     pub fn url(&self) -> String {
         match &self.access {
@@ -126,60 +126,59 @@ impl Window {
         }
     }
 
-    /// What others open: without the token.
+    /// URL for other users, without the token.
     #[must_use]
     pub fn public_url(&self) -> String {
         format!("http://{}/", SocketAddr::new(reachable(self.address.ip()), self.address.port()))
     }
 
-    /// Shows what there is to see: at first, when a run starts and when its bodies have changed. A new number of the run
-    /// empties the list of events.
+    /// Shows the scene: at first, when a run starts, and when its bodies have changed. A new run number empties the list of events.
     pub fn show_scene(&self, scene: Scene) {
         self.hub.show_scene(scene);
     }
 
-    /// Shows where everything is now, with details of the robots that [`looks`](Self::looks) names. Pages that are slow skip
-    /// what is shown before they are ready. A detail without a display keeps that of the robot's detail before.
+    /// Shows the current state, with details of the robots that [`looks`](Self::looks) names. Slow pages skip intermediate states. A
+    /// detail without a display keeps the display of the detail before.
     pub fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         self.hub.show(snapshot, details);
     }
 
-    /// Tells what has happened; the last 20,000 events of the run are kept for pages that come later. Events of kind `call`
-    /// go only to pages that look at the robot with its calls.
+    /// Reports events; the last 20,000 of the run are kept for pages that connect later. Events of kind `call` go only to pages
+    /// that request the calls of this robot.
     pub fn tell(&self, events: Vec<Event>) {
         self.hub.tell(events);
     }
 
-    /// Shows how the building of programs goes.
+    /// Shows the progress of building the programs.
     pub fn build(&self, build: Build) {
         self.hub.build(build);
     }
 
-    /// The robots that pages look at, each with all that any page wants of it, in order of their numbers.
+    /// Robots that pages look at, each with all details that any page requests, in order of their numbers.
     #[must_use]
     pub fn looks(&self) -> Vec<Look> {
         self.hub.looks()
     }
 
-    /// How many pages watch.
+    /// Number of connected pages.
     #[must_use]
     pub fn pages(&self) -> usize {
         self.hub.pages()
     }
 
-    /// Whether anybody watches.
+    /// Returns true if a page is connected.
     #[must_use]
     pub fn has_pages(&self) -> bool {
         self.pages() > 0
     }
 
-    /// What pages ask for, of those that may act.
+    /// Commands of the pages that may act.
     #[must_use]
     pub fn commands(&self) -> &Commands {
         &self.commands
     }
 
-    /// Offers a download as `/files/NAME`, in the place of one of that name. `recording.json` is `/recording.json`, too.
+    /// Offers a download as `/files/NAME`, replacing one of that name. `recording.json` is also served as `/recording.json`.
     pub fn offer(&self, name: &str, download: Download) {
         self.server.offer(name, download);
     }
@@ -197,8 +196,8 @@ impl Drop for Window {
     }
 }
 
-/// An address at which others reach this machine, for one that stands for all of them: that of the way to the outside,
-/// which is asked for without sending anything.
+/// Address at which other machines reach this one. An unspecified address is replaced by that of the route to the outside,
+/// which is looked up without sending anything.
 fn reachable(ip: IpAddr) -> IpAddr {
     if !ip.is_unspecified() {
         return ip;

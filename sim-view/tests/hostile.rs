@@ -1,4 +1,4 @@
-//! What the server does with those who mean no good: it refuses or survives them, and serves the others.
+//! Hostile clients: the server refuses or survives them, and still serves the others.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by them")]
 
@@ -13,7 +13,7 @@ use serde_json::json;
 use sim_view::{Access, Download, OpenError, Page, Window};
 use tungstenite::Message;
 
-/// A page that is there before, and what it must be able to do after.
+/// A page connected before the attack, which must still work after it.
 struct Witness {
     page: Client,
     number: u32,
@@ -24,7 +24,7 @@ impl Witness {
         Witness { page: Client::hello(window, None).0, number: 0 }
     }
 
-    /// Sees and acts, as does a page that comes now.
+    /// Checks that this page, and another that connects now, can watch and act.
     fn check(&mut self, window: &Window) {
         self.check_alone(window);
         Witness::new(window).check_alone(window);
@@ -211,7 +211,7 @@ fn messages_that_are_too_long() {
     let mut witness = Witness::new(&window);
     for bytes in [65_537, 10_000_000] {
         let (mut client, _) = Client::hello(&window, None);
-        // The server hears the length and no more, and may be gone before all is sent.
+        // The server reads the length only, and may have disconnected before all is sent.
         let sent = client.send(Message::text("x".repeat(bytes)));
         if let Some(close) = client.hear_close() {
             assert_eq!(close, (1009, "messages have at most 65536 bytes".into()), "{sent:?}");
@@ -229,10 +229,10 @@ fn a_thousand_connections() {
     let mut witness = Witness::new(&window);
     let mut held = Vec::new();
     for number in 0..1_000 {
-        // Where the system has fewer descriptors for us, fewer have to do.
+        // If the system has fewer descriptors, fewer connections must do.
         let Ok(mut stream) = TcpStream::connect(window.address()) else { break };
         if number % 2 == 0 {
-            // One that sends its request slowly.
+            // A client that sends its request slowly.
             let _ = stream.write_all(b"GET / HTTP/1.1\r\nHost: ");
         }
         held.push(stream);
@@ -296,7 +296,7 @@ fn a_flood_of_commands_is_refused() {
         assert_eq!(flood.hear_answer(), (number, None));
     }
     witness.check(&window);
-    // Nobody takes commands, and many pages send some: 256 wait, the others are refused.
+    // Many pages send commands that are not taken: 256 wait, the others are refused.
     let mut pages: Vec<_> = (0..10).map(|_| Client::hello(&window, None).0).collect();
     for (page, robot) in pages.iter_mut().zip(1..) {
         (1..=32).for_each(|number| page.act(number));

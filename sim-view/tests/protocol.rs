@@ -1,4 +1,4 @@
-//! What server and page say to each other.
+//! Protocol between server and page.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by them")]
 
@@ -170,7 +170,7 @@ fn display_comes_once_and_to_each_page() {
     let shown = late.hear_type("detail");
     assert_eq!((&shown["t_s"], &shown["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
 
-    // A picture that a later detail without one overtakes is not lost.
+    // A picture that is overtaken by a later detail without one is not lost.
     window.show(snapshot(2.0), vec![detail(1, 2.0, Some("data:c"))]);
     window.show(snapshot(3.0), vec![detail(1, 3.0, None)]);
     for page in [&mut page, &mut late] {
@@ -190,7 +190,7 @@ fn display_comes_once_and_to_each_page() {
     page.look(Some(1), false);
     assert_eq!(page.hear_type("detail")["lcd"]["url"], "data:c");
 
-    // Of another run nothing is kept.
+    // Nothing is kept from another run.
     window.show_scene(scene(2));
     let mut of_next_run = detail(1, 0.0, None);
     of_next_run.run = 2;
@@ -295,7 +295,7 @@ fn a_page_that_says_nothing_is_dropped() {
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(1), false);
     until("one page is there", || window.looks().len() == 1);
-    // Who reads answers the server's pings.
+    // A page that reads answers the server's pings.
     std::thread::scope(|scope| {
         scope.spawn(|| page.hear_close());
         until("the silent one is gone", || window.pages() == 1);

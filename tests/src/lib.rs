@@ -1,4 +1,4 @@
-//! Helpers for the black-box tests: the real binary, a fresh folder, what a run printed and wrote.
+//! Helpers for the black-box tests: the real binary, a fresh folder, output and files of a run.
 
 pub mod radio;
 
@@ -17,7 +17,7 @@ pub fn root() -> &'static Path {
 /// Writes these headers of the C side into a folder.
 ///
 /// # Panics
-/// When they cannot be written.
+/// If they cannot be written.
 pub fn write_headers(folder: &Path, headers: &[robios_sys::c::SourceFile]) {
     for header in headers {
         let path = folder.join(header.name);
@@ -29,7 +29,7 @@ pub fn write_headers(folder: &Path, headers: &[robios_sys::c::SourceFile]) {
 /// The binary `eyesim` of the profile under test, built if need be.
 ///
 /// # Panics
-/// When it cannot be built.
+/// If it cannot be built.
 pub fn eyesim_path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
@@ -54,14 +54,14 @@ pub struct Scratch {
     folder: TempDir,
 }
 
-/// What a run of `eyesim` came to.
+/// Result of a run of `eyesim`.
 #[derive(Debug)]
 pub struct Ran {
     /// Its exit code; `None` when a signal ended it.
     pub code: Option<i32>,
-    /// What it printed.
+    /// Its standard output.
     pub stdout: String,
-    /// Its messages.
+    /// Its standard error.
     pub stderr: String,
 }
 
@@ -69,7 +69,7 @@ impl Scratch {
     /// An empty folder.
     ///
     /// # Panics
-    /// When none can be made.
+    /// If none can be created.
     #[allow(clippy::new_without_default, reason = "makes a folder on the disk")]
     pub fn new() -> Self {
         Self { folder: TempDir::new().expect("a folder for a test") }
@@ -83,7 +83,7 @@ impl Scratch {
     /// Writes a file, with the folders above it.
     ///
     /// # Panics
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path().join(name);
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("a folder for a file");
@@ -94,7 +94,7 @@ impl Scratch {
     /// Reads a file that a run wrote.
     ///
     /// # Panics
-    /// When it is not there.
+    /// If it does not exist.
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path().join(name)).unwrap_or_else(|error| panic!("`{name}`: {error}"))
     }
@@ -109,7 +109,7 @@ impl Scratch {
     /// Runs `eyesim` with `args` in this folder to its end.
     ///
     /// # Panics
-    /// When it cannot be started.
+    /// If it cannot be started.
     pub fn eyesim(&self, args: &[&str]) -> Ran {
         Ran::from(self.command(args).output().expect("eyesim starts"))
     }
@@ -117,7 +117,7 @@ impl Scratch {
     /// Runs a sim file with a report and returns it, after checking the exit code.
     ///
     /// # Panics
-    /// When the exit code is another one or the report cannot be read.
+    /// If the exit code differs or the report cannot be read.
     pub fn report(&self, sim: &str, args: &[&str], expected_code: i32) -> Value {
         let mut all = vec!["run", sim, "--report", "report.json"];
         all.extend(args);
@@ -129,7 +129,7 @@ impl Scratch {
     /// The lines of a trace.
     ///
     /// # Panics
-    /// When a line is not JSON.
+    /// If a line is not JSON.
     pub fn trace(&self, name: &str) -> Vec<Value> {
         self.read(name).lines().map(|line| serde_json::from_str(line).expect("a line of a trace is JSON")).collect()
     }
@@ -148,7 +148,7 @@ impl From<Output> for Ran {
 /// A field of a robot in a report, found by a path such as `pose.x_m`.
 ///
 /// # Panics
-/// When it is not a number.
+/// If it is not a number.
 pub fn number(robot: &Value, path: &str) -> f64 {
     let value = path.split('.').fold(robot, |value, key| &value[key]);
     value.as_f64().unwrap_or_else(|| panic!("`{path}` in {robot:#}"))

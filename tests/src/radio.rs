@@ -1,4 +1,4 @@
-//! Helpers for the tests of the radio: a scene, and what its trace says of each message.
+//! Helpers for the tests of the radio: a scene, and the events of its trace by message.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ pub fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
     scratch
 }
 
-/// The same with the robots in a row, 300 mm apart.
+/// As [`scene`], with the robots in a row, 300 mm apart.
 pub fn row(programs: &[&str], tables: &str) -> Scratch {
     let robots: Vec<_> =
         programs.iter().enumerate().map(|(index, program)| (*program, 300 + 300 * index as i32, 500)).collect();
@@ -34,10 +34,10 @@ pub fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>
     (report["digest"].clone(), scratch.trace("t.jsonl"))
 }
 
-/// What robot `id` printed, a line each.
+/// Lines printed by robot `id`.
 ///
 /// # Panics
-/// When the trace is malformed.
+/// If the trace is malformed.
 pub fn said(trace: &[Value], id: u64) -> Vec<&str> {
     let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == id;
     trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text")).collect()
@@ -46,7 +46,7 @@ pub fn said(trace: &[Value], id: u64) -> Vec<&str> {
 /// A time in microseconds.
 ///
 /// # Panics
-/// When it is none.
+/// If it is none.
 pub fn micros(seconds: &Value) -> i64 {
     (seconds.as_f64().unwrap_or_else(|| panic!("{seconds} is a time")) * 1e6).round() as i64
 }
@@ -54,23 +54,23 @@ pub fn micros(seconds: &Value) -> i64 {
 /// A field of an event.
 ///
 /// # Panics
-/// When it is no integer.
+/// If it is no integer.
 pub fn integer(event: &Value, key: &str) -> i64 {
     event[key].as_i64().unwrap_or_else(|| panic!("`{key}` in {event}"))
 }
 
-/// A message that was sent, and what the trace says of it; times in microseconds.
+/// A sent message and its events in the trace; times in microseconds.
 #[derive(Debug)]
 pub struct Sent {
-    /// When.
+    /// Time of sending.
     pub at: i64,
-    /// The address; none for everybody.
+    /// Address of the receiver; none for a broadcast.
     pub to: Option<i64>,
-    /// When its transmission begins, where the sender knows.
+    /// Start of its transmission, if the sender knows it.
     pub begins: Option<i64>,
     /// Its bytes.
     pub data: Value,
-    /// For each receiver when its fate was known, when it arrived, and why not, if it did not.
+    /// By receiver: time at which its fate was known, time of arrival, and cause of loss if it was lost.
     pub fates: BTreeMap<i64, (i64, i64, Option<String>)>,
 }
 
@@ -80,7 +80,7 @@ pub type Name = (i64, i64);
 /// All messages of a trace.
 ///
 /// # Panics
-/// When a fate is told twice, or of a message that was never sent.
+/// If a fate is reported twice, or for a message that was never sent.
 pub fn messages(trace: &[Value]) -> BTreeMap<Name, Sent> {
     let mut sent = BTreeMap::new();
     for event in trace.iter().filter(|event| event["event"] == "radio_sent") {
@@ -114,7 +114,7 @@ pub fn causes(trace: &[Value]) -> Vec<String> {
 /// The reasons that the report gives, in the order of the robots.
 ///
 /// # Panics
-/// When there is no report.
+/// If there is no report.
 pub fn reasons(scratch: &Scratch) -> Vec<String> {
     let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON");
     let robots = report["robots"].as_array().expect("robots");
@@ -130,7 +130,7 @@ pub const IS: &str = r#"
     if (is != (long)(answer)) printf("line %d: %s is %ld\n", __LINE__, #call, is); } while (0)
 "#;
 
-/// Sends every text back to where it comes from.
+/// Echoes every text to its sender.
 pub const ECHO_7: &str = r#"
 int main(void)
 {

@@ -43,7 +43,7 @@ fn rows_on_standard_output_are_json_alone() {
 fn the_page_of_the_docs_has_a_place_for_every_study_and_every_picture_is_there() {
     let scratch = Scratch::new();
     let page = std::fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
-    // A name that is none tells all that are.
+    // An unknown name lists all valid names.
     let refused = scratch.eyesim(&["accuracy", "?"]);
     let (_, names) = refused.stderr.trim().split_once("accepted: ").expect("the names");
     for study in names.split(", ") {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tests::root;
 
-/// Room to the rooms that it uses, within one crate.
+/// Rooms by the room that uses them, within one crate.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
 /// The table of ARCHITECTURE.md: rows of crate, room, rooms that it uses.
@@ -22,7 +22,7 @@ fn documented() -> BTreeMap<String, Arrows> {
     crates
 }
 
-/// The arrows that the sources of a crate have.
+/// The arrows in the sources of a crate.
 fn found(name: &str) -> Arrows {
     let source = root().join(name).join("src");
     let mut arrows = Arrows::new();
@@ -54,7 +54,7 @@ fn walk(folder: &Path, visit: &mut impl FnMut(&Path)) {
     }
 }
 
-/// The rooms that a source names behind `crate::`, outside of comments and of its tests.
+/// The rooms that a source names after `crate::`, outside of comments and of its tests.
 fn uses_of(text: &str) -> Vec<String> {
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
@@ -103,7 +103,7 @@ fn rooms_close_no_circle() {
         let mut rooms = found(name);
         loop {
             let left: BTreeSet<String> = rooms.keys().cloned().collect();
-            // A room that uses none of those that are left lies below them.
+            // A room that uses none of the remaining rooms is below them.
             rooms.retain(|_, uses| !uses.is_disjoint(&left));
             if rooms.len() == left.len() {
                 break;

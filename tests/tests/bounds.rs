@@ -1,4 +1,4 @@
-//! What a program may use up has bounds: it is told of them, and the run goes on or ends in time.
+//! Limits on the resources of a program: they are reported, and the run goes on or ends in time.
 
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -101,7 +101,7 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
     }
 }
 
-/// A program beside one that drives, on threads: what became of both, and what was said.
+/// Runs a program beside one that drives, on threads: outcomes of both, and messages.
 fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
     let scratch = Scratch::new();
     scratch.write("bad.c", program);

@@ -40,7 +40,7 @@ fn recordings() {
     run("replay");
 }
 
-/// Runs `NAME.test.mjs`; says why where it cannot.
+/// Runs `NAME.test.mjs`, or prints why it cannot.
 fn run(name: &str) {
     let _one_at_a_time = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(why) = missing() {
@@ -64,7 +64,7 @@ fn chromium() -> String {
     std::env::var("CHROMIUM").unwrap_or_else(|_| "/usr/bin/chromium".to_owned())
 }
 
-/// What is missing to run the tests.
+/// Missing prerequisite of the tests, if any.
 fn missing() -> Option<String> {
     if Command::new("node").arg("--version").output().is_err() {
         return Some("there is no Node.js".to_owned());

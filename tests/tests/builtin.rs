@@ -1,4 +1,4 @@
-//! Scenes of EyeSim VR without any other file: built-in robots and objects in the box that is taken where no world is named.
+//! Scenes of EyeSim VR without any other file: built-in robots and objects in the box that is the default world.
 
 use tests::{Scratch, number};
 

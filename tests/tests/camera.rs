@@ -1,5 +1,5 @@
-//! Cameras: images in programs of both generations, the same on every number of threads and every executor; files of them;
-//! what is refused, and how.
+//! Cameras: images in programs of both generations, the same on every number of threads and every executor; image files;
+//! refused input and its messages.
 
 use std::path::Path;
 
@@ -19,19 +19,19 @@ fn scratch(robots: &str) -> Scratch {
 const BLIND: &str = "name Blind\ndiameter 180\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
                      drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
-/// What robot 1 printed, a line each.
+/// Lines printed by robot 1.
 fn said(trace: &[Value]) -> Vec<String> {
     let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == 1;
     trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text").to_owned()).collect()
 }
 
-/// Runs `a.sim`: what robot 1 printed, and the digest.
+/// Runs `a.sim`: lines printed by robot 1, and the digest.
 fn printed(scratch: &Scratch, args: &[&str]) -> (Vec<String>, String) {
     let report = scratch.report("a.sim", &[args, &["--trace", "t.jsonl"]].concat(), 0);
     (said(&scratch.trace("t.jsonl")), report["digest"].as_str().expect("a digest").to_owned())
 }
 
-/// A run whose exit code is `code`: what it said on standard error.
+/// Standard error of a run whose exit code is `code`.
 fn refused(scratch: &Scratch, args: &[&str], code: i32) -> String {
     let ran: Ran = scratch.eyesim(args);
     assert_eq!(ran.code, Some(code), "{ran:#?}");
@@ -290,7 +290,7 @@ fn images_are_the_same_however_a_run_is_run() {
     assert_eq!(without["digest"].as_str(), Some(digest.as_str()), "without a trace");
     assert_ne!(printed(&scratch, &["--noise", "none"]).1, digest, "the digest covers the pixels");
 
-    // Images, and what was read of them, sorted by robot, number and time.
+    // Images with their content, sorted by robot, number and time.
     let names = names(&scratch.path().join("images"));
     assert_eq!(names.len(), 2 * 4 * 4, "{names:?}");
     assert!(names[0].starts_with("r1-000001-00000.") && names[0].ends_with("-depth.png"), "{names:?}");
@@ -313,7 +313,7 @@ fn images_are_the_same_however_a_run_is_run() {
     assert!(names[2].contains(&format!("{exposed:012.6}")), "{} {exposed}", names[2]);
 }
 
-/// The same in Python, through `eye.py`.
+/// The test of all functions in Python, through `eye.py`.
 const PYTHON: &str = r#"
 from eye import *
 
@@ -455,7 +455,7 @@ fn wrong_folders_for_images_are_refused() {
 #[test]
 fn an_image_that_cannot_be_written_ends_the_run() {
     let scratch = scratch(ROBOTS);
-    // Both take their images after the slot in which the second one removes the folder, the first one a little earlier.
+    // Both robots take images after the slot in which the second one removes the folder, the first one a little earlier.
     let begun = |more: &str| WANDERER.replace("CAMInit(CUSTOM);", &format!("CAMInit(CUSTOM); {more} OSWait(100);"));
     scratch.write("one.c", &begun(""));
     scratch.write("two.c", &begun("OSExecute(\"rm -r images\", (char *)image);"));
@@ -482,7 +482,7 @@ fn without_a_camera_nothing_is_read_for_one() {
     assert_eq!(quiet.code, Some(0), "{quiet:#?}");
     assert!(!quiet.stderr.contains("missing.png"), "{quiet:#?}");
 
-    // With one, the warning comes once, in the slot of the first image, whoever takes it.
+    // With one, the warning comes once, in the slot of the first image, for either robot.
     scratch.write("one.c", WANDERER);
     scratch.eyesim(&["run", "a.sim", "-q"]);
     let told: Vec<Ran> =
@@ -497,7 +497,7 @@ fn without_a_camera_nothing_is_read_for_one() {
     let strict = refused(&scratch, &["run", "a.sim", "--strict", "-q"], 2);
     assert!(strict.contains("the scene is not run on: 1 warning"), "{strict}");
 
-    // What cameras need is an input then.
+    // The files that cameras need are then inputs of the run.
     scratch.write("room.wld", &walls.replace("missing.png", "floor.bmp"));
     let inputs = |scratch: &Scratch| -> Vec<String> {
         let report = scratch.report("a.sim", &[], 0);

@@ -1,5 +1,5 @@
-//! Robots and movable objects that a hand adds to a run and removes from it: the same on threads and in processes, by sensors and
-//! by the numbers that programs know them by.
+//! Robots and movable objects that a user adds to a run and removes from it: the same on threads and in processes, by sensors and
+//! by the numbers under which programs know them.
 
 use std::time::{Duration, Instant};
 
@@ -174,7 +174,7 @@ fn programs_of_robios_7_number_newcomers_on() {
     assert_eq!(number(&report["objects"][0], "pose.x_m"), 3.0);
 }
 
-/// Computes for ever when it is to leave.
+/// Computes for ever when the robot is to be removed.
 const STAYS: &str = r#"
 #include "eyebot.h"
 struct Stays { ~Stays() { for (volatile int i = 0; ; i = i + 1); } };

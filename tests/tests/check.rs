@@ -1,4 +1,4 @@
-//! `eyesim check` and `eyesim explain`: forms, exit codes, folders, and files that are none.
+//! `eyesim check` and `eyesim explain`: output formats, exit codes, folders, and invalid files.
 
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
@@ -32,7 +32,7 @@ fn json(ran: &Ran) -> Vec<Value> {
     serde_json::from_str(&ran.stdout).unwrap_or_else(|error| panic!("{error}: {ran:#?}"))
 }
 
-/// The codes that are said about one file.
+/// The codes reported for one file.
 fn codes(scratch: &Scratch, name: &str) -> Vec<String> {
     let ran = check(scratch, &[name, "--format", "json"]);
     json(&ran).iter().map(|diagnostic| diagnostic["code"].as_str().expect("a code").to_owned()).collect()
@@ -190,7 +190,7 @@ fn files_that_are_none_are_reported() {
     assert_eq!(codes(&scratch, "folder.wld"), ["folder-empty"]);
     assert_eq!(codes(&scratch, "a.xyz"), ["file-kind"]);
     assert!(codes(&scratch, "named.sim").contains(&"file-unreadable".to_owned()));
-    // All of it again as people see it.
+    // Again, as text for people.
     let ran = check(&scratch, &[".", "--format", "human"]);
     assert!(ran.stdout.contains("cr.wld:2:1") && !ran.stdout.contains('\0'), "{ran:#?}");
 }
@@ -224,7 +224,7 @@ fn file_names_need_not_be_text() {
     assert!(ran.stdout.ends_with("2 files checked: 2 warnings in 2 files\n"), "{ran:#?}");
 }
 
-/// No screen and no memory is filled with a file of one line.
+/// A huge file of one line fills neither the screen nor the memory.
 #[test]
 fn one_line_of_many_megabytes_is_no_trouble() {
     let scratch = Scratch::new();

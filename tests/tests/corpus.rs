@@ -1,4 +1,4 @@
-//! `eyesim check` over the files of EyeSim that lie beside the repository, if they do: nothing of them is lost but what is missing.
+//! `eyesim check` over the files of EyeSim beside the repository, if present: only missing files cause losses.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use tests::{Scratch, root};
 /// A file below the corpus, line, column, code.
 type Finding<'a> = (&'a str, u64, u64, &'a str);
 
-/// Worlds and robot files that lines name and nobody has: EyeSim, too, loses the scene to them.
+/// Worlds and robot files that are named but exist nowhere: EyeSim fails to load these scenes, too.
 const ERRORS: &[Finding<'_>] = &[
     ("vr-2018/Test Assets/examples/drivemodes/Ackermann.sim", 5, 6, "file-missing"),
     ("vr-2018/Test Assets/examples/drivemodes/Diff.sim", 5, 6, "file-missing"),
@@ -23,7 +23,7 @@ const ERRORS: &[Finding<'_>] = &[
     ("vr-2018/older/f906f0a/SavedSim.sim", 4, 7, "file-missing"),
 ];
 
-/// What EyeSim passes over in silence. Not listed: files that moved with their scene, meshes, programs and types that the
+/// Mistakes that EyeSim ignores silently. Not listed: files that moved with their scene, meshes, programs and types that the
 /// collection does not hold.
 const WARNINGS: &[Finding<'_>] = &[
     ("vr-2018/123.sim", 0, 0, "sim-robot-missing"),
@@ -53,7 +53,7 @@ const WARNINGS: &[Finding<'_>] = &[
     ("vr-crate/LLMEyesim/eyesim/worlds/Crate/Boxes.esObj", 8, 1, "esobj-keyword"),
 ];
 
-/// Warnings about what the collection does not hold.
+/// Warnings about files that the collection does not hold.
 const ABSENT: [&str; 4] = ["file-missing", "file-moved", "program-missing", "sim-type-unknown"];
 
 fn findings<'a>(all: &'a [Value], corpus: &str, severity: &str) -> BTreeSet<Finding<'a>> {
@@ -88,13 +88,13 @@ fn every_file_of_eyesim_is_checked_and_each_defect_named() {
     warnings.retain(|(_, _, _, code)| !ABSENT.contains(code) && !code.starts_with("mesh-"));
     assert_eq!(warnings, WARNINGS.iter().copied().collect());
 
-    // One line each for editors, the same ones.
+    // The same diagnostics, one line each, for editors.
     let output = check(&["--format", "short"]);
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(lines.lines().filter(|line| line.contains(": error[")).count(), ERRORS.len(), "{lines}");
 }
 
-/// The programs that the scenes name and that the collection does not hold, by the names that the stand-ins are given for.
+/// Programs that scenes name but the collection does not hold, by the names under which stand-ins are given.
 const STAND_INS: &[(&str, &[&str])] = &[
     ("two-starts/01-w5_simulation.sim", &["02-prey", "03-predator.py"]),
     ("follow-leader/01-w5_simulation.sim", &["leader.py", "worker"]),
@@ -140,7 +140,7 @@ fn every_scene_of_eyesim_runs_with_stand_ins_for_its_missing_programs() {
             assert_eq!(code, Some(2), "{file}: {stderr}");
             continue;
         }
-        // Without stand-ins only scenes run that name no program.
+        // Without stand-ins only scenes without programs run.
         assert_eq!(code, Some(if stand_ins.is_some() { 2 } else { 0 }), "{file}: {stderr}");
         let stand_ins = stand_ins.unwrap_or(&[""]);
         let (code, stderr) = run(stand_ins);

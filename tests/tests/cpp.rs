@@ -1,4 +1,4 @@
-//! C++ programs: streams, exceptions, static objects, virtual time, and how they are left.
+//! C++ programs: streams, exceptions, static objects, virtual time, and destructors at the end.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
@@ -205,9 +205,9 @@ fn static_objects_live_as_long_as_the_program() {
         lines(&ran, 1).into_iter().map(|line| line.split(' ').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
     };
     assert_eq!(names(&[], 0), ["+a", "+b", "+local", "+t", "-local", "-t", "atexit", "-b", "-a"]);
-    // As C++ has it: `exit` leaves automatic objects alone.
+    // As in C++, `exit` does not destroy automatic objects.
     assert_eq!(names(&["--args", "1"], 0), ["+a", "+b", "+local", "+t", "-t", "atexit", "-b", "-a"]);
-    // Stopped by the simulator: everything is destroyed, nothing is called at the exit.
+    // Stopped by the simulator: all objects are destroyed, no exit handlers are called.
     assert_eq!(names(&["--args", "1 2", "--until", "2"], 0), ["+a", "+b", "+local", "+t", "-local", "-t", "-b", "-a"]);
     assert_eq!(names(&["--args", "1 2 3"], 1), ["+a", "+b", "+local", "+t"]);
 }

@@ -64,7 +64,7 @@ fn a_program_stops_at_a_line_and_a_function_and_the_run_is_the_same() {
     assert!(shown.contains(&format!("drive.c:{line}\n")), "{shown}");
     assert!(shown.contains("twice (number=21)"), "{shown}");
     assert!(shown.contains("Value returned is $3 = 42"), "{shown}");
-    // Two seconds at the prompt were no time for the robots: the run is that of `eyesim run`.
+    // Two seconds at the prompt take no virtual time: the run equals that of `eyesim run`.
     let debugged = report(&scratch, "debug.json");
     let plain = scratch.report("scene.sim", &[], 0);
     assert_eq!(debugged["digest"], plain["digest"], "{debugged:#}");

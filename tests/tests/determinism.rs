@@ -64,7 +64,7 @@ fn who_watches_changes_nothing() {
     assert_eq!(digest(&scratch, &["-v"]), first);
     assert_eq!(digest(&scratch, &["-v", "--only", "PSD*", "--trace", "t.jsonl", "--plot", "p.svg"]), first);
     assert_eq!(digest(&scratch, &["--speed", "20"]), first, "nor does pacing");
-    // The trace says the same.
+    // The trace has the same digest.
     let trace = scratch.trace("t.jsonl");
     assert_eq!(trace.last().expect("a trace has lines")["digest"], Value::String(first));
 }
@@ -118,7 +118,7 @@ fn robots_with_numbers_give_the_same_run_in_whatever_order_they_are_listed() {
         }
         scratch.write(name, &scene);
         let report = scratch.report(name, &["--until", "10", "--trace", "t.jsonl"], 0);
-        // The first line names the file, which is another one.
+        // The first line names the file, which differs.
         let trace = scratch.read("t.jsonl");
         let (_, events) = trace.split_once('\n').expect("a header");
         (report["digest"].clone(), report["robots"].clone(), events.to_owned())

@@ -1,5 +1,5 @@
-//! Scenes in every dialect, written as their users write them, with programs that run in them: a robot gets to where geometry
-//! says, and what two dialects say of one thing is one thing.
+//! Scenes in every dialect, written as their users write them, with programs that run in them: a robot arrives where geometry
+//! says, and two dialects that describe the same scene give the same run.
 
 #![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a millimetre")]
 
@@ -23,7 +23,7 @@ int main(void) {
 }
 "#;
 
-/// Shows what the four PSD sensors read where the robot stands.
+/// Shows the readings of the four PSD sensors at the start.
 const LOOK: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -38,7 +38,7 @@ int main(void) {
 }
 "#;
 
-/// Wanders about for 30 s with all that a robot has, at random.
+/// Drives at random for 30 s and uses all devices of the robot.
 const WANDER: &str = r#"
 #include <stdlib.h>
 #include "eyebot.h"
@@ -63,17 +63,17 @@ int main(void) {
 }
 "#;
 
-/// A robot as classic files have it; its axle lies 10 mm ahead of the centre.
+/// A robot as in classic files; its axle lies 10 mm ahead of the centre.
 const CLASSIC: &str = "name Twin\ndiameter 186\nspeed 600\nturn 300\naxis 10\npsd PSD_FRONT 1 60 20 30 0\n\
     psd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\npsd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 90\n\
     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
-/// The same robot as EyeSim VR has it: the body by its collider, half the track, no names of motors.
+/// The same robot as in files of EyeSim VR: the body by its collider, half the track, no names of motors.
 const VR: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
     psd PSD_FRONT 1 60 20 30 0\npsd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\n\
     psd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 45\n";
 
-/// The same as the files of 2022 have it: the id before the name, three angles.
+/// The same robot as in files of 2022: the id before the name, three angles.
 const VR_2022: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
     psd 1 PSD_FRONT 60 20 30 0 0 0\npsd 2 PSD_LEFT 56 45 30 0 90 0\npsd 3 PSD_RIGHT 56 -45 30 0 -90 0\n\
     psd 4 PSD_BACK -60 0 30 0 180 0\nwheel 54 3600 1100 45\n";
@@ -115,12 +115,12 @@ fn assert_at(robot: &Value, x_mm: f64, y_mm: f64, phi_deg: f64) {
 /// The end of [`HOOK`] for a robot whose axle lies `axle_mm` ahead of its centre, which starts at (x, y) in mm.
 fn end_of_hook(x: f64, y: f64, phi_deg: f64, axle_mm: f64) -> (f64, f64, f64) {
     let (sin, cos) = phi_deg.to_radians().sin_cos();
-    // It turns about the middle of its axle: that gets to `ahead` and then `left` of the start.
+    // The robot turns about the middle of its axle, which moves `ahead` and then `left` of the start.
     let (ahead, left) = (300.0 + axle_mm, 200.0 - axle_mm);
     (x + ahead * cos - left * sin, y + ahead * sin + left * cos, phi_deg + 90.0)
 }
 
-/// What [`LOOK`] has shown in `row`.
+/// Reading shown by [`LOOK`] in `row`.
 fn reading(robot: &Value, row: usize) -> f64 {
     let text = robot["lcd"][row].as_str().expect("a line").trim();
     text.parse().unwrap_or_else(|_| panic!("`{text}` in {robot:#}"))
@@ -315,7 +315,7 @@ fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
         assert_eq!(digest(&scratch, &classic(robi)), first, "{robi}");
         assert_eq!(digest(&scratch, &vr(robi)), first, "{robi} in a sim file of EyeSim VR");
     }
-    // A digest that nothing changes would say nothing.
+    // Counter-check: a digest that never changes would prove nothing.
     scratch.write("vr.robi", &VR.replace("1100 45", "1100 45.001"));
     assert_ne!(digest(&scratch, &classic("vr")), first, "a thousandth of a millimetre");
 }
@@ -332,7 +332,7 @@ fn what_only_the_window_shows_changes_nothing() {
     assert_eq!(digest(&scratch, &format!("world room.wld\n{scene}")), first);
 }
 
-/// A post that nothing moves: 120 mm wide (X to the right), 300 mm high, 60 mm deep (Z forward).
+/// A fixed post: 120 mm wide (X to the right), 300 mm high, 60 mm deep (Z forward).
 const POST: &str = "name Post\nmass 5 0 0 0\ncollider box 0 150 0 120 300 60\nfixed\n";
 
 #[test]
@@ -357,7 +357,7 @@ fn objects_of_every_dialect_stand_where_they_are_placed() {
     assert_eq!(reading(&robots[0], 3), 2520.0 - 100.0 - 1500.0);
 }
 
-/// Drives 1 m against whatever is there.
+/// Drives 1 m against any obstacle ahead.
 const RAM: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -388,7 +388,7 @@ fn a_robot_pushes_a_can_and_stops_at_a_post() {
     assert!((-1.0..20.0).contains(&ahead), "{ahead} mm: {can:#}");
 }
 
-/// Shows what its `main` gets.
+/// Shows the arguments of its `main`.
 const ECHO: &str = r#"
 #include "eyebot.h"
 int main(int argc, char **argv) {

@@ -1,4 +1,4 @@
-//! The example programs do in their scenes what they are said to do.
+//! The example programs behave in their scenes as documented.
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Path of a scene of ours.
+/// Path of a sample scene.
 fn scene(name: &str) -> String {
     root().join("sims").join(name).to_str().expect("the checkout's path is text").to_owned()
 }
 
-/// Runs a scene of ours and returns its robots, all of which have to come to `outcome`.
+/// Runs a sample scene and returns its robots, all of which must have `outcome`.
 fn run(name: &str, args: &[&str], outcome: &str) -> Vec<Value> {
     let report = Scratch::new().report(&scene(name), args, 0);
     let robots = report["robots"].as_array().expect("a report has robots").clone();
@@ -169,7 +169,7 @@ fn avoiders_drive_a_minute_without_a_contact() {
         assert_eq!(contacts(&robot), 0, "{robot:#}");
         assert!(number(&robot, "path_m") > 5.0, "{robot:#}");
     }
-    // With any other numbers too, but for the end of a wall of 20 mm between the beams.
+    // With other seeds too, except for the end of a wall of 20 mm between the beams.
     let seeds = ["1", "2", "3", "4", "5", "6", "7"];
     let all: u64 = seeds
         .iter()
@@ -203,7 +203,7 @@ fn mecanum_wheels_drive_a_square_without_turning() {
     assert!(poses.iter().all(|line| number(line, "phi_rad") == 0.0), "it never turns");
     let far = poses.iter().any(|line| number(line, "x_m") > 1.99 && number(line, "y_m") > 1.99);
     assert!(far, "it has been to the opposite corner");
-    // What the encoders tell is true to their ticks of 0.08 mm.
+    // The odometry is exact to the encoders' ticks of 0.08 mm.
     let words: Vec<f64> = lcd(robot, 3).split_whitespace().map(|word| word.parse().expect("a number")).collect();
     assert!((words[0] - (x - 1.5)).abs() < 5e-4 && (words[1] - (y - 1.5)).abs() < 5e-4, "{robot:#}");
 }

@@ -1,9 +1,9 @@
-//! The example programs of RoBIOS-7 do in their scenes what they are said to do.
+//! The example programs of RoBIOS-7 behave in their scenes as documented.
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Runs a scene of ours; all of its robots have to come to an end without touching anything.
+/// Runs a sample scene; all of its robots must end without contact.
 fn run(scene: &str, args: &[&str]) -> Value {
     let path = root().join("sims").join(scene);
     let report = Scratch::new().report(path.to_str().expect("UTF-8"), args, 0);

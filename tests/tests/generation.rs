@@ -1,4 +1,4 @@
-//! For which generation of RoBIOS a program is built, and how that is told.
+//! Selection of the RoBIOS generation for which a program is built.
 
 use tests::{Ran, Scratch, write_scene};
 

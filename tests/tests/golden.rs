@@ -1,6 +1,6 @@
-//! Golden digests: every sample scene is, to the bit, the run that it was when its digest was written down.
+//! Golden digests: every sample scene gives, to the bit, the run of its recorded digest.
 //!
-//! `goldens/digests.txt` has a line a run: scene, digest, further options of `eyesim run`. `EYESIM_RENEW_GOLDENS=1` writes it anew:
+//! `goldens/digests.txt` has a line per run: scene, digest, further options of `eyesim run`. `EYESIM_RENEW_GOLDENS=1` rewrites it:
 //! only for a change that is meant to change runs, in a commit that says which and why.
 
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ fn digest(golden: &Golden, more: &[&str]) -> String {
     report["digest"].as_str().expect("a digest").to_owned()
 }
 
-/// The goldens whose runs with `more` options have another digest, with that: two runs at a time.
+/// The goldens whose runs with `more` options have another digest, with that digest. Two runs at a time.
 fn changed(goldens: &[Golden], more: &[&str]) -> Vec<(usize, String)> {
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {

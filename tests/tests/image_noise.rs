@@ -11,7 +11,7 @@ use tests::{Scratch, eyesim_path, root};
 
 /// The pictures, in the order of the page; each with the profile of its name.
 const NAMES: [&str; 5] = ["none", "gaussian", "salt-and-pepper", "hundreds-and-thousands", "blur"];
-/// What the profiles say.
+/// Parameters of the profiles.
 const SIGMA: f64 = 20.0;
 const HITS: f64 = 0.05;
 
@@ -47,12 +47,12 @@ fn committed() -> std::path::PathBuf {
     root().join("docs/image-noise")
 }
 
-/// What distinguishes a picture from the original.
+/// Difference of a picture from the original.
 struct Statistics {
     /// Mean and standard deviation of the difference of the channels, in levels.
     mean: f64,
     deviation: f64,
-    /// The same standard deviation over the channels that are too far from black and white to be cut.
+    /// Standard deviation over the channels that are too far from black and white to be clipped.
     uncut: f64,
     /// Shares of pixels that differ, that are white and that are black.
     changed: f64,
@@ -124,7 +124,7 @@ fn the_table_is_that_of_the_pictures() {
     }
 }
 
-/// Within four standard errors of what the profile says.
+/// Within four standard errors of the profile's value.
 #[track_caller]
 fn assert_near(found: f64, said: f64, standard_error: f64) {
     assert!((found - said).abs() < 4.0 * standard_error, "{found}, said is {said}, standard error {standard_error}");

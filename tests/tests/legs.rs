@@ -64,7 +64,7 @@ fn printed(trace: &[Value], robot: u64) -> Vec<&str> {
     lines.map(|event| event["text"].as_str().expect("a text")).collect()
 }
 
-/// What was said to the user.
+/// Messages to the user.
 fn hints(scratch: &Scratch) -> String {
     let ran = scratch.eyesim(&["run", "legs.scene.toml"]);
     let hints = ran.stderr.lines().filter_map(|line| line.split_once("hint: "));
@@ -167,7 +167,7 @@ int main(void)
     }
 }
 
-/// Walks, changes the gait, corrects steps, and prints how the legs stand all along.
+/// Walks, changes the gait, corrects steps, and prints the state of the legs throughout.
 const WALK: &str = r#"#include <stdio.h>
 #include "eyebot.h"
 int main()
@@ -358,7 +358,7 @@ int main(void)
     assert_eq!(printed(&trace, 1), ["done"]);
     let postures = trace.iter().filter(|event| event["event"] == "posture");
     let mut numbers = postures.flat_map(|event| event["joints_rad"].as_array().expect("angles"));
-    // What is not finite is null.
+    // Non-finite numbers are null.
     assert!(numbers.clone().count() > 1000 && numbers.all(Value::is_number));
 }
 

@@ -1,9 +1,9 @@
-//! Multi-tasking of RoBIOS 6: who runs when is the same every time, whatever the slots, threads and executor.
+//! Multi-tasking of RoBIOS 6: the schedule is the same for all slot lengths, thread counts and executors.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// What a run of one robot with the program `source` came to, and its report.
+/// Result and report of a run of one robot with the program `source`.
 fn run_one(source: &str, args: &[&str]) -> (Ran, Value) {
     run_as("prog.c", source, args)
 }
@@ -23,7 +23,7 @@ fn with_headers(source: &str) -> String {
     format!("#include \"eyebot.h\"\n#include <stdio.h>\n#include <stdlib.h>\n{}", source.trim_start())
 }
 
-/// What the robot printed, without times.
+/// Output of the robot, without times.
 fn lines_of(ran: &Ran) -> Vec<String> {
     let lines = ran.stdout.lines().filter(|line| line.starts_with("[r1 "));
     lines.filter_map(|line| Some(line.split_once("] ")?.1.to_owned())).collect()
@@ -99,7 +99,7 @@ int main(void)
 }
 ";
 
-/// The classic example in a mode, and what starts it.
+/// The classic example in a mode, with the call that starts it.
 fn classic(mode: &str, start: &str) -> String {
     CLASSIC.replace("MODE", mode).replace("START", start)
 }
@@ -484,7 +484,7 @@ int main(void)
                     at prog.c:5; \
                     task `right` waits for semaphore 1 (made at prog.c:10), last passed by task `left` (prog.c:5), since 0.101 s \
                     at prog.c:6";
-    // The robot drives in a circle for ever: it is told at once all the same.
+    // The robot drives in a circle for ever; the deadlock is still reported at once.
     assert_eq!(reason_of(source), expected);
 }
 
@@ -630,7 +630,7 @@ int main(void) { OSMTInit(PREEMPT); OSReady(OSSpawn(\"late\", waits, 0, 1, 0)); 
 
 #[test]
 fn ugly_programs_end_with_a_message() {
-    // Kills of and by everybody, from destructors and timers; never a hang, never another exit.
+    // Kills between all tasks, from destructors and timers, never cause a hang or another exit code.
     let ends = |source: &str| {
         for exec in ["thread", "process"] {
             let (ran, _) = run_one(source, &["--exec", exec, "--until", "2"]);

@@ -1,11 +1,11 @@
-//! Noise as programs meet it: what a device reads is its own affair, and profiles that are wrong are refused with the place.
+//! Noise as seen by programs: readings of devices are independent, and wrong profiles are refused with their location.
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
 /// Reads two PSDs, a sonar, the compass and the scanner while it drives a circle whose noise it feels.
 ///
-/// By its arguments: how often it reads each of them in a cycle, and whether from the last to the first. The values of a
+/// Its arguments set how often it reads each of them in a cycle, and if the order is reversed. The values of a
 /// cycle are printed after all have been read, in an order of their own.
 const LOOK: &str = r#"#include "eyebot.h"
 #include <stdio.h>
@@ -38,7 +38,7 @@ int main(int argc, char *argv[])
 }
 "#;
 
-/// Drives two legs and prints each scan and where it believes to be.
+/// Drives two legs and prints each scan and its odometry.
 const SCAN: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 
@@ -63,7 +63,7 @@ int main(void)
 }
 "#;
 
-/// Two chambers of 2 m x 3 m, so that who is in the one is not seen from the other.
+/// Two chambers of 2 m x 3 m, without sight from one to the other.
 const ROOM: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\n2000 0 2000 3000\n";
 
 const BODY: &str = "diameter 180\nspeed 600\nturn 300\naxis 0\nwheel 54 3600 1100 90\n\
@@ -93,7 +93,7 @@ fn write(scratch: &Scratch) {
     scratch.write("a.scene.toml", &scene("\"harsh\"", "", ""));
 }
 
-/// What the trace of a run says of each robot, from robot 1 on.
+/// Trace lines of each robot, from robot 1 on.
 fn run(scratch: &Scratch, args: &[&str]) -> Vec<Vec<String>> {
     let args = [&["--trace", "t.jsonl"], args].concat();
     let report = scratch.report("a.scene.toml", &args, 0);
@@ -106,7 +106,7 @@ fn run(scratch: &Scratch, args: &[&str]) -> Vec<Vec<String>> {
     lines
 }
 
-/// What the programs printed.
+/// Output of the programs.
 fn printed(lines: &[String]) -> Vec<String> {
     let event = |line: &String| serde_json::from_str::<Value>(line).expect("a line of a trace");
     let texts = lines.iter().map(event).filter(|event| event["event"] == "stdout");
@@ -164,7 +164,7 @@ fn another_robot_changes_no_reading_of_the_others() {
     let scratch = Scratch::new();
     write(&scratch);
     let before = run(&scratch, &[]);
-    // Walled in, where nobody sees it.
+    // Walled in, out of sight.
     scratch.write("room.wld", &format!("{ROOM}2000 2500 2500 2500\n2500 2500 2500 3000\n"));
     let walled = run(&scratch, &[]);
     let third = "[[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\nx_mm = 2250\ny_mm = 2750\n";
@@ -305,7 +305,7 @@ fn robots_come_back_the_less_exactly_the_greater_their_errors_are() {
     let off: Vec<f64> = robots.iter().zip(starts).map(|(robot, start)| off(robot, start)).collect();
     assert!(off[0] < 1e-9 && off.is_sorted(), "{off:?}");
     assert!(off[1] > 1e-4 && off[2] > 0.01 && off[3] > 0.1, "{off:?}");
-    // Odometry knows nothing of it.
+    // Odometry is not affected.
     for robot in robots {
         assert!(length(number(robot, "odometry.x_m"), number(robot, "odometry.y_m")) < 0.1, "{robot:#}");
         assert_eq!(robot["contacts"], 0);

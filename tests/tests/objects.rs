@@ -1,4 +1,4 @@
-//! Movable objects in whole runs: a goal is shot, crates are pushed or stall the wheels, what is recorded of it.
+//! Movable objects in whole runs: a goal is shot, crates are pushed or stall the wheels, with the record of it.
 
 #![allow(clippy::disallowed_methods, reason = "distances by hand, compared within a tolerance")]
 

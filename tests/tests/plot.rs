@@ -11,7 +11,7 @@ fn plot(scratch: &Scratch, file: &str, picture: &str, more: &[&str]) -> Ran {
     scratch.eyesim(&args)
 }
 
-/// How many elements of an SVG contain `text`.
+/// Number of elements of an SVG that contain `text`.
 fn count(svg: &str, text: &str) -> usize {
     svg.split('<').filter(|element| element.contains(text)).count()
 }

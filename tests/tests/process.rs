@@ -1,4 +1,4 @@
-//! Programs in processes of their own: the same digest as on threads, and what breaks ends one robot alone.
+//! Programs in separate processes: the same digest as on threads, and a fault ends only its own robot.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -13,7 +13,7 @@ fn run(scratch: &Scratch, sim: &str, args: &[&str], code: i32) -> (Value, Value)
     (report["digest"].take(), report["robots"].take())
 }
 
-/// Runs `sim` on threads and in processes, and checks that all is the same.
+/// Runs `sim` on threads and in processes, and checks that all results are equal.
 fn assert_same(scratch: &Scratch, sim: &str, args: &[&str], code: i32) -> Value {
     let on_threads = run(scratch, sim, args, code);
     let in_processes = run(scratch, sim, &[args, &["--exec", "process"]].concat(), code);
@@ -90,7 +90,7 @@ fn timers_keys_console_arguments_exit_codes_and_assertions_are_as_on_threads() {
     for words in ["1 a b", "2 c", "the end", "to standard error"] {
         assert!(said.contains(words), "`{words}`: {said}");
     }
-    // What the program waits for, and where, is known as on a thread.
+    // Reason and location of the program's wait are reported as on a thread.
     let robots = assert_same(&scratch, "scene.sim", &[], 1);
     let waits = robots[0]["reason"].as_str().expect("a reason");
     assert!(waits.contains("waits for") && waits.contains("prog.c:"), "{waits}");

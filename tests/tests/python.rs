@@ -5,7 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 use tests::Scratch;
 
-/// Whether there is a Python; prints why a test is skipped if not.
+/// Returns true if there is a Python; otherwise prints why the test is skipped.
 fn has_python() -> bool {
     let has = Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
     if !has {

@@ -1,4 +1,4 @@
-//! The radio: what programs are answered, who waits for whom, and how it ends.
+//! The radio: results of calls, waits between robots, and the end of runs.
 
 use std::process::Command;
 
@@ -83,7 +83,7 @@ int main(void)
 }
 "#;
 
-/// Sends three messages back to where they come from.
+/// Echoes three messages to their senders.
 const ECHO_6: &str = r#"
 int main(void)
 {
@@ -333,7 +333,7 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
     let (time, arrived, loss) = &messages(&trace)[&(1, 1)].fates[&2];
     assert_eq!((*time, loss.as_deref()), (200_000, Some("end")));
     assert!(*arrived > 350_000, "{arrived}");
-    // The program of the receiver ends first: the message goes to nobody that lives.
+    // The program of the receiver ends first: the message has no live receiver.
     scratch.write("receiver.c", "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(20); return 0; }");
     let (_, trace) = traced(&scratch, &[], 0);
     let (_, _, loss) = &messages(&trace)[&(1, 1)].fates[&2];

@@ -1,4 +1,4 @@
-//! What the radio carries: when messages come, what becomes of each, and that it is the same however a run is run.
+//! Radio traffic: arrival times and fates of messages, equal for all ways to run a scene.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 use tests::Scratch;
 use tests::radio::{RECEIVER, SENDER, causes, integer, messages, micros, row, said, scene, traced};
 
-/// Sends at random, and takes what comes; robots 1 and 2 also wait for it.
+/// Sends at random and receives; robots 1 and 2 also wait for messages.
 const RANDOM_6: &str = r#"
 #include "eyebot.h"
 #include <stdlib.h>
@@ -102,7 +102,7 @@ fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
         let (visible, arrived, loss) = &all[&(from, number)].fates[&robot];
         let taken = micros(&event["t_s"]);
         assert!(*visible <= taken && loss.is_none(), "{event}");
-        // What came before the last message that was taken cannot have been visible then.
+        // A message that arrived before the last one taken cannot have been visible then.
         let key = (*arrived, from, number);
         if let Some((before, when)) = last.insert(robot, (key, taken)) {
             assert!(before < key || *visible > when, "{event} after {before:?}");

@@ -1,4 +1,4 @@
-//! Range sensors as programs of both generations and of Python read them, against closed forms.
+//! Readings of range sensors in programs of both generations and of Python, against closed forms.
 #![allow(clippy::disallowed_methods, reason = "distances by hand, compared within millimetres")]
 
 use std::process::Command;
@@ -33,7 +33,7 @@ fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().filter_map(|word| word.trim_end_matches(':').parse().ok()).collect()
 }
 
-/// What the ray meets that falls by `down` rad: distance and incidence; the end wall is out of range for all.
+/// Hit of the ray inclined down by `down` rad: distance and incidence angle; the end wall is out of range for all.
 fn met(down: f64) -> (f64, f64) {
     let at_face = HEIGHT - FACE * down.tan();
     if at_face > STEP {
@@ -42,7 +42,7 @@ fn met(down: f64) -> (f64, f64) {
     if at_face > 0.0 { (FACE / down.cos(), down) } else { (HEIGHT / down.sin(), std::f64::consts::FRAC_PI_2 - down) }
 }
 
-/// What laser, ultrasonic and reflectance sensor give, and the last one's signal.
+/// Readings of laser, ultrasonic and reflectance sensor, and the signal of the last.
 fn readings(down: f64) -> [f64; 4] {
     let (distance, incidence) = met(down);
     let echo = |[min, max]: [f64; 2], limit: f64| {

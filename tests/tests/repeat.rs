@@ -1,9 +1,9 @@
-//! What a hand does to a run: its effect, what is recorded of it, and runs that are repeated from their traces.
+//! User interventions in a run: their effect, their record, and runs repeated from their traces.
 
 use serde_json::{Value, json};
 use tests::{Ran, Scratch, number, write_scene};
 
-/// Writes a trace with nothing in it but what a hand does, each at a time in seconds.
+/// Writes a trace that contains only interventions, each at a time in seconds.
 fn write_hand(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
     let header = json!({"event": "header", "schema": 1, "eyesim_version": env!("CARGO_PKG_VERSION"), "seed": 0, "slot_us": 50_000, "robots": []});
     let line = |(t_s, action): &(f64, Value)| {
@@ -13,7 +13,7 @@ fn write_hand(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
     scratch.write(name, &format!("{header}\n{lines}"));
 }
 
-/// Runs `sim` with a hand that does `actions`; the report, and the trace in `trace.jsonl`.
+/// Runs `sim` with the interventions `actions`; the report, and the trace in `trace.jsonl`.
 fn run(scratch: &Scratch, sim: &str, actions: &[(f64, Value)], args: &[&str], code: i32) -> Value {
     write_hand(scratch, "hand.jsonl", actions);
     let all = [&["--repeat", "hand.jsonl", "--trace", "trace.jsonl"][..], args].concat();
@@ -78,7 +78,7 @@ fn a_robot_that_is_put_elsewhere_goes_on_from_there() {
         // Its drive ends where it is put, at once; the next one is 0.5 m along y.
         let (x, y) = (number(robot, "pose.x_m"), number(robot, "pose.y_m"));
         assert!((x - 2.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9, "{robot:#}");
-        // Odometry notices nothing of it: 0.2 m and 0.5 m, within what it drives in a call's time.
+        // Odometry is not affected: 0.2 m and 0.5 m, within the distance driven during a call.
         assert!((number(robot, "odometry.x_m") - 0.7).abs() < 1e-3, "{robot:#}");
         assert!((number(robot, "virtual_time_s") - 2.0).abs() < 0.01, "{robot:#}");
         let [placed] = &events(&scratch, "placed")[..] else { panic!("one robot is placed once") };
@@ -283,7 +283,7 @@ fn what_cannot_be_done_is_refused_and_leaves_no_trace() {
     let late = run(&scratch, "scene.sim", &[(5.0, press(1, "KEY1"))], &["--until", "3"], 0);
     assert!(events(&scratch, "intervention").is_empty());
     assert_eq!(late["sim_time_s"].as_f64(), Some(3.0));
-    // A hand that does nothing changes nothing.
+    // An empty list of interventions changes nothing.
     assert_eq!(run(&scratch, "scene.sim", &[], &[], 0)["digest"], plain["digest"]);
 }
 
@@ -315,7 +315,7 @@ fn numbers(seed: u64) -> impl FnMut(u32) -> u32 {
     }
 }
 
-/// Thirty things that a hand might do within 40 s, at the starts of slots of 50 ms.
+/// Thirty random interventions within 40 s, at the starts of slots of 50 ms.
 fn random_hand(seed: u64) -> Vec<(f64, Value)> {
     let mut below = numbers(seed);
     let mut actions: Vec<(f64, Value)> = (0..30)
@@ -392,7 +392,7 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     assert!(ran.stdout.starts_with("the runs part in the slot that ends at 1.02"), "{ran:#?}");
 
-    // Of a trace that was cut off what is there is compared.
+    // Of a truncated trace the existing part is compared.
     let half = &trace[..trace.len() / 2];
     scratch.write("half.jsonl", half);
     let ran = verify(&scratch, "half.jsonl", &[]);

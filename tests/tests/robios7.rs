@@ -1,4 +1,4 @@
-//! RoBIOS-7 as programs see it: every function of its header, what older headers had, images, files, serial lines, timers.
+//! RoBIOS-7 as seen by programs: every function of its header and of older headers, images, files, serial lines, timers.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ fn bare(name: &str, program: &str) -> Scratch {
     scratch
 }
 
-/// The same with a body of `main` in C that returns 0.
+/// As above, with a body of `main` in C that returns 0.
 fn scene_of(body: &str) -> Scratch {
     bare("main.c", &program_of(body))
 }
@@ -39,7 +39,7 @@ fn program_of(body: &str) -> String {
     format!("#include \"eyebot.h\"\n\n{body}\n")
 }
 
-/// What robot 1 has printed in a run that ends with this code.
+/// Output of robot 1 in a run that ends with this code.
 fn printed(scratch: &Scratch, args: &[&str], code: i32) -> (Vec<String>, String) {
     let ran = scratch.eyesim(&[&["run", "bare.sim", "--trace", "trace.jsonl"], args].concat());
     let lines = scratch
@@ -352,7 +352,7 @@ fn motors_go_on_when_a_program_has_ended_with_0() {
         let robot = &report["robots"][0];
         (tests::number(robot, "path_m"), report["sim_time_s"].as_f64().expect("a time"))
     };
-    // A drive with an end is driven to it; a speed goes on for as long as somebody wants to look.
+    // A drive with an end is completed; a speed goes on for the time of `--linger`.
     let (path, time) = end("VWStraight(500, 250);", &[], 0);
     assert!((path - 0.5).abs() < 1e-9 && (2.0..2.1).contains(&time), "{path} m in {time} s");
     let (path, time) = end("VWSetSpeed(100, 10);", &[], 0);

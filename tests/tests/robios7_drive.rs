@@ -1,4 +1,4 @@
-//! Programs of RoBIOS-7 that drive, measure and look at the truth: what they are told, and where they really are.
+//! Programs of RoBIOS-7 that drive, measure and read the ground truth: results of calls against true poses.
 #![allow(clippy::disallowed_methods, reason = "arcs by hand, compared within a micrometre")]
 
 use std::f64::consts::{PI, TAU};
@@ -32,7 +32,7 @@ fn scene(world: &str, lines: &str, program: &str) -> Scratch {
     scratch
 }
 
-/// Runs the scene to the end of its programs, which must be a good one.
+/// Runs the scene to the end of its programs, which must succeed.
 fn run(scratch: &Scratch) -> (Value, Vec<Value>) {
     run_until(scratch, "600")
 }
@@ -44,7 +44,7 @@ fn run_until(scratch: &Scratch, until: &str) -> (Value, Vec<Value>) {
     (serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON"), scratch.trace("trace.jsonl"))
 }
 
-/// What is said of a robot S4 in the room, and the exit code.
+/// Messages for a robot S4 in the room, and the exit code.
 fn messages(program: &str) -> Ran {
     let scratch = scene(ROOM, "S4 1000 1000 0 mine.c\n", program);
     scratch.eyesim(&["run", "scene.sim", "--until", "600"])
@@ -305,7 +305,7 @@ fn robots_and_objects_are_put_elsewhere() {
                    SIMSetObject(5, 1500, 600, 0, 30);\n    SIMGetRobot(2, &x, &y, NULL, &phi); IS(x, 3000); rest(); SIMGetRobot(2, &x, &y, NULL, &phi); IS(x, 3500); IS(y, 2500); \
                    IS(phi, 180);\n    SIMGetRobot(3, &x, &y, NULL, &phi); IS(x, 2500); IS(phi, -90); SIMGetObject(5, &x, &y, NULL, &phi); IS(x, 1500); IS(y, 600); IS(phi, 30);\n    \
                    VWTurn(90, 90); VWWait(); rest(); return 0;\n}\n";
-    // The second robot waits for a drive that is over when it is put elsewhere.
+    // The second robot waits for a drive that ends when the robot is moved.
     let second = "int main(void)\n{\n    int x, y, phi;\n    VWTurn(30000, 1); VWWait(); SIMGetRobot(0, &x, &y, NULL, &phi); IS(x, 3500); IS(phi, 180); IS(VWDone(), 1); \
                   return 0;\n}\n";
     let scratch = company(program, second);

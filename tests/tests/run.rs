@@ -1,4 +1,4 @@
-//! `eyesim run` as a command: what it refuses, how it is interrupted, what it leaves behind.
+//! `eyesim run` as a command: refused input, interruption, and files left behind.
 
 use std::process::Stdio;
 use std::time::Duration;
@@ -23,7 +23,7 @@ fn interrupted(scratch: &Scratch, args: &[&str]) -> Ran {
     while !is_running() {
         std::thread::sleep(Duration::from_millis(5));
     }
-    // SAFETY: kill takes no pointer; the child has not been waited for, so its number is its own.
+    // SAFETY: kill takes no pointer; the child has not been waited for, so its process id is still valid.
     unsafe { libc::kill(i32::try_from(child.id()).expect("a process number"), libc::SIGINT) };
     Ran::from(child.wait_with_output().expect("eyesim ends"))
 }

@@ -1,4 +1,4 @@
-//! Tasks of Rust programs in the simulator: how they fail, are killed, and are left.
+//! Tasks of Rust programs in the simulator: failure, killing, and the end of the program.
 
 use serde_json::Value;
 use tests::{Scratch, root};
@@ -102,7 +102,7 @@ fn write_ways(scratch: &Scratch, ways: &[&str]) {
     scratch.write("ways.scene.toml", &format!("{world}{robots}"));
 }
 
-/// Runs the scene; the robots' reports, what each has printed, and the digest.
+/// Runs the scene; the robots' reports, their output, and the digest.
 fn run(scratch: &Scratch, args: &[&str]) -> (Vec<(Value, Vec<String>)>, Value) {
     let mut all = vec!["run", "ways.scene.toml", "--report", "r.json", "--trace", "t.jsonl"];
     all.extend(args);

@@ -1,4 +1,4 @@
-//! The colour display, keys and touches of RoBIOS-7, as a program in C sees them.
+//! The colour display, keys and touches of RoBIOS-7 in a C program.
 
 use tests::Scratch;
 

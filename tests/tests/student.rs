@@ -1,8 +1,8 @@
-//! Mistakes that everybody makes once: the message says what is wrong and what to do.
+//! Common mistakes of beginners: the message says what is wrong and what to do.
 
 use tests::{Scratch, write_scene};
 
-/// What is printed to standard error of a run of one program, and the exit code.
+/// Standard error of a run of one program, and the exit code.
 fn messages(program: &str) -> (String, Option<i32>) {
     let scratch = Scratch::new();
     scratch.write("mine.c", program);

@@ -124,7 +124,7 @@ fn number(name: &str) -> i32 {
     }
 }
 
-/// What a program in C passes.
+/// Argument passed by a C program.
 fn argument_in_c(kind: &str, name: &str) -> String {
     match kind {
         "int" | "long" | "uint32_t" => number(name).to_string(),
@@ -176,7 +176,7 @@ fn program_in_c() -> String {
     text + "    printf(\"all called %d\\n\", sum != 0);\n    return 0;\n}\n"
 }
 
-/// What a program in Python passes, as the original takes it.
+/// Argument passed by a Python program, as accepted by the original.
 fn argument_in_python(kind: &str, name: &str, is_numpy: bool) -> String {
     let image = |size: &str| match is_numpy {
         true => format!("np.zeros({size}, np.uint8).ctypes.data_as(POINTER(c_byte))"),
@@ -386,7 +386,7 @@ fn headers_of_another_year_beside_a_program_give_way() {
     assert!(ran.stdout.contains("] a.c 42"), "{ran:#?}");
     let said = "`eyebot.h`, `types.h` beside the program is RoBIOS's own: eyesim's is used instead";
     assert!(ran.stderr.contains(said), "{ran:#?}");
-    // One that wraps ours, and types of the program's own, stay.
+    // A wrapper of our library, and types of the program's own, are kept.
     let wrapper = "#include_next <eyebot.h>\nstatic inline int go(void) { return VWStraight(100, 100); }\n";
     let program =
         "#include \"eyebot.h\"\n#include \"types.h\"\nint main(void) { Cell c = go(); VWWait(); return c; }\n";

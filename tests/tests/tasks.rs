@@ -1,9 +1,9 @@
-//! Threads of C programs are tasks of their robot: they share its virtual time, take turns, and a run stays the same every time.
+//! Threads of C programs are tasks of their robot: they share its virtual time and take turns, and every run is the same.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// What a run of one robot with the program `source` came to, and its report.
+/// Result and report of a run of one robot with the program `source`.
 fn run_one(source: &str, args: &[&str]) -> (Ran, Value) {
     let scratch = Scratch::new();
     scratch.write("prog.c", &with_headers(source));
@@ -190,7 +190,7 @@ int main(void) {
 
 #[test]
 fn turns_are_taken_at_ticks_by_number() {
-    // Each task counts its calls; within a tick of 10 ms nobody else runs.
+    // Each task counts its calls; within a tick of 10 ms no other task runs.
     let lines = output_of(
         "
 static int who[4000], at[4000], n;
@@ -311,7 +311,7 @@ int main(void) {
 }
 ",
     );
-    // Those of a broadcast are ready all at once, and take turns by number.
+    // The tasks woken by a broadcast are ready all at once, and take turns by number.
     let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 0", "condition 1"];
     assert_eq!(lines, expected);
 }
@@ -602,7 +602,7 @@ int main(void) {{
 "
     ));
     assert_eq!(lines, ["main"]);
-    // The end of the run leaves every task, wherever it is.
+    // The end of the run ends every task, at any point.
     let (ran, report) = run_one(
         &format!(
             "{idle}int main(void) {{ pthread_t t; pthread_create(&t, NULL, idle, NULL); pthread_join(t, NULL); return 0; }}\n"

@@ -1,11 +1,11 @@
-//! The example programs that talk with each other, and those of several tasks, do what they are said to do.
+//! The example programs that communicate, and those with several tasks, behave as documented.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// A run of a scene of ours with these arguments, in which every robot comes to its end.
+/// A run of a sample scene with these arguments, in which every robot's program ends.
 struct Ran {
     robots: Vec<Value>,
     trace: Vec<Value>,
@@ -31,7 +31,7 @@ impl Ran {
         self.trace.iter().filter(move |line| line["event"] == kind)
     }
 
-    /// What a robot has printed.
+    /// Output of a robot.
     fn lines(&self, robot: u64) -> Vec<&str> {
         let lines = self.events("stdout").filter(|line| line["robot"] == robot);
         lines.map(|line| line["text"].as_str().expect("a text")).collect()
@@ -122,7 +122,7 @@ fn a_convoy_keeps_to_the_trail_of_its_leader() {
     }
 }
 
-/// What the three robots of `shared-map` are to find, by the drawing of the maze: the walls at the left (above) and at the right
+/// Walls that the three robots of `shared-map` must find, by the drawing of the maze: those at the left (above) and at the right
 /// (below) of the cells of each lane, from the lowest up.
 fn lanes(maze: &str) -> Vec<String> {
     let rows: Vec<&[u8]> = maze.lines().map(str::as_bytes).collect();

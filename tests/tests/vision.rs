@@ -1,4 +1,4 @@
-//! The example programs that see with a camera do in their scenes what they are said to do, with noise as of real robots, too.
+//! The example programs with a camera behave in their scenes as documented, also with realistic noise.
 #![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within millimetres")]
 
 use std::f64::consts::PI;
@@ -7,7 +7,7 @@ use std::thread;
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Path of a scene of ours.
+/// Path of a sample scene.
 fn scene(name: &str) -> String {
     root().join("sims").join(name).to_str().expect("the checkout's path is text").to_owned()
 }
@@ -59,7 +59,7 @@ fn in_rust_and_on_robios6_the_ball_is_found_too() {
     }
 }
 
-/// Where robot 1 was at the ends of the slots.
+/// Positions of robot 1 at the ends of the slots.
 fn path(trace: &[Value]) -> Vec<[f64; 2]> {
     let poses = trace.iter().filter(|line| line["event"] == "pose" && line["robot"] == 1);
     poses.map(|pose| ["x_m", "y_m"].map(|key| number(pose, key))).collect()
@@ -120,7 +120,7 @@ fn the_lane_is_kept_once_around() {
     }
 }
 
-/// What robot 1 printed, with the times.
+/// Output of robot 1, with times.
 fn printed(trace: &[Value]) -> Vec<String> {
     let lines = trace.iter().filter(|line| line["event"] == "stdout" && line["robot"] == 1);
     lines.map(|line| line["text"].as_str().expect("a text").to_owned()).collect()
@@ -131,7 +131,7 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split([' ', ',']).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// When robot 2 first has an x beyond `edge` in the direction that `sign` gives, after `from_s`.
+/// First time after `from_s` at which robot 2 has an x beyond `edge` in the direction of `sign`.
 fn passes(trace: &[Value], edge: f64, sign: f64, from_s: f64) -> f64 {
     let mut poses = trace.iter().filter(|line| line["event"] == "pose" && line["robot"] == 2);
     let pose = poses.find(|pose| number(pose, "t_s") > from_s && sign * (number(pose, "x_m") - edge) > 0.0);

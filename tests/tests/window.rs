@@ -1,4 +1,4 @@
-//! The window over the real binary: what pages get, what becomes of what they ask for, and that watching changes nothing.
+//! The window of the real binary: messages to pages, effects of their requests, and watching without side effects.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -27,7 +27,7 @@ const WAITER: &str = "#include \"eyebot.h\"\nint main(void) {\n  LCDMenu(\"GO\",
 /// A process that serves pages until it is dropped.
 struct Served {
     child: Child,
-    /// What it prints before it serves.
+    /// Output before it serves.
     lines: Vec<String>,
     port: u16,
 }
@@ -46,7 +46,7 @@ impl Served {
             output.read_line(&mut line).expect("it says where it serves");
             lines.push(line.trim_end().to_owned());
         }
-        // What programs print is of no interest, but must not fill the pipe.
+        // The output of programs is discarded, so that it cannot fill the pipe.
         let drain = move || std::io::copy(&mut output, &mut std::io::sink());
         std::thread::Builder::new().name("drain".into()).spawn(drain).expect("a thread");
         let (_, rest) = lines[0].split_once("127.0.0.1:").unwrap_or_else(|| panic!("an address: {lines:?}"));
@@ -58,7 +58,7 @@ impl Served {
         Page::open(self.port, None)
     }
 
-    /// What a download holds.
+    /// Content of a download.
     fn get(&self, path: &str) -> Vec<u8> {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let request = format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", self.port);
@@ -79,7 +79,7 @@ impl Drop for Served {
     }
 }
 
-/// A page, and what it has got.
+/// A page and its received messages.
 struct Page {
     socket: WebSocket<TcpStream>,
     number: u32,
@@ -146,7 +146,7 @@ impl Page {
         None
     }
 
-    /// Takes messages until this holds.
+    /// Takes messages until a condition holds.
     fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
@@ -315,7 +315,7 @@ fn watched_by_three_pages_a_run_is_the_same() {
     let report = scratch.report("scene.sim", &args, 0);
     let served = Served::start(&scratch, &[&["view", "scene.sim", "--paused", "--speed", "max"][..], &args].concat());
     let (mut one, mut two) = (served.page(), served.page());
-    // This one never reads what it gets.
+    // This page never reads its messages.
     let mut stalled = served.page();
     stalled.send(&Request::Look { robot: Some(1), camera: true, calls: true });
     one.send(&Request::Look { robot: Some(1), camera: false, calls: true });
@@ -419,7 +419,7 @@ fn a_recorded_run_is_served() {
     assert_eq!(recording.robots[0].standings[0].standing, Standing::Running);
     drop(served);
 
-    // What was there of a trace that was cut off is played, and what is wrong is said.
+    // The existing part of a truncated trace is played, and the error is reported.
     let whole = scratch.read("t.jsonl");
     scratch.write("cut.jsonl", &whole[..whole.len() / 2]);
     scratch.write("scene.sim", &(std::fs::read_to_string(scratch.path().join("scene.sim")).expect("a scene") + "\n"));

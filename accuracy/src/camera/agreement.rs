@@ -6,19 +6,19 @@ use sim_core::{RobotId, camera::Still};
 
 use super::{Reference, Sight};
 
-/// What a camera's pictures of one view show.
+/// A camera's pictures of one view.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// Red, green, blue, a sample a pixel.
+    /// Red, green and blue, one sample per pixel.
     pub colour: Picture<[u8; 3]>,
     /// Metres along the line of sight.
     pub depth: Picture<f32>,
-    /// What is there.
+    /// Label of the surface at each pixel.
     pub labels: Picture<Label>,
 }
 
 impl Shot {
-    /// Of the core's camera.
+    /// Takes the pictures with the core's camera.
     pub fn take(camera: &mut Camera, still: &Still, view: &View, by: Option<RobotId>) -> Self {
         Self {
             colour: camera.colour(still, view, by, 1),
@@ -28,44 +28,44 @@ impl Shot {
     }
 }
 
-/// How far pictures agree with the reference.
+/// Agreement of pictures with the reference.
 #[derive(Clone, Debug, Default)]
 pub struct Agreement {
-    /// Pixels that were compared.
+    /// Number of pixels compared.
     pub pixels: usize,
-    /// Pixels that show something else than the reference in the pixel's middle: another label, a depth that is off by
-    /// more than [`DEPTH`], or a colour that is off by more than a grey level.
+    /// Pixels that differ from the reference at the pixel's centre: another label, a depth error above [`DEPTH`], or a colour
+    /// error of more than one grey level.
     pub differing: usize,
-    /// Those of them for which the reference shows it nowhere within [`NEAR`] of the middle, and that is no surface which lies in
-    /// the one shown.
+    /// Differing pixels that the reference cannot explain: their values lie outside those it finds within [`NEAR`] of the
+    /// centre, surfaces that coincide with the nearest one included.
     pub wrong: Vec<Wrong>,
 }
 
 /// A pixel that is wrong.
 #[derive(Clone, Debug)]
 pub struct Wrong {
-    /// Its column and row.
+    /// Column and row.
     pub at: [u32; 2],
-    /// Its colour, depth and label.
+    /// Colour, depth and label in the tested pictures.
     pub found: ([u8; 3], f32, Label),
-    /// What is there.
+    /// The reference at the pixel's centre.
     pub truth: Sight,
 }
 
-/// How far from a pixel's middle, in pixels, the silhouette may be that it shows the wrong side of.
+/// Distance from a pixel's centre, in pixels, within which either side of a silhouette is accepted.
 pub const NEAR: f64 = 0.01;
-/// What a depth may be off, as a share of it.
+/// Tolerance of depths, relative.
 pub const DEPTH: f64 = 1e-5;
-/// What two depths differ by at most, as a share of them, of which rounding decides the nearer.
+/// Relative difference of depths up to which rounding decides the nearer surface.
 const RIVAL: f64 = 1e-6;
 
 impl Agreement {
-    /// Of these pictures with what there is to see, at each pixel.
+    /// Compares every pixel of `shot` with the reference.
     pub fn of(shot: &Shot, reference: &Reference, view: &View) -> Self {
         Self::of_some(shot, reference, view, 1)
     }
 
-    /// The same, at every so manyth pixel.
+    /// Compares every `step`th pixel of `shot` with the reference.
     pub fn of_some(shot: &Shot, reference: &Reference, view: &View, step: usize) -> Self {
         let [width, height] = view.size();
         let mut agreement = Self::default();
@@ -90,10 +90,10 @@ impl Agreement {
         agreement
     }
 
-    /// Panics if a pixel is wrong.
+    /// Asserts that no pixel is wrong.
     ///
     /// # Panics
-    /// If so, naming `what` was compared and the first of the pixels.
+    /// If a pixel is wrong, naming `what` was compared and the first wrong pixel.
     pub fn assert_right(&self, what: &str) {
         if let Some(wrong) = self.wrong.first() {
             panic!("{what}: {} of {} pixels are wrong: {wrong:?}", self.wrong.len(), self.pixels);
@@ -114,7 +114,7 @@ impl AddAssign for Agreement {
     }
 }
 
-/// Whether a pixel lies between these sights, give or take what counts as equal.
+/// Returns true if a pixel lies within the range of these sights, up to the tolerances.
 fn is_within((colour, depth, label): ([u8; 3], f32, Label), sights: &[Sight]) -> bool {
     let is_between = |value: f64, slack: f64, of: &dyn Fn(&Sight) -> f64| {
         let least = sights.iter().map(of).fold(f64::INFINITY, f64::min);

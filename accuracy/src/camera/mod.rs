@@ -1,7 +1,7 @@
-//! What cameras see, the slow and plain way: one ray a place, each face tried in doubles, formulas other than the core's.
+//! Slow reference for cameras: one ray per image point, each face tested in doubles, formulas other than the core's.
 //!
-//! Written from what the documentation of [`sim_core::camera`] says of pictures, colours and filters; shares with it the
-//! scenery alone.
+//! Written from the documentation of [`sim_core::camera`] on pictures, colours and filters; shares only the scenery with the
+//! core.
 
 mod agreement;
 
@@ -18,46 +18,46 @@ pub use agreement::{Agreement, DEPTH, NEAR, Shot, Wrong};
 
 use crate::oracle;
 
-/// What a camera sees at a place of its image.
+/// The reference's answer at one point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// What is there.
+    /// Surface at this point.
     pub shown: Shown,
-    /// What it is.
+    /// Label of that surface.
     pub label: Label,
-    /// Metres along the line of sight; infinite for the sky.
+    /// Depth along the line of sight, in metres; infinite for the sky.
     pub depth: f64,
     /// Red, green, blue, 0 to 255.
     pub colour: [f64; 3],
-    /// Whether the sun reaches it.
+    /// The sun reaches this point.
     pub is_sunlit: bool,
 }
 
-/// A surface.
+/// Surface seen by a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Shown {
-    /// What the lens does not show.
+    /// Outside the lens's field of view.
     Nothing,
     /// No surface.
     Sky,
     /// The plane z = 0.
     Ground,
-    /// A face: place of its part, and its own in that part's mesh.
+    /// A face: index of its part, and its index in that part's mesh.
     Face(usize, usize),
 }
 
-/// All that one camera may see, in the world's frame.
+/// All surfaces that one camera may see, in the world frame.
 pub struct Reference<'s> {
     still: &'s Still<'s>,
     bodies: Vec<Body<'s>>,
     images: BTreeMap<*const Texture, Vec<Image>>,
 }
 
-/// Some faces of a part of the scenery.
+/// Consecutive faces of a part of the scenery.
 struct Body<'s> {
     part: usize,
     label: Label,
-    /// A ball around all faces.
+    /// Bounding sphere of the faces.
     centre: DVec3,
     radius: f64,
     faces: Vec<Face<'s>>,
@@ -67,14 +67,14 @@ struct Body<'s> {
 struct Face<'s> {
     number: usize,
     corners: [DVec3; 3],
-    /// Of length 1, the corners counter-clockwise around it.
+    /// Unit normal; the corners are counter-clockwise around it.
     normal: DVec3,
     normals: Option<[DVec3; 3]>,
     uv: Option<[DVec2; 3]>,
     material: &'s Material,
 }
 
-/// Colours beside and above each other, from the upper left, and opacity; 0 to 255.
+/// Colours and opacity, 0 to 255, row by row from the upper left.
 struct Image {
     width: usize,
     height: usize,
@@ -82,7 +82,7 @@ struct Image {
 }
 
 impl<'s> Reference<'s> {
-    /// What the camera of robot `by` may see: not that robot's own body.
+    /// Reference for the camera of robot `by`, which does not see its own body.
     pub fn new(still: &'s Still<'s>, by: Option<RobotId>) -> Self {
         let scenery = still.scenery();
         let bodies = still.parts().flat_map(|(number, part, pose)| {
@@ -116,7 +116,7 @@ impl<'s> Reference<'s> {
         Self { still, bodies, images }.by(by)
     }
 
-    /// The same for the camera of another robot, or of none.
+    /// This reference for the camera of another robot, or of none.
     pub fn by(mut self, by: Option<RobotId>) -> Self {
         for body in &mut self.bodies {
             body.is_own = by.is_some_and(|by| body.label == Label::Robot(by));
@@ -124,13 +124,13 @@ impl<'s> Reference<'s> {
         self
     }
 
-    /// What is seen at a place of the image (columns to the right, rows downwards from the upper left corner).
+    /// Sight at a point of the image (columns to the right, rows downwards from the upper left corner).
     pub fn look(&self, view: &View, at: DVec2) -> Sight {
         self.sights(view, at, 0.0)[0]
     }
 
-    /// What is seen at a place of the image, and behind it all that is farther away by no more than a `slack` of its distance:
-    /// where surfaces lie in each other, rounding decides which of them is nearer.
+    /// Sights at a point of the image: the nearest, and all behind it whose distance is greater by at most the share `slack`.
+    /// Rounding decides which of several coincident surfaces is the nearest.
     pub fn sights(&self, view: &View, at: DVec2, slack: f64) -> Vec<Sight> {
         let Some(ray) = ray(view, at, true) else {
             let nothing = (Shown::Nothing, Label::Sky, f64::INFINITY);
@@ -162,8 +162,8 @@ impl<'s> Reference<'s> {
         sights
     }
 
-    /// The colour of a pixel: the mean of `samples` x `samples` pixels of a picture so many times as wide and high; `None` if that
-    /// is larger than pictures can be.
+    /// Colour of a pixel: the mean of `samples` x `samples` pixels of a picture enlarged by that factor; `None` if that
+    /// picture exceeds the largest size.
     pub fn pixel(&self, view: &View, column: u32, row: u32, samples: u32) -> Option<[f64; 3]> {
         let fine = view.enlarged(samples).ok()?;
         let corner = DVec2::new(f64::from(column), f64::from(row)) * f64::from(samples);
@@ -246,7 +246,7 @@ impl<'s> Reference<'s> {
         colour.map(|channel| (channel * share).min(255.0))
     }
 
-    /// Whether nothing but the surface itself stands between the point and the sun.
+    /// Returns true if nothing but the surface itself lies between the point and the sun.
     fn is_sunlit(&self, point: DVec3, of: Option<(usize, usize)>) -> bool {
         let light = self.still.scenery().light();
         let is_met = |body: &Body, face: &Face| {
@@ -262,7 +262,7 @@ impl<'s> Reference<'s> {
                 .any(|body| body.faces.iter().any(|face| is_met(body, face)))
     }
 
-    /// The image's colour around `at` as its filter says; `place` maps places of the picture to those of the image.
+    /// Colour of the image around `at` by its filter; `place` maps points of the picture to points of the image.
     fn filtered(
         &self,
         texture: &Arc<Texture>,
@@ -272,7 +272,7 @@ impl<'s> Reference<'s> {
     ) -> [f64; 4] {
         let levels = &self.images[&Arc::as_ptr(texture)];
         let texels = DVec2::new(levels[0].width as f64, levels[0].height as f64);
-        // The footprint's axes, by differences over a thousandth of a pixel.
+        // Axes of the footprint, by central differences over 1/1000 pixel.
         let half = 5e-4;
         let axis = |step: DVec2| (place(at + step * half) - place(at - step * half)) / (2.0 * half);
         let mut axes = [axis(DVec2::X), axis(DVec2::Y)];
@@ -281,7 +281,7 @@ impl<'s> Reference<'s> {
         let lengths = (long / (3.0 * short).max(1.0)).clamp(1.0, PROBES);
         let level = (math::ln(long / lengths) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
-        // Share of the longer axis by which probes are off the middle.
+        // Offset of the probes from the centre, as a share of the longer axis.
         let apart = 0.5 * (1.0 - 1.0 / lengths);
         let mut sum = [0.0; 4];
         for probe in [-apart, apart] {
@@ -297,13 +297,13 @@ impl<'s> Reference<'s> {
     }
 }
 
-/// Faces are taken to be so much wider, m, that none slips through between two that share an edge.
+/// Distance by which faces are widened, m, so that no ray slips between two faces that share an edge.
 const WIDER: f64 = 1e-9;
-/// A camera that is so near to a face's plane, m, sees the face from its edge: not at all.
+/// Distance of a camera from a face's plane, m, below which the face is seen edge-on, i.e. not at all.
 const EDGE_ON: f64 = 1e-9;
-/// So many faces, one after the other in their mesh, are tried where the ray meets the ball around them.
+/// Number of consecutive faces of a mesh that share a bounding sphere.
 const IN_A_BALL: usize = 12;
-/// What is nearer than this to a surface casts no shadow on it, m: faces that share an edge with it.
+/// Distance from a surface, m, within which nothing casts a shadow on it: faces that share an edge with the surface.
 const NO_SHADOW: f64 = 1e-6;
 /// Longest footprint in an image, in probes.
 const PROBES: f64 = 2.0;
@@ -317,10 +317,10 @@ fn sight((shown, label, depth): (Shown, Label, f64), colour: [f64; 3], is_sunlit
     Sight { shown, label, depth, colour, is_sunlit }
 }
 
-/// The unit vector seen at a place of the image, in the world's frame; `None` beyond the edge of a lens, if it shall count.
+/// Unit vector seen at a point of the image, in the world frame; `None` beyond the edge of the lens if `has_edge`.
 fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
     let [width, height] = view.size().map(f64::from);
-    // To the left and up, in halves of the width.
+    // Offset to the left and up, in half widths of the image.
     let aside = (DVec2::new(0.5 * width, 0.5 * height) - at) / (0.5 * width);
     let off_axis = |angle: f64| {
         let (sin, cos) = math::sin_cos(angle);
@@ -340,8 +340,8 @@ fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
     Some(view.world_from_camera().rotation * local)
 }
 
-/// Rays through the places around the middle of a pixel: of a fisheye, as they change from one of the pixels beside it to the
-/// other, which is how its footprints are defined.
+/// Rays through points around a pixel's centre. Of a fisheye they are interpolated linearly between the neighbouring pixels, which
+/// is the definition of its footprints.
 fn rays_around(view: &View, middle: DVec2) -> impl Fn(DVec2) -> DVec3 {
     let ray = move |at| ray(view, at, false).unwrap_or_default();
     let change = move |step: DVec2| 0.5 * (ray(middle + step) - ray(middle - step));
@@ -367,7 +367,7 @@ impl<'s> Body<'s> {
         Self { part, label, centre, radius: 1.001 * radius + 1e-6, faces, is_own: false }
     }
 
-    /// Whether the ray meets the ball around the body.
+    /// Returns true if the ray hits the body's bounding sphere.
     fn may_be_met(&self, origin: DVec3, direction: DVec3) -> bool {
         let way = self.centre - origin;
         let along = way.dot(direction);
@@ -377,7 +377,7 @@ impl<'s> Body<'s> {
 }
 
 impl Face<'_> {
-    /// Shares of the corners in a point of the face's plane: the triangles opposite to them, by their areas.
+    /// Barycentric coordinates of a point in the face's plane.
     fn shares(&self, point: DVec3) -> [f64; 3] {
         let [a, b, c] = self.corners.map(|corner| corner - point);
         let areas = [b.cross(c), c.cross(a), a.cross(b)].map(|area| area.dot(self.normal));
@@ -387,7 +387,7 @@ impl Face<'_> {
 }
 
 impl Image {
-    /// A texture, and then each image half as wide and high as the one before, down to a single texel.
+    /// Mipmap pyramid of a texture: each image half as wide and high as the one before, down to a single texel.
     fn all(texture: &Texture) -> Vec<Self> {
         let (width, height) = texture.size();
         let texels = (0..width * height).map(|place| texture.pixel(place % width, place / width).map(f64::from));
@@ -399,7 +399,7 @@ impl Image {
         all
     }
 
-    /// Means of two by two texels, rounded; of an odd number the last ones are left out, a single one is taken twice.
+    /// Image of half the size: means of two by two texels, rounded. An odd last row or column is dropped, a single one is used twice.
     fn half(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let texels = (0..width * height).map(|place| {
@@ -415,8 +415,7 @@ impl Image {
         self.texels[row * self.width + column]
     }
 
-    /// The colour at u to the right and v upwards, 1 being the whole image: a blend of the four texels whose middles are
-    /// around it.
+    /// Bilinear interpolation of the four surrounding texels at u to the right and v upwards, 1 being the whole image.
     fn between_texels(&self, place: DVec2, is_repeated: bool) -> [f64; 4] {
         let place = if is_repeated { place } else { place.clamp(DVec2::ZERO, DVec2::ONE) };
         let (x, y) = (place.x * self.width as f64 - 0.5, (1.0 - place.y) * self.height as f64 - 0.5);

@@ -1,4 +1,4 @@
-//! `camera`: pictures of a furnished room, and what their pixels would show if each were the mean over its square.
+//! `camera`: pictures of a furnished room, compared with pixels that average exactly over their squares.
 
 use sim_core::camera::{Camera, Lens, Light, Still, View};
 use sim_core::time::Time;
@@ -13,11 +13,11 @@ pub const STUDY: Study = Study { name: "camera", title: "Pictures of a room, aga
 /// Width and height, and samples along a pixel's side.
 const SETTINGS: [([u32; 2], u32); 6] =
     [([80, 60], 1), ([160, 120], 1), ([320, 240], 1), ([160, 120], 2), ([160, 120], 3), ([160, 120], 4)];
-/// Views of the room.
+/// Number of views of the room.
 const VIEWS: usize = 6;
-/// Samples along a pixel's side for the truth.
+/// Samples along a pixel's side for the reference.
 const TRUTH: u32 = 12;
-/// Pixels of each view that are compared, at most.
+/// Greatest number of pixels compared per view.
 const PIXELS: usize = 60;
 
 fn run(effort: Effort) -> Outcome {
@@ -43,12 +43,12 @@ fn views(size: [u32; 2]) -> Vec<View> {
 
 /// Columns and rows of pixels spread over the picture.
 fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-    // No divisor of a width, so that they are in all columns.
+    // An odd step divides no width, so that all columns occur.
     let step = ((width * height) as usize / PIXELS) | 1;
     (step / 2..(width * height) as usize).step_by(step).map(move |pixel| [pixel as u32 % width, pixel as u32 / width])
 }
 
-/// Mean difference of colours from the truth, grey levels.
+/// Mean difference of colours from the reference, in grey levels.
 fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u32; 2]) -> [f64; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for view in views {
@@ -88,7 +88,7 @@ fn row(still: &Still, shadows: bool, (size, samples): ([u32; 2], u32), effort: E
     }
 }
 
-/// One ray a pixel and, for shadows, another, tried on all faces.
+/// Brute force: one ray per pixel and another for shadows, each tested against all faces.
 fn by_all(still: &Still, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
     let (views, reference) = (views(size), Reference::new(still, None));

@@ -1,4 +1,4 @@
-//! `contact`: the instant at which a robot meets a wall, by the closed form and by looking for overlap after each step.
+//! `contact`: the instant at which a robot hits a wall, by the closed form and by testing for overlap after each step.
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::touch::{Approach, Case};
@@ -7,9 +7,9 @@ use crate::world::Random;
 pub const STUDY: Study =
     Study { name: "contact", title: "Instant at which a robot meets a wall, against the length of the step", run };
 
-/// Steps of the simulator that looks after each, s.
+/// Step lengths of the simulator that tests for overlap after each step, s.
 const STEPS: [f64; 6] = [0.2, 0.05, 0.01, 1e-3, 1e-4, 1e-5];
-/// Seconds after the contact within which it must have been found.
+/// Time after the contact within which it must be found, s.
 const HORIZON: f64 = 1.0;
 
 fn run(effort: Effort) -> Outcome {
@@ -24,7 +24,7 @@ fn run(effort: Effort) -> Outcome {
     }
     for step in STEPS {
         let mut random = Random::new(5);
-        // Small steps are many steps.
+        // Short steps mean many steps, hence fewer cases.
         let count = ((effort.of(1_000) as f64 * step.sqrt()) as usize).clamp(8, 400);
         let cases: Vec<Case> = (0..count).map(|_| Case::draw(&mut random, Approach::Oblique)).collect();
         let late = |case: &Case| {

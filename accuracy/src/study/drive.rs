@@ -18,8 +18,8 @@ pub const ODOMETRY: Study = Study {
     run: odometry,
 };
 
-/// Lengths of slots and steps, us; each divides a second. Runge-Kutta begins with the second: rounding alone has long been all of
-/// its error there, and it takes longest.
+/// Lengths of slots and steps, us; each divides a second. Runge-Kutta starts with the second length: at the first, rounding alone
+/// dominates its error, and it takes longest.
 const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
 fn drive(effort: Effort) -> Outcome {
@@ -32,7 +32,7 @@ fn drive(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![against_length("drive-slot", DRIVE.title, "slot or step, s", series)] }
 }
 
-/// Each method on the course, at each slot.
+/// Rows of each method on the course, at each slot length.
 fn drives(course: &Course, effort: Effort) -> Vec<Row> {
     let end = course.end();
     let methods: [(&str, &[i64], Method); 3] = [

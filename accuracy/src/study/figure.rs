@@ -1,62 +1,62 @@
 use super::Row;
 
-/// A picture of curves over one pair of axes.
+/// Chart of several curves over one pair of axes.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// Name of its file, without the extension.
+    /// File name without the extension.
     pub name: String,
-    /// What stands above it.
+    /// Title above the chart.
     pub title: String,
-    /// What lies along x, with its unit.
+    /// Label of the x axis, with its unit.
     pub x_label: String,
-    /// What lies along y, with its unit.
+    /// Label of the y axis, with its unit.
     pub y_label: String,
-    /// How x is divided.
+    /// Scale of the x axis.
     pub x_scale: Scale,
-    /// How y is divided.
+    /// Scale of the y axis.
     pub y_scale: Scale,
-    /// The curves, in the order of the legend.
+    /// Curves, in the order of the legend.
     pub series: Vec<Series>,
 }
 
-/// How an axis is divided.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// In equal steps.
+    /// Equal steps.
     Linear,
-    /// In equal factors; what is not positive stands at the lower edge.
+    /// Equal factors; values that are not positive are drawn at the lower edge.
     Logarithmic,
 }
 
-/// How points are shown.
+/// Style in which points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// A line from each to the next.
+    /// A line through the points.
     Line,
-    /// A dot each.
+    /// A dot at each point.
     Dots,
-    /// Both.
+    /// A line and dots.
     LineAndDots,
-    /// A bar from 0 to each, as wide as their distance: a histogram.
+    /// A bar from 0 to each point, as wide as the distance between points: a histogram.
     Bars,
 }
 
-/// Points that belong together.
+/// One curve of a figure.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// How it is shown.
+    /// Style of the points.
     pub mark: Mark,
-    /// (x, y); what is not finite interrupts a line.
+    /// Points (x, y); a point that is not finite interrupts a line.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Figure {
-    /// Error against time of these rows, both in powers of ten: a curve a method, its points in the order of the rows; dots
-    /// alone where its settings do not trade one for the other.
+    /// Error against time of these rows, both on logarithmic axes: one curve per method, its points in the order of the rows. A
+    /// method whose settings do not trade error for time gets dots only.
     ///
-    /// `None` without rows. They belong to one study.
+    /// `None` without rows. All rows must belong to one study.
     pub fn of_rows(title: &str, rows: &[Row]) -> Option<Self> {
         let first = rows.first()?;
         let mut series: Vec<Series> = Vec::new();
@@ -70,7 +70,7 @@ impl Figure {
             }
         }
         for Series { mark, points, .. } in &mut series {
-            // A fifth for what a clock is off.
+            // Tolerates a fifth for errors of the clock.
             let goes = |by: f64| points.windows(2).all(|pair| by * (pair[1].0 / pair[0].0).log2() > -0.25);
             let times = || points.iter().map(|point| point.0);
             let is_wide = times().fold(0.0, f64::max) > 1.5 * times().fold(f64::INFINITY, f64::min);

@@ -16,16 +16,16 @@ use sim_core::{
     world::{Ray, Space, World},
 };
 
-/// What the three sensors read at one instant of the walk, all at one place of the leg.
+/// Readings of the three sensors at one instant of the walk, all mounted at the same point of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Since the start of the walk, s.
+    /// Time since the start of the walk, s.
     pub seconds: f64,
-    /// Distance along the ray to what it meets, m.
+    /// Distance along the ray to the surface it hits, m.
     pub exact: f64,
-    /// Angle between the ray and the normal of what it meets, rad.
+    /// Incidence angle: between the ray and the surface normal, rad.
     pub incidence: f64,
-    /// The ray meets the step; else the floor.
+    /// The ray hits the step, not the floor.
     pub is_on_step: bool,
     /// Reading of the laser range finder, m.
     pub laser: f64,
@@ -35,28 +35,28 @@ pub struct Sample {
     pub reflectance: f64,
 }
 
-/// How long the robot walks, s.
+/// Duration of the walk, s.
 pub const WALK: f64 = 12.0;
-/// Its speed, m/s.
+/// Speed of the robot, m/s.
 const SPEED: f64 = 0.1;
 /// Duration of a step of the gait, s.
 const GAIT: f64 = 1.5;
-/// Where the step begins, m ahead of where the walk begins.
+/// Distance from the start of the walk to the step, m.
 const STEP_AT: f64 = 2.0;
 /// Height of the step, m.
 const STEP_HEIGHT: f64 = 0.25;
 
-/// The walk in samples of `period` seconds.
+/// Samples of the walk, `period` seconds apart.
 ///
 /// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and
-/// looks ahead. The shin swings so that the ray meets the floor under 33 to 78 degrees, as in the paper, while the robot
-/// comes near a step. There is no noise.
+/// looks ahead. The shin swings so that the ray hits the floor at incidence angles from 33 to 78 degrees, as in the paper, while
+/// the robot approaches a step. There is no noise.
 ///
-/// Source: France et al. 1999, section 6.3 (three sensors, the range of incidences); measures of robot, gait and step: our
+/// Source: France et al. 1999, section 6.3 (three sensors, the range of incidence angles); dimensions of robot, gait and step: our
 /// choice.
 ///
 /// # Panics
-/// Never: each ray falls onto floor or step.
+/// Never: each ray hits the floor or the step.
 pub fn walk(period: f64) -> Vec<Sample> {
     let world = stairs();
     let at_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
@@ -64,7 +64,7 @@ pub fn walk(period: f64) -> Vec<Sample> {
     let mount = Pose3 { position: DVec3::new(0.0, 0.0, -0.15), ..Pose3::IDENTITY };
     let count = (WALK / period) as usize;
     let at_time = |seconds: f64| {
-        // Turned about y, the shin's x axis dips.
+        // A positive pitch about y lowers the shin's x axis.
         let dip = (34.5 + 22.5 * math::sin(TAU * seconds / GAIT)) / 180.0 * PI;
         let world_from_robot = Pose::new(SPEED * seconds, 0.0, 0.0);
         let posture = Posture { world_from_robot, links: &shin, angles: &[dip], lift: 0.0 };
@@ -92,7 +92,7 @@ pub fn walk(period: f64) -> Vec<Sample> {
 
 const ROBOT: RobotId = RobotId(1);
 
-/// A floor with a step across.
+/// World of a floor with a step across the way.
 fn stairs() -> World {
     let half = DVec2::new(0.5, 2.0);
     let solid = Solid::Prism {

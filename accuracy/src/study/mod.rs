@@ -1,7 +1,7 @@
-//! Studies: the error and the time of one thing by several methods at several settings, measured on the spot.
+//! Studies: error and time of several methods for one task at several settings, measured on the spot.
 //!
-//! Errors are functions of the code alone, the same at every call; times are of this machine at this moment. Tables, files
-//! and pictures are made of the [`Outcome`]s by whoever asked for them.
+//! Errors are functions of the code alone, the same at every call; times are those of this machine at this moment. The caller makes
+//! tables, files and pictures from the [`Outcome`]s.
 
 mod camera;
 mod contact;
@@ -23,17 +23,17 @@ use serde::Serialize;
 pub use figure::{Figure, Mark, Scale, Series};
 pub use stopwatch::nanoseconds;
 
-/// How much is measured.
+/// Number of repetitions of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// What the published figures are made of.
+    /// As for the published figures.
     Full,
-    /// A tenth of it or less: the same settings, fewer repetitions.
+    /// At most a tenth of [`Effort::Full`]: the same settings, fewer repetitions.
     Quick,
 }
 
 impl Effort {
-    /// `full` repetitions, or a tenth of them, at least 1.
+    /// Number of repetitions: `full`, or a tenth of it, at least 1.
     pub fn of(self, full: usize) -> usize {
         match self {
             Self::Full => full,
@@ -42,32 +42,31 @@ impl Effort {
     }
 }
 
-/// A method at a setting: how far off it is, and how long it takes.
+/// Error and time of a method at one setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the study.
     pub study: &'static str,
-    /// What was measured; the rows of one method are a line in the plot.
+    /// Method that was measured; the rows of one method are one curve in the plot.
     pub method: String,
-    /// At which setting, with its unit: `slot of 50 ms`.
+    /// Setting, with its unit: `slot of 50 ms`.
     pub setting: String,
-    /// Distance from the truth, in `unit`; finite and not negative. What is taken over many cases is the greatest, where
-    /// the study does not say otherwise.
+    /// Distance from the truth, in `unit`; finite and not negative. The greatest over all cases, unless the study states otherwise.
     pub error: f64,
     /// Unit of the error.
     pub unit: &'static str,
-    /// Real time of one `per`, nanoseconds.
+    /// Real time per `per`, nanoseconds.
     pub time_ns: f64,
-    /// What the time is the time of: `ray`.
+    /// Operation that was timed: `ray`.
     pub per: &'static str,
 }
 
-/// What a study has found.
+/// Result of a study.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// In the order in which a table shows them: method by method.
+    /// Rows in the order of a table: method by method.
     pub rows: Vec<Row>,
-    /// Pictures besides the plot of error against time, which is made of the rows.
+    /// Pictures in addition to the plot of error against time, which is made from the rows.
     pub figures: Vec<Figure>,
 }
 
@@ -77,14 +76,14 @@ impl From<Vec<Row>> for Outcome {
     }
 }
 
-/// Something that is measured.
+/// A study and the function that runs it.
 #[derive(Clone, Copy)]
 pub struct Study {
-    /// Its name: of its rows, and of its picture's file.
+    /// Name, in its rows and as the name of its picture's file.
     pub name: &'static str,
-    /// What is measured, in a line.
+    /// Subject of the measurement, in one line.
     pub title: &'static str,
-    /// Measures it.
+    /// Runs the measurement.
     pub run: fn(Effort) -> Outcome,
 }
 

@@ -1,8 +1,8 @@
-//! `moving-target`: a sensor at rest watches a robot that its program speeds up and slows down.
+//! `moving-target`: a sensor at rest measures the distance to a robot that its program accelerates and decelerates.
 //!
-//! Others see a robot by the plan that it published at the slot's start, so a command shows at the slot's end: the error
-//! is at most the change of speed times the slot's length, and none in a slot without a command. Beside it, what a simulator does that shows the others where they
-//! were at the slot's start: there the whole speed counts, in every slot. Errors are root mean squares.
+//! The sensor sees the motion published at the start of the slot, so a command shows only at the slot's end: the error is at most the
+//! change of speed times the slot's length, and zero in a slot without a command. For comparison, a simulator that freezes the others
+//! at their poses at the slot's start: there the full speed counts, in every slot. Errors are root mean squares.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -24,15 +24,15 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// Lengths of the slot, ms.
+/// Slot lengths, ms.
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
-/// Between two commands of the target; no multiple of a slot, so that commands fall anywhere within one.
+/// Interval between commands of the target; no multiple of a slot, so that commands fall anywhere within one.
 const COMMAND: Time = Time(137_731);
-/// Between two readings.
+/// Interval between readings.
 const READING: Time = Time(1_003);
-/// Speeds that the target takes in turn, m/s.
+/// Cycle of the target's speeds, m/s.
 const SPEEDS: [f64; 4] = [0.2, 0.5, -0.1, -0.6];
-/// Where the target begins, m ahead of the sensor.
+/// Initial distance from the sensor to the target, m.
 const START: f64 = 20.0;
 const RANGE: f64 = 100.0;
 
@@ -58,16 +58,16 @@ fn run(effort: Effort) -> Outcome {
     [measure("published plan", Sight::Plan), measure("frozen at the slot's start", Sight::Frozen)].concat().into()
 }
 
-/// What the sensor is shown of the target.
+/// State of the target that the sensor sees.
 #[derive(Clone, Copy)]
 enum Sight {
-    /// Its plan at the instant of the reading.
+    /// Published motion at the instant of the reading.
     Plan,
-    /// Where it was at the start of the slot.
+    /// Pose at the start of the slot.
     Frozen,
 }
 
-/// Differences of readings from the truth, m.
+/// Errors of readings, m.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     count: f64,
@@ -87,7 +87,7 @@ impl Errors {
     }
 }
 
-/// How far the readings are from the true distance at their instants.
+/// Errors of the readings against the true distance at their instants.
 fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
     let (model, walls) = (Arc::new(model()), Arc::new(Walls::new(Vec::new())));
     let robot = |id, pose| Motion::new(RobotId(id), Arc::clone(&model), Arc::clone(&walls), pose);

@@ -1,9 +1,9 @@
-//! `noise`: how near to their distribution random numbers come as more of them are drawn, and what one costs.
+//! `noise`: convergence of random numbers to their distribution, and the cost of one number.
 //!
-//! The error is Kolmogorov's and Smirnov's distance between the sample and its distribution. Of numbers that are drawn from it
-//! the distance falls with the root of their count, about 0.87 / sqrt(n); where it stops falling, the distribution is another one.
-//! Normal numbers by the inverse of their distribution function, as the simulator draws them, stand beside those of Box and
-//! Muller (1958) and the sum of twelve uniform numbers, which is only nearly normal.
+//! The error is the Kolmogorov-Smirnov distance between the sample and its distribution. For numbers drawn from the distribution the
+//! distance falls as about 0.87 / sqrt(n); if it stops falling, the numbers follow another distribution. Normal numbers by the
+//! inverse distribution function, the simulator's method, are compared with those of Box and Muller (1958) and with the sum of
+//! twelve uniform numbers, which is only approximately normal.
 
 use std::f64::consts::PI;
 
@@ -18,14 +18,14 @@ use crate::statistics::{kolmogorov_distance, normal_cdf};
 pub const STUDY: Study =
     Study { name: "noise", title: "Random numbers: distance from their distribution, and what one costs", run };
 
-/// Sizes of the samples; each begins the next one.
+/// Sample sizes; each sample is a prefix of the next.
 const COUNTS: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 const SEED: u64 = 42;
 
-/// What the setting of a row is called.
+/// Settings as named in the rows.
 const SETTINGS: [&str; COUNTS.len()] = ["1e2 numbers", "1e3 numbers", "1e4 numbers", "1e5 numbers", "1e6 numbers"];
 
-/// A way to draw numbers: its name, what it should give, and so many of them.
+/// Method of drawing numbers: its name, its distribution, and a function that draws a given count.
 struct Method {
     name: &'static str,
     cdf: fn(f64) -> f64,
@@ -41,7 +41,7 @@ const METHODS: [Method; 6] = [
     Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(4, count, sum_of_twelve) },
 ];
 
-/// What the sensor sees, and the deviation of its readings, m.
+/// Distance of the target, and standard deviation of the sensor's readings, m.
 const DISTANCE: f64 = 2.0;
 const SIGMA: f64 = 0.01;
 
@@ -86,13 +86,13 @@ fn events() -> Events {
     Events::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
 }
 
-/// Numbers of the stream of one event, one after the other.
+/// Successive numbers from the stream of one event.
 fn in_turn(event: u64, count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
     let mut stream = events().at(event);
     (0..count).map(|_| next(&mut stream)).collect()
 }
 
-/// The first number of each of so many events.
+/// First number of each of `count` events.
 fn of_events(count: usize) -> Vec<f64> {
     let events = events();
     (0..count as u64).map(|index| events.at(index).normal()).collect()
@@ -105,13 +105,13 @@ fn readings(count: usize) -> Vec<f64> {
     (0..count as u64).filter_map(read).collect()
 }
 
-/// One of the two numbers that come of two uniform ones.
+/// One of the two normal numbers made from two uniform ones.
 fn box_muller(stream: &mut Stream) -> f64 {
     let (radius, angle) = (1.0 - stream.unit(), stream.unit());
     (-2.0 * ln(radius)).sqrt() * cos(2.0 * PI * angle)
 }
 
-/// Of mean 0 and variance 1, never beyond 6.
+/// Number of mean 0 and variance 1 within [-6, 6].
 fn sum_of_twelve(stream: &mut Stream) -> f64 {
     (0..12).map(|_| stream.unit()).sum::<f64>() - 6.0
 }
@@ -127,10 +127,10 @@ mod tests {
         let last =
             |method: &str| rows.iter().rfind(|row| row.method == method).unwrap_or_else(|| panic!("`{method}`")).error;
         for Method { name, .. } in &METHODS[..5] {
-            // Above 1.63 / sqrt(n) lies one in a hundred.
+            // Exceeds 1.63 / sqrt(n) with probability 0.01.
             assert!(last(name) < 1.63e-3, "{name}: {}", last(name));
         }
-        // Its own distance is 0.0023.
+        // The distribution of the sum differs from the normal one by 0.0023.
         assert!(last("sum of twelve uniform") > 1.8e-3);
     }
 }

@@ -1,4 +1,4 @@
-//! `range-sensors`: what the three sensors of the France paper make of one walk over a floor towards a step.
+//! `range-sensors`: readings of the three sensors of the France paper on one walk over a floor towards a step.
 
 use super::france::{Sample, WALK, walk};
 use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
@@ -9,13 +9,13 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// Between two samples, s.
+/// Interval between samples, s.
 const PERIOD: f64 = 0.02;
 
 fn run(effort: Effort) -> Outcome {
     let mut samples = Vec::new();
     let count = (WALK / PERIOD) as usize;
-    // Three readings and the exact sight at each.
+    // Three readings and one exact ray per sample.
     let time_ns = nanoseconds(effort.of(20), 4 * count, || samples = walk(PERIOD));
     let mut rows = Vec::new();
     let mut series = vec![curve("exact distance", &samples, |sample| sample.exact)];
@@ -50,7 +50,7 @@ fn run(effort: Effort) -> Outcome {
 
 type Read = fn(&Sample) -> f64;
 
-/// Names, readings, and what they read without an echo, m.
+/// Names, readings, and the reading when out of range, m.
 const SENSORS: [(&str, Read, f64); 3] = [
     ("laser", |sample| sample.laser, 2.0),
     ("ultrasonic", |sample| sample.ultrasonic, 1.0),

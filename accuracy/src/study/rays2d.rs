@@ -1,4 +1,4 @@
-//! `rays-2d`: rays among walls, by the index, by trying all in doubles, and by trying all in single precision.
+//! `rays-2d`: rays among walls, by the index, by brute force in doubles, and by brute force in single precision.
 
 use glam::{DVec2, Vec2};
 use sim_core::scene::{Bounds, Segment, Walls};
@@ -11,11 +11,11 @@ use crate::world::{self, Random};
 pub const STUDY: Study =
     Study { name: "rays-2d", title: "Distance along a ray among vertical walls, against their number", run };
 
-/// Boxes in the room, of 4 walls each besides the room's own.
+/// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
 const BOXES: [usize; 5] = [2, 24, 74, 249, 2_499];
-/// Floor for each wall, square metres: 300 walls in a room of 20 m.
+/// Floor area per wall, square metres: 300 walls in a room of 20 m.
 const AREA: f64 = 400.0 / 300.0;
-/// How far rays are followed, m.
+/// Range of the rays, m.
 const RANGE: f64 = 30.0;
 
 fn run(effort: Effort) -> Outcome {
@@ -26,7 +26,7 @@ fn run(effort: Effort) -> Outcome {
 
 const METHODS: usize = 3;
 
-/// A ray, and metres along it to the nearest wall.
+/// A ray, and the true distance along it to the nearest wall, m.
 struct Case {
     origin: DVec2,
     direction: DVec2,
@@ -37,7 +37,7 @@ fn in_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
     let count = 4 * (boxes + 1);
     let side = (AREA * count as f64).sqrt();
     let segments = world::room_with_boxes(51, DVec2::ZERO, side, boxes);
-    // The more walls, the fewer rays of brute force: about as long for each setting.
+    // Fewer brute-force rays with more walls, so that each setting takes about equally long.
     let cases = cases(&segments, side, effort.of(10_000).min(effort.of(20_000_000) / count));
     let few = &cases[..cases.len().min(effort.of(300_000) / count).max(10)];
     let measured = |method: &str, cases: &[Case], cast: &dyn Fn(&Case) -> f64| {
@@ -74,7 +74,7 @@ fn cases(walls: &[Segment], side: f64, count: usize) -> Vec<Case> {
     (0..count.max(10)).map(|_| case()).collect()
 }
 
-/// Cramer's rule as the oracle has it, in single precision.
+/// Cramer's rule as in the oracle, in single precision.
 fn in_single_precision(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     let (to_wall, along) = (a - origin, b - a);
     let determinant = direction.perp_dot(along);
@@ -83,7 +83,7 @@ fn in_single_precision(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Op
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// The same with 32 digits; walls that doubles see a micrometre off the ray are left out before.
+/// Distance to the wall with 32 digits; walls that pass the ray by more than a micrometre in doubles are skipped first.
 fn exact(wall: &Segment, origin: DVec2, direction: DVec2) -> Option<f64> {
     oracle::nearest_wall(std::slice::from_ref(wall), origin, direction, RANGE, 1e-6)?;
     let wide = |point: DVec2| [point.x, point.y].map(Wide::from);
@@ -105,7 +105,7 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), METHODS * BOXES.len());
         for row in &rows {
-            // A ray that grazes its wall multiplies rounding.
+            // A ray that grazes its wall amplifies rounding.
             let bound = if row.method == "single precision" { 0.1 } else { 1e-11 };
             assert!(row.error < bound && row.time_ns > 0.0, "{row:?}");
         }

@@ -1,4 +1,4 @@
-//! `rays-3d`: rays among triangles, by the index and by trying all; and the same walls in two and in three dimensions.
+//! `rays-3d`: rays among triangles, by the index and by brute force; and the same walls in two and in three dimensions.
 
 use glam::{DVec2, DVec3};
 use sim_core::scene::{Bounds, MeshIndex, Segment, Walls};
@@ -10,15 +10,15 @@ use crate::world::{self, Random};
 pub const STUDY: Study =
     Study { name: "rays-3d", title: "Distance along a ray among triangles, against their number", run };
 
-/// Squares along an edge of each of the six faces of the room: 12 triangles for each of their squares.
+/// Numbers of squares along an edge of each of the six faces of the room: 12 triangles per square of that number.
 const SQUARES: [u32; 4] = [3, 9, 29, 91];
-/// Boxes in the room, of 4 walls each besides the room's own.
+/// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
 const BOXES: [usize; 4] = [4, 24, 249, 2_499];
-/// Half of the sizes of the room, m.
+/// Half sizes of the room, m.
 const HALF: DVec3 = DVec3::new(2.0, 1.5, 1.25);
 /// Side of the room with boxes, m.
 const SIDE: f64 = 50.0;
-/// How far rays among walls are followed, m.
+/// Range of the rays among walls, m.
 const RANGE: f64 = 10.0;
 
 fn run(effort: Effort) -> Outcome {
@@ -27,14 +27,14 @@ fn run(effort: Effort) -> Outcome {
     in_rooms.chain(among_walls).collect::<Vec<_>>().into()
 }
 
-/// A ray, and metres along it to the nearest surface, infinite where there is none.
+/// A ray, and the true distance along it to the nearest surface in metres, infinite if there is none.
 struct Case {
     origin: DVec3,
     direction: DVec3,
     truth: f64,
 }
 
-/// Error and time of `cast`, which answers in metres. Nothing met counts as met at the range.
+/// Error and time of `cast`, which returns metres. No return counts as a hit at the range.
 fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
     let distance = |case: &Case| cast(case).unwrap_or(RANGE);
     let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();
@@ -43,7 +43,7 @@ fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl
     Row { study: STUDY.name, method: method.to_owned(), setting, error, unit: "m", time_ns, per: "ray" }
 }
 
-/// Rays from anywhere within the room in any direction.
+/// Rays from random points in the room in random directions.
 fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
     let triangles = world::cuboid(HALF, squares, turned);
     let setting = format!("{} triangles", triangles.len());
@@ -51,7 +51,7 @@ fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
     let by_index = row("index", setting.clone(), effort, &room_cases(effort.of(20_000)), |case| {
         index.cast(case.origin, case.direction, RANGE).map(|hit| hit.distance)
     });
-    // The more triangles, the fewer rays: about as long for each setting.
+    // Fewer rays with more triangles, so that each setting takes about equally long.
     let few = room_cases((effort.of(1_000_000) / triangles.len()).clamp(5, 1_000));
     let by_all = row("brute-force", setting, effort, &few, |case| {
         oracle::nearest_triangle(&triangles, case.origin, case.direction, RANGE, 1e-12).map(|(metres, _)| metres)
@@ -59,7 +59,7 @@ fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
     [by_index, by_all]
 }
 
-/// From the room's own frame: turned about all axes, without rounding but that of a division by 3.
+/// Rotates a point of the room's own frame about all axes; the only rounding is that of a division by 3.
 fn turned(local: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = local;
     DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
@@ -70,7 +70,7 @@ fn room_cases(count: usize) -> Vec<Case> {
     let mut case = || {
         let share = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
         let direction = random.direction_in_space().normalize_or(DVec3::X);
-        // To the nearest of the three walls ahead.
+        // Distance to the nearest of the three walls ahead.
         let origin = 0.99 * share * HALF;
         let ahead = (HALF.copysign(direction) - origin) / direction;
         Case { origin: turned(origin), direction: turned(direction), truth: ahead.min_element() }
@@ -78,7 +78,7 @@ fn room_cases(count: usize) -> Vec<Case> {
     (0..count).map(|_| case()).collect()
 }
 
-/// The same rays at half a metre's height among the same walls, as their traces on the floor and as triangles.
+/// The same rays at a height of 0.5 m among the same walls, as segments in the plane and as triangles.
 fn among_walls(effort: Effort, boxes: usize) -> [Row; 2] {
     let segments = world::room_with_boxes(42, DVec2::ZERO, SIDE, boxes);
     let cases = wall_cases(&segments, effort.of(5_000));
@@ -106,7 +106,7 @@ fn wall_cases(walls: &[Segment], count: usize) -> Vec<Case> {
     (0..count).map(|_| case()).collect()
 }
 
-/// Rows of each pair, first all of the one method, then all of the other.
+/// Rows of the pairs, sorted by method: all first ones, then all second ones.
 fn by_method(pairs: impl Iterator<Item = [Row; 2]>) -> impl Iterator<Item = Row> {
     let (first, second): (Vec<_>, Vec<_>) = pairs.map(|[first, second]| (first, second)).unzip();
     first.into_iter().chain(second)
@@ -120,7 +120,7 @@ mod tests {
     fn every_method_is_exact_within_rounding() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 16);
-        // A nanometre: a ray that grazes its wall multiplies rounding by a thousand at times.
+        // A nanometre: a ray that grazes its wall may amplify rounding a thousandfold.
         assert!(rows.iter().all(|row| row.error < 1e-9 && row.time_ns > 0.0), "{rows:?}");
     }
 

@@ -1,7 +1,7 @@
-//! `reflectance`: the distance recovered from the signal of a reflectance sensor, by the root as the paper prints it and by the
-//! one that keeps its digits.
+//! `reflectance`: distance recovered from the signal of a reflectance sensor, by the root as printed in the paper and by the
+//! numerically stable one.
 //!
-//! Both invert s = (max - d) / d^2 of a surface met head on (France et al. 1999, Eq. 1 and section 5). The printed root
+//! Both invert s = (max - d) / d^2 for a surface at zero incidence (France et al. 1999, Eq. 1 and section 5). The printed root
 //! subtracts two numbers that become equal as the signal vanishes.
 
 use sim_core::sensor::recovered_distance;
@@ -16,12 +16,12 @@ pub const STUDY: Study = Study {
 
 /// Greatest distance of the paper's sensor, m.
 const MAX: f64 = 1.0;
-/// Signals as powers of ten, 1/m.
+/// Signals as exponents of ten, 1/m.
 const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
-/// Signals at each setting: from that one to ten times it.
+/// Number of signals at each setting: from the setting to ten times as much.
 const SIGNALS: usize = 1_000;
 
-/// The distance of a signal (1/m) and a greatest distance, both distances in m.
+/// Distance (m) from a signal (1/m) and a greatest distance (m).
 type Root = fn(f64, f64) -> f64;
 
 fn run(effort: Effort) -> Outcome {
@@ -66,8 +66,8 @@ fn power_of_ten(exponent: i32) -> f64 {
     if exponent < 0 { 1.0 / power } else { power }
 }
 
-/// The distance d of a signal s: Newton's method for what is missing to the greatest distance, u = s (max - u)^2, which is
-/// small where d would lose digits.
+/// Reference distance d of a signal s: Newton's method for the remainder u = max - d of u = s (max - u)^2, which stays accurate
+/// where d would lose digits.
 fn distance_of(signal: f64) -> f64 {
     let mut missing = 0.0;
     for _ in 0..100 {
@@ -77,7 +77,7 @@ fn distance_of(signal: f64) -> f64 {
     MAX - missing
 }
 
-/// The positive root as the paper prints it, 0 / 0 where there is no signal.
+/// Positive root as printed in the paper; 0 / 0 without a signal.
 fn printed_root(signal: f64, max: f64) -> f64 {
     ((1.0 + 4.0 * signal * max).sqrt() - 1.0) / (2.0 * signal)
 }

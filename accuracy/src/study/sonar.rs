@@ -1,8 +1,8 @@
-//! `sonar`: what a sonar reads against the number of its rays.
+//! `sonar`: readings of a sonar against its number of rays.
 //!
-//! Rough walls without end that slant away are heard where their echo falls below the threshold: a root of one equation. In
-//! rooms of rough and smooth walls the truth is brute force: tens of thousands of rays, and the nearest point of each wall, by
-//! other formulas than the core's. Beside it a sensor of the same beam that asks its rays alone.
+//! The closed form for infinite rough walls at a slant: the echo is audible down to the threshold, the root of one equation. In
+//! rooms of rough and smooth walls the reference is brute force: tens of thousands of rays, and the nearest point of each wall, by
+//! formulas other than the core's. For comparison, a sensor with the same beam that evaluates its rays only.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;
@@ -25,11 +25,11 @@ pub const STUDY: Study =
 
 /// Numbers of rays.
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
-/// Rays with which the truth about a room is found; each stands for a ten thousandth of a radian.
+/// Number of rays of the reference for rooms, about a ten thousandth of a radian apart.
 const TRUE_RAYS: u32 = 30_000;
-/// Half of the angle over which they are spread, rad: nothing is heard from farther aside.
+/// Half of the angle over which the reference's rays are spread, rad: echoes from farther aside are inaudible.
 const TRUE_ASIDE: f64 = 1.5;
-/// The sensor's height above the floor, m: a pitched one hears nothing of it.
+/// Height of the sensor above the floor, m, large enough that a pitched sensor does not hear the floor.
 const HEIGHT: f64 = 40.0;
 const ME: RobotId = RobotId(1);
 
@@ -66,7 +66,7 @@ fn run(effort: Effort) -> Outcome {
 
 type Method = fn(&Case, &Sonar) -> Option<f64>;
 
-/// The mean error over the cases, and the time of a reading. No reading counts as one of the greatest distance.
+/// Row of the mean error over the cases and of the time per reading. No return counts as the greatest distance.
 fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
     let sonar = Sonar { rays, ..Sonar::srf08() };
     let off = |case: &Case| (read(case, &sonar).unwrap_or(sonar.max) - case.truth.unwrap_or(sonar.max)).abs();
@@ -86,7 +86,7 @@ fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
     }
 }
 
-/// A sensor before walls, and what it should read.
+/// Sensor in front of walls, and its true reading.
 struct Case {
     world: Arc<World>,
     world_from_sensor: Pose3,
@@ -97,7 +97,7 @@ fn listen(case: &Case, sonar: &Sonar) -> Option<f64> {
     RangeModel::Sonar(*sonar).read(&case.world, ME, &case.world_from_sensor, Time::ZERO, 0.0).distance
 }
 
-/// The nearest echo along rays spread evenly over the plane before a level sensor.
+/// Nearest echo along rays spread evenly over the horizontal plane in front of a level sensor.
 fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
     let Pose3 { position, rotation } = case.world_from_sensor;
     let mut nearest = None;
@@ -116,12 +116,12 @@ fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
     nearest
 }
 
-/// Angle of a ray of `rays` from the line of sight, rad.
+/// Angle between ray number `ray` of `rays` and the line of sight, rad.
 fn angle_of(ray: u32, rays: u32) -> f64 {
     TRUE_ASIDE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
 }
 
-/// Sensors pitched up or down by up to `pitch` rad before a rough wall, 0.3 to 4 m ahead and turned by up to 80 degrees.
+/// Sensors pitched by up to `pitch` rad in front of a rough wall, 0.3 to 4 m ahead and rotated by up to 80 degrees.
 fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     let mut random = Random::new(8);
     let draw = || {
@@ -130,7 +130,7 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
         let (sin, cos) = math::sin_cos(turn);
         let (middle, along) = (DVec2::new(ahead, 0.0), DVec2::new(-sin, cos) * 100.0);
         let walls = Walls::new(vec![Segment::new(middle - along, middle + along)]);
-        // The wall's foot, and the angle between it and the line of sight.
+        // Distance of the wall's foot, and the angle between its direction and the line of sight.
         let foot = ahead * cos;
         let across = cos * math::cos(pitch);
         let aside = math::atan2((1.0 - across * across).sqrt(), across);
@@ -143,10 +143,10 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// The nearest audible distance of a rough plane whose nearest point is `foot` metres away, `aside` rad off the line of sight.
+/// Nearest audible distance of a rough plane whose nearest point is `foot` metres away, `aside` rad off the line of sight.
 ///
-/// A point of the plane under the incidence alpha is foot / cos(alpha) away, and at best aside - alpha off the line of sight: the
-/// least audible alpha is sought from 0 on, and found by bisection.
+/// A point of the plane at incidence angle alpha is foot / cos(alpha) away, and at least aside - alpha off the line of sight: the
+/// smallest audible alpha is searched from 0 on and refined by bisection.
 fn nearest_audible(foot: f64, aside: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let distance = |alpha: f64| foot / math::cos(alpha);
@@ -166,14 +166,14 @@ fn nearest_audible(foot: f64, aside: f64) -> Option<f64> {
     Some(distance(heard)).filter(|distance| *distance <= sonar.max)
 }
 
-/// Energy of an echo from `distance` m, `angle` rad off the line of sight, of a surface that returns the share `returned`.
+/// Energy of an echo from `distance` m, `angle` rad off the line of sight, from a surface that reflects the share `returned`.
 fn energy(angle: f64, distance: f64, returned: f64) -> f64 {
     let halves = angle / Sonar::srf08().half_angle;
     let out_and_back = math::exp(-4.0 * LN_2 * halves * halves);
     if angle.abs() > FRAC_PI_2 { 0.0 } else { out_and_back * returned / (distance * distance) }
 }
 
-/// Sensors in rooms of 6 m with 12 boxes, every other wall a mirror of 80 %.
+/// Sensors in rooms of 6 m with 12 boxes, every other wall 80 % specular.
 fn rooms(count: usize) -> Vec<Case> {
     let mut random = Random::new(9);
     let smooth = Surface { reflectivity: 0.9, specular: 0.8 };
@@ -191,7 +191,7 @@ fn rooms(count: usize) -> Vec<Case> {
             let forward = random.direction();
             let yaw = math::atan2(forward.y, forward.x);
             let truths = [true, false].map(|hidden| heard_in_room(&segments, &surfaces, origin, forward, hidden));
-            // What a corner returns of its hidden wall is a matter of taste: such cases are left out.
+            // The echo of a corner's hidden wall depends on the definition: ambiguous cases are skipped.
             if truths[0] != truths[1] {
                 continue;
             }
@@ -205,9 +205,9 @@ fn rooms(count: usize) -> Vec<Case> {
     cases
 }
 
-/// What is heard in a room of upright walls: brute force.
+/// Nearest echo in a room of upright walls, by brute force.
 ///
-/// A corner belongs to two walls, of which one may be hidden: it is asked as well, or not.
+/// A corner belongs to two walls, one of which may be hidden; `hidden` includes the hidden wall.
 fn heard_in_room(
     segments: &[Segment],
     surfaces: &[Surface],
@@ -239,7 +239,7 @@ fn heard_in_room(
         let share = (origin - segment.a).dot(along) / along.length_squared();
         let point = segment.a + share.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
-        // A nanometre for walls that meet at the point; a hidden one is not met a tenth of a micrometre further in.
+        // Tolerance of a nanometre for walls that share the point; a hidden wall is not hit a tenth of a micrometre farther along it.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
         let is_open = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
@@ -252,7 +252,7 @@ fn heard_in_room(
     nearest
 }
 
-/// A world of walls and nothing else.
+/// World that consists of walls only.
 fn world(walls: Walls, surfaces: Vec<Surface>) -> World {
     let space = Space { floor: None, walls: surfaces, ..Space::default() };
     World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)

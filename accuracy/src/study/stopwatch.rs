@@ -1,8 +1,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Nanoseconds of real time that each of the `count` things takes which one call of `work` does: of `repeats` calls the
-/// fastest, since whatever else the machine does only adds to it.
+/// Real time in nanoseconds per item, where one call of `work` processes `count` items: the fastest of `repeats` calls, since other
+/// load of the machine only adds time.
 pub fn nanoseconds<R>(repeats: usize, count: usize, mut work: impl FnMut() -> R) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..repeats.max(1) {

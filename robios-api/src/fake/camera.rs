@@ -9,10 +9,10 @@ use crate::lcd::Pixel;
 use crate::robios7::{Color, ImageSize};
 use crate::unit::Length;
 
-/// What a camera gives for a pixel at a moment.
+/// Script of a camera: value of a pixel at a moment.
 type Script<T> = Box<dyn Fn(&Moment, Pixel) -> T + Send>;
 
-/// What the camera sees.
+/// Scripts of the camera.
 #[derive(Default)]
 pub(super) struct Scripts {
     color: Option<Script<Color>>,
@@ -20,29 +20,29 @@ pub(super) struct Scripts {
     labels: Option<Script<Seen>>,
 }
 
-/// A camera that is switched on.
+/// Settings of the camera while it is on.
 #[derive(Clone, Copy)]
 pub(super) struct Setting {
     pub size: ImageSize,
     pub numbers: [i32; 3],
-    /// When the last image was taken.
+    /// Time of the last image.
     taken_us: Option<u64>,
 }
 
 impl Fake {
-    /// Gives it a camera and the colour that it sees in each pixel; images are as large as the program wants them.
+    /// Adds a camera with the script of its colours; the program chooses the size of images.
     pub fn camera(mut self, color: impl Fn(&Moment, Pixel) -> Color + Send + 'static) -> Self {
         self.camera.color = Some(Box::new(color));
         self
     }
 
-    /// Says how far away what a pixel shows is; `None` is the sky.
+    /// Sets the script of depths; `None` is the sky.
     pub fn depth(mut self, depth: impl Fn(&Moment, Pixel) -> Option<Length> + Send + 'static) -> Self {
         self.camera.depth = Some(Box::new(depth));
         self
     }
 
-    /// Says what a pixel shows.
+    /// Sets the script of labels.
     pub fn labels(mut self, labels: impl Fn(&Moment, Pixel) -> Seen + Send + 'static) -> Self {
         self.camera.labels = Some(Box::new(labels));
         self
@@ -50,14 +50,14 @@ impl Fake {
 }
 
 impl FakeRobot {
-    /// Switches the camera on; `false` without one.
+    /// Switches the camera on; returns false if the robot has none.
     pub(super) fn switch_camera_on(&self, state: &mut State, size: ImageSize) -> bool {
         let is_there = self.fake.camera.color.is_some();
         state.camera = is_there.then_some(Setting { size, numbers: [128; 3], taken_us: None });
         is_there
     }
 
-    /// Takes an image of this size, or of that which is set: red, green and blue of each pixel; `None` if the camera is off.
+    /// Takes an image of `size`, by default the set size: red, green and blue of each pixel; `None` if the camera is off.
     pub(super) fn colors(&self, state: &mut State, size: Option<ImageSize>) -> Option<Vec<u8>> {
         let (script, now_us) = (self.fake.camera.color.as_ref()?, state.now_us);
         let camera = state.camera.as_mut()?;
@@ -71,7 +71,7 @@ impl FakeRobot {
         Some(size.places().flat_map(rgb).collect())
     }
 
-    /// The same in grey: the mean.
+    /// Takes a grey image: the mean of the colours.
     pub(super) fn grays(&self, state: &mut State) -> Option<Vec<u8>> {
         let colors = self.colors(state, None)?;
         Some(
@@ -82,7 +82,7 @@ impl FakeRobot {
         )
     }
 
-    /// Distances of what the last image shows, mm.
+    /// Depths of the last image, in millimetres.
     pub(super) fn depths(&self, state: &State) -> Option<Vec<f32>> {
         let (script, camera) = (self.fake.camera.depth.as_ref()?, state.camera?);
         let moment = state.moment(camera.taken_us?);
@@ -90,7 +90,7 @@ impl FakeRobot {
         Some(camera.size.places().map(mm).collect())
     }
 
-    /// Numbers of what the last image shows.
+    /// Label numbers of the last image.
     pub(super) fn labels(&self, state: &State) -> Option<Vec<i32>> {
         let (script, camera) = (self.fake.camera.labels.as_ref()?, state.camera?);
         let moment = state.moment(camera.taken_us?);
@@ -98,7 +98,7 @@ impl FakeRobot {
     }
 }
 
-/// Whether RoBIOS-7 knows a resolution.
+/// Returns true for a resolution of RoBIOS-7.
 pub(super) fn is_resolution(number: i32) -> bool {
     (0..=CAM5MP).contains(&number) || number == CUSTOM
 }

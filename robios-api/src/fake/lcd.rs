@@ -2,7 +2,7 @@
 
 use robios_sys::robios6::{LCD_COLUMNS, LCD_HEIGHT, LCD_ROWS, LCD_WIDTH};
 
-/// Text and pixels, kept apart: pixels are only what is drawn.
+/// Text and pixels in separate buffers: pixels hold only drawings.
 #[derive(Debug)]
 pub struct Lcd {
     text: Vec<Vec<u8>>,
@@ -13,12 +13,12 @@ pub struct Lcd {
 }
 
 impl Lcd {
-    /// That of RoBIOS 6.
+    /// Display of RoBIOS 6.
     pub fn new() -> Self {
         Self::with_size(LCD_ROWS, LCD_COLUMNS)
     }
 
-    /// That of RoBIOS-7, with characters of one width whatever the font.
+    /// Display of RoBIOS-7, with characters of one width for every font.
     pub fn large() -> Self {
         Self::with_size(20, 40)
     }
@@ -46,12 +46,12 @@ impl Lcd {
         self.text[0].len()
     }
 
-    /// The lines without blanks at their ends.
+    /// The lines without trailing blanks.
     pub fn lines(&self) -> Vec<String> {
         self.text.iter().map(|line| String::from_utf8_lossy(line).trim_end().to_owned()).collect()
     }
 
-    /// Moves the cursor; whether the place is on the display.
+    /// Moves the cursor; returns true if the position is on the display.
     pub fn move_cursor(&mut self, row: i32, column: i32) -> bool {
         let (Ok(row), Ok(column)) = (usize::try_from(row), usize::try_from(column)) else { return false };
         let is_inside = row < self.rows() && column < self.columns();
@@ -108,7 +108,7 @@ impl Lcd {
         index(x, y).map(|index| self.pixels[index])
     }
 
-    /// 0 clears, 1 sets, 2 inverts; whether the pixel is on the display.
+    /// 0 clears, 1 sets, 2 inverts; returns true if the pixel is on the display.
     pub fn draw(&mut self, x: i32, y: i32, ink: i32) -> bool {
         let Some(index) = index(x, y) else { return false };
         let pixel = &mut self.pixels[index];

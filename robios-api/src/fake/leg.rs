@@ -1,4 +1,4 @@
-//! The legs of a fake robot: scripts say how they stand, and what they are told moves the robot.
+//! Legs of a fake robot: scripts define their state, and speed commands move the robot.
 
 use robios_sys::{Out, OutFloats, Stop};
 
@@ -7,7 +7,7 @@ use super::{Fake, Moment};
 use crate::leg::LinkPose;
 use crate::unit::{Angle, Length, Speed, TurnRate};
 
-/// The LEG functions, alike in both generations, by [`FakeRobot`].
+/// Implements the LEG functions, identical in both generations, by methods of [`FakeRobot`].
 macro_rules! leg_functions {
     () => {
         fn LEGCount(&self) -> Result<i32, Stop> {
@@ -49,46 +49,46 @@ macro_rules! leg_functions {
 }
 pub(super) use leg_functions;
 
-/// How a leg of a fake robot stands at a moment.
+/// State of a leg of a fake robot at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FakeLeg {
-    /// Angles of its joints, from yaw on; it has no others.
+    /// Joint angles, from yaw on; the leg has only these joints.
     pub joints: Vec<Angle>,
-    /// Where its links are, from the thigh on; it has no others.
+    /// Poses of the links, from the thigh on; the leg has only these links.
     pub links: Vec<LinkPose>,
-    /// Whether its foot is on the ground.
+    /// The foot is on the ground.
     pub is_on_ground: bool,
 }
 
 impl Default for FakeLeg {
-    /// A leg that stands on the ground and tells nothing of joints and links.
+    /// A leg on the ground, without joints and links.
     fn default() -> Self {
         Self { joints: Vec::new(), links: Vec::new(), is_on_ground: true }
     }
 }
 
 impl Fake {
-    /// Gives it a further leg, and says how it stands. It takes every gait from 1 on, every step height from 0 on and every
+    /// Adds a leg with the script of its state. The robot accepts every gait from 1 on, every step height from 0 on and every
     /// correction.
     pub fn leg(mut self, leg: impl Fn(&Moment) -> FakeLeg + Send + 'static) -> Self {
         self.legs.push(Box::new(leg));
         self
     }
 
-    /// Says how high the body of a robot with legs is; without it, at 0.
+    /// Sets the script of the body height of a robot with legs; 0 by default.
     pub fn body_height(mut self, height: impl Fn(&Moment) -> Length + Send + 'static) -> Self {
         self.body_height = Some(Box::new(height));
         self
     }
 }
 
-/// What both generations answer, at the call's end.
+/// Calls of both generations, carried out at their end.
 impl FakeRobot {
     pub(super) fn leg_count(&self) -> Result<i32, Stop> {
         self.act(|_| self.fake.legs.len() as i32)
     }
 
-    /// Obeys with its legs, if it has any and `is_possible`.
+    /// Runs `act` and returns 0; returns -1 if the robot has no legs or the command is not possible.
     pub(super) fn with_legs(&self, is_possible: bool, act: impl FnOnce(&mut State)) -> Result<i32, Stop> {
         self.act(|state| {
             if self.fake.legs.is_empty() || !is_possible {
@@ -105,7 +105,7 @@ impl FakeRobot {
         self.with_legs(true, |state| state.motion.set_twist(state.now_us, forward, left, turn))
     }
 
-    /// What `of` says of a leg now; `None` if there is no such leg.
+    /// Applies `of` to the current state of a leg; `None` if there is no such leg.
     fn ask_leg<T>(&self, state: &State, leg: i32, of: impl FnOnce(&FakeLeg) -> T) -> Option<T> {
         let script = self.fake.legs.get(usize::try_from(leg).ok()?.checked_sub(1)?)?;
         Some(of(&script(&state.moment(state.now_us))))

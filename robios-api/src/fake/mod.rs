@@ -1,8 +1,8 @@
 //! A fake robot for unit tests of robot programs: no simulator, no files, no world.
 //!
-//! A [`Fake`] says what the robot has and what happens to it over virtual time; [`Fake::run`] runs a program on it
-//! from start to end, and the [`Run`] tells what the program did. Programs without end are stopped at a limit of
-//! virtual time. The robot is ideal: drives take exactly their time, and nothing is in its way.
+//! A [`Fake`] describes the robot's devices and scripted events in virtual time; [`Fake::run`] runs a program on it
+//! from start to end and returns a [`Run`], the record of the program's behaviour. Programs without end are stopped at a
+//! limit of virtual time. The robot is ideal: drives take exactly their time, and there are no obstacles.
 //!
 //! ```
 //! use robios_api::fake::Fake;
@@ -67,18 +67,18 @@ pub use radio::Sent;
 pub struct Moment {
     /// Virtual time since the robot's start.
     pub time: Duration,
-    /// Where the robot truly is: it starts at 0, whatever the program says with `set_position`.
+    /// True position: starts at 0 and is not changed by `set_position`.
     pub position: Position,
 }
 
 type Script<T> = Box<dyn Fn(&Moment) -> T + Send>;
 
-/// What a generation of RoBIOS calls a distance sensor.
+/// Name of a distance sensor in either generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PsdName {
-    /// RoBIOS 6: its name.
+    /// RoBIOS 6: name of the sensor.
     At(PsdAt),
-    /// RoBIOS-7: its number.
+    /// RoBIOS-7: number of the sensor.
     Number(u8),
 }
 
@@ -94,20 +94,20 @@ impl From<crate::robios7::PsdAt> for PsdName {
     }
 }
 
-/// What a robot has and what happens to it.
+/// Description of a fake robot: its devices and scripted events.
 pub struct Fake {
     psds: Vec<(PsdName, Script<Option<Length>>)>,
     signals: Vec<(PsdName, Script<Signal>)>,
     lidar: Option<robios7::Scanner>,
     camera: camera::Scripts,
     touches: robios7::Touches,
-    /// How each leg stands.
+    /// Script of the state of each leg.
     legs: Vec<Script<FakeLeg>>,
     body_height: Option<Script<Length>>,
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
     infrareds: Vec<(InfraredAt, Script<bool>)>,
     keys: Vec<(Duration, Key)>,
-    /// In order of their times in microseconds.
+    /// Messages with their times in microseconds, in order of time.
     messages: Vec<(u64, Message)>,
     answers: Option<radio::Answers>,
     arguments: Vec<String>,
@@ -128,7 +128,7 @@ impl fmt::Debug for Fake {
 }
 
 impl Fake {
-    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors; 60 s.
+    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors; limit 60 s.
     ///
     /// At full power of the motors it drives 0.5 m/s; its wheels are 0.1 m apart; its encoders have 1,000 ticks a
     /// metre. North is to the left of its start.
@@ -152,9 +152,9 @@ impl Fake {
         }
     }
 
-    /// Gives it a distance sensor and what it measures; `None` is nothing within range.
+    /// Adds a distance sensor with the script of its distances; `None` is out of range.
     ///
-    /// As the real one it gives whole millimetres; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 when it is asked.
+    /// The sensor rounds to whole millimetres like the real one; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 on request.
     pub fn psd(
         mut self,
         at: impl Into<PsdName>,
@@ -164,7 +164,7 @@ impl Fake {
         self
     }
 
-    /// Gives a distance sensor its signal; without one, it is 1 where the sensor measures something, else 0.
+    /// Sets the script of a distance sensor's signal; by default it is 1 for a distance in range, else 0.
     pub fn signal(mut self, at: impl Into<PsdName>, signal: impl Fn(&Moment) -> Signal + Send + 'static) -> Self {
         self.signals.push((at.into(), Box::new(signal)));
         self
@@ -179,7 +179,7 @@ impl Fake {
         }
     }
 
-    /// Gives it a laser scanner and what it measures in each direction of the robot.
+    /// Adds a laser scanner with the script of its distances by direction in the robot's frame.
     pub fn lidar(mut self, distance: impl Fn(&Moment, Angle) -> Option<Length> + Send + 'static) -> Self {
         self.lidar = Some(Box::new(distance));
         self
@@ -192,13 +192,13 @@ impl Fake {
         self
     }
 
-    /// Gives it a bumper and the times at which something bumps, in order.
+    /// Adds a bumper with the times of its contacts, in order.
     pub fn bumper(mut self, at: BumperAt, times: impl Into<Vec<Duration>>) -> Self {
         self.bumpers.push((at, times.into()));
         self
     }
 
-    /// Gives it an infrared sensor and when something is near.
+    /// Adds an infrared sensor with the script of its state.
     pub fn infrared(mut self, at: InfraredAt, is_near: impl Fn(&Moment) -> bool + Send + 'static) -> Self {
         self.infrareds.push((at, Box::new(is_near)));
         self
@@ -211,15 +211,15 @@ impl Fake {
         self
     }
 
-    /// Gives the program an argument.
+    /// Adds an argument of the program.
     pub fn argument(mut self, argument: impl Into<String>) -> Self {
         self.arguments.push(argument.into());
         self
     }
 
-    /// Stops the program at a virtual time if it has not ended before; 60 s if nothing is said.
+    /// Sets the limit of virtual time at which the program is stopped; 60 s by default.
     ///
-    /// A loop that makes no call passes no virtual time and is not stopped.
+    /// A loop that makes no call takes no virtual time and is not stopped.
     pub fn until(mut self, limit: Duration) -> Self {
         self.limit = limit;
         self
@@ -249,10 +249,10 @@ impl Fake {
         })
     }
 
-    /// Runs a program of a library that was loaded.
+    /// Runs the program of a loaded library.
     ///
     /// # Safety
-    /// `program` is the `eyesim_program` of a library that stays loaded, and keeps to its contract.
+    /// `program` is the `eyesim_program` of a library that stays loaded, and upholds its contract.
     ///
     /// # Panics
     /// If the program was built against another version of the ABI.
@@ -291,21 +291,21 @@ impl Fake {
     }
 }
 
-/// How a program ended.
+/// Reason for the end of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Its function returned without an error.
+    /// The program's function returned without an error.
     Finished,
-    /// It panicked, returned an error, or did what a robot program must not do.
+    /// The program panicked, returned an error, or did something that a robot program must not do.
     Failed {
         /// The exit code that a simulator would show.
         exit_code: i32,
-        /// What went wrong.
+        /// Description of the failure.
         reason: String,
     },
-    /// It was stopped at the limit of virtual time.
+    /// The program was stopped at the limit of virtual time.
     TimeUp {
-        /// The call that was in progress, and its place if the program belongs to the library of the test.
+        /// The call in progress, with its location if the program belongs to the library of the test.
         during: String,
     },
 }
@@ -320,16 +320,16 @@ impl Display for End {
     }
 }
 
-/// A call that a program made.
+/// A call made by a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// Virtual time of its end.
+    /// Virtual time at the end of the call.
     pub time: Duration,
-    /// The function's name in RoBIOS.
+    /// Name of the function in RoBIOS.
     pub name: &'static str,
     /// The call with arguments and result, in the units of RoBIOS: `VWDriveStraight(1, 0.4, 0.2) = 0`.
     pub text: String,
-    /// Where the program made it, if it belongs to the library of the test.
+    /// Location of the call, if the program belongs to the library of the test.
     pub place: Option<&'static Location<'static>>,
 }
 
@@ -339,7 +339,7 @@ impl Display for Call {
     }
 }
 
-/// What a program did, from its start to its end.
+/// Record of a program's behaviour, from its start to its end.
 #[derive(Clone, Debug)]
 pub struct Run {
     end: End,
@@ -352,35 +352,35 @@ pub struct Run {
 }
 
 impl Run {
-    /// How it ended.
+    /// Reason for the program's end.
     pub fn end(&self) -> &End {
         &self.end
     }
 
-    /// The run itself, if the program's function returned without an error.
+    /// Returns the run if the program's function returned without an error.
     ///
     /// # Panics
-    /// If it did not: with its end, its console and its last calls.
+    /// Otherwise, with the program's end, console and last calls.
     #[track_caller]
     pub fn expect_finished(self) -> Self {
         assert!(self.end == End::Finished, "the program {}", self.story());
         self
     }
 
-    /// The run itself, if the program was stopped at the limit of virtual time, as one without end must be.
+    /// Returns the run if the program was stopped at the limit of virtual time, as expected of a program without end.
     ///
     /// # Panics
-    /// If it was not: with its end, its console and its last calls.
+    /// Otherwise, with the program's end, console and last calls.
     #[track_caller]
     pub fn expect_time_up(self) -> Self {
         assert!(matches!(self.end, End::TimeUp { .. }), "the program {}", self.story());
         self
     }
 
-    /// The reason of its failure.
+    /// Reason of the program's failure.
     ///
     /// # Panics
-    /// If it did not fail: with its end, its console and its last calls.
+    /// If the program did not fail, with its end, console and last calls.
     #[track_caller]
     pub fn expect_failed(&self) -> &str {
         match &self.end {
@@ -400,30 +400,30 @@ impl Run {
         self.time
     }
 
-    /// Where the robot truly was at the end; it starts at 0.
+    /// True position at the end; it starts at 0.
     pub fn position(&self) -> Position {
         self.position
     }
 
-    /// A line of the display at the end, from 0 at the top, without blanks at its end; empty for another row.
+    /// A line of the display at the end, from 0 at the top, without trailing blanks; empty for any other row.
     ///
-    /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7, whatever the font; the last one is
-    /// that of the menu.
+    /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7 for every font; the last line is the
+    /// menu.
     pub fn lcd_line(&self, row: usize) -> &str {
         self.lcd.get(row).map_or("", String::as_str)
     }
 
-    /// All that was written to the console.
+    /// All text written to the console.
     pub fn console(&self) -> &str {
         &self.console
     }
 
-    /// All messages that the program has sent by radio, in order.
+    /// All messages sent by radio, in order.
     pub fn sent(&self) -> &[Sent] {
         &self.sent
     }
 
-    /// All calls in the order of their ends.
+    /// All calls, in order of their ends.
     pub fn calls(&self) -> &[Call] {
         &self.calls
     }

@@ -1,11 +1,11 @@
-//! How the fake robot moves: it does exactly what it is told, at once.
+//! Motion of the fake robot: it carries out commands exactly and without delay.
 
 use std::time::Duration;
 
 use crate::drive::Position;
 use crate::unit::{Angle, Length};
 
-/// Distance of the fake robot's wheels, in metres.
+/// Track width of the fake robot, in metres.
 pub const TRACK_M: f64 = 0.1;
 
 /// Speed of a wheel of the fake robot at full power, in m/s.
@@ -33,7 +33,7 @@ impl Pose {
         }
     }
 
-    /// A pose that is given in the frame of this one.
+    /// Transforms a pose from the frame of this pose to the outer frame.
     pub fn compose(self, inner: Self) -> Self {
         let (sin, cos) = (libm::sin(self.phi), libm::cos(self.phi));
         Self {
@@ -43,7 +43,7 @@ impl Pose {
         }
     }
 
-    /// A pose of the same frame as this one, seen from this one.
+    /// Transforms a pose from the outer frame to the frame of this pose.
     pub fn relative(self, other: Self) -> Self {
         let (sin, cos) = (libm::sin(self.phi), libm::cos(self.phi));
         let (dx, dy) = (other.x - self.x, other.y - self.y);
@@ -55,18 +55,18 @@ impl Pose {
     }
 }
 
-/// A command from its start on.
+/// Motion by one command, from its start on.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     start_us: u64,
     from: Pose,
-    /// What the wheels have rolled until the start, in metres, left and right.
+    /// Distances rolled by the wheels before the start, in metres, left and right.
     rolled: [f64; 2],
     length: f64,
-    /// To the left, as legs can.
+    /// Length to the left, for walking robots.
     left: f64,
     angle: f64,
-    /// Seconds for length and angle; `None`: they are speeds per second, without end.
+    /// Duration in seconds; `None`: lengths and angle are rates per second, without end.
     span: Option<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Piece {
     }
 }
 
-/// All commands until now.
+/// Motions by all commands so far.
 #[derive(Debug)]
 pub struct Motion(Vec<Piece>);
 
@@ -105,17 +105,17 @@ impl Motion {
         Self(vec![standing])
     }
 
-    /// Speeds until the next command, in m/s and rad/s.
+    /// Sets speeds until the next command, in m/s and rad/s.
     pub fn set_speed(&mut self, now_us: u64, v: f64, w: f64) {
         self.push(now_us, [v, 0.0, w], None);
     }
 
-    /// The same with a speed to the left.
+    /// As [`set_speed`](Self::set_speed), with a speed to the left.
     pub fn set_twist(&mut self, now_us: u64, v: f64, left: f64, w: f64) {
         self.push(now_us, [v, left, w], None);
     }
 
-    /// A drive of an arc length and a change of heading that takes some seconds.
+    /// Drives an arc length and a change of heading in `span` seconds.
     pub fn drive(&mut self, now_us: u64, length: f64, angle: f64, span: f64) {
         self.push(now_us, [length, 0.0, angle], Some(span));
     }
@@ -138,7 +138,7 @@ impl Motion {
         piece.from.moved(ahead, left, angle)
     }
 
-    /// What the wheels have rolled since the start of the program, in metres, left and right.
+    /// Distances rolled by the wheels since the start of the program, in metres, left and right.
     pub fn rolled(&self, now_us: u64) -> [f64; 2] {
         let piece = self.piece(now_us);
         let [length, _, angle] = piece.progress(now_us);
@@ -156,17 +156,17 @@ impl Motion {
         }
     }
 
-    /// When the drive in progress ends; `None` if there is none.
+    /// End of the drive in progress; `None` if there is none.
     pub fn drive_end_us(&self, now_us: u64) -> Option<u64> {
         self.piece(now_us).end_us().filter(|end| *end > now_us)
     }
 
-    /// Whether the last drive was a turn on the spot.
+    /// Returns true if the last drive was a turn on the spot.
     pub fn is_turn(&self, now_us: u64) -> bool {
         self.piece(now_us).length == 0.0
     }
 
-    /// What remains of the drive in progress: its length, or its angle if it has no length.
+    /// Remainder of the drive in progress: length, or angle if the drive has no length.
     pub fn remaining(&self, now_us: u64) -> f64 {
         let piece = self.piece(now_us);
         if self.drive_end_us(now_us).is_none() {

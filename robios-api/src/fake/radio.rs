@@ -1,4 +1,4 @@
-//! The radio of a fake robot: what arrives when, and what was sent.
+//! Radio of a fake robot: scripted incoming messages, and the messages sent.
 
 use std::time::Duration;
 
@@ -10,26 +10,26 @@ use super::robot::{FakeRobot, State};
 use crate::os::RobotNumber;
 use crate::radio::Message;
 
-/// A message that the program has sent.
+/// A message sent by the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sent {
     /// Virtual time at which it was sent.
     pub time: Duration,
-    /// To whom: [`RobotNumber::ALL`] is everybody.
+    /// Receiver; [`RobotNumber::ALL`] for a broadcast.
     pub to: RobotNumber,
-    /// What it says.
+    /// Payload.
     pub bytes: Vec<u8>,
 }
 
-/// What the other robots make of a message: when they answer, counted from then, and what.
+/// Script of the other robots: the delay of the answer to a message, and the answer.
 pub(super) type Answers = Box<dyn FnMut(&Sent) -> Option<(Duration, Message)> + Send>;
 
-/// The radio.
+/// State of the radio.
 pub(super) struct Station {
     answers: Option<Answers>,
     settings: RadioIOParameters,
     is_on: bool,
-    /// In order of their times.
+    /// Incoming messages with their times in microseconds, in order of time.
     coming: Vec<(u64, Message)>,
     sent: Vec<Sent>,
     received: i32,
@@ -43,7 +43,7 @@ impl Station {
         Self { answers: fake.answers.take(), settings, is_on: false, coming, sent: Vec::new(), received: 0 }
     }
 
-    /// What was sent, at the end.
+    /// Messages sent in the run.
     pub(super) fn into_sent(self) -> Vec<Sent> {
         self.sent
     }
@@ -68,15 +68,15 @@ impl Station {
 }
 
 impl Fake {
-    /// A message arrives at a time; before the radio is on nobody hears it.
+    /// Delivers a message at a time; it is lost if the radio is switched on later.
     pub fn message(mut self, time: Duration, from: RobotNumber, bytes: impl Into<Vec<u8>>) -> Self {
         self.messages.push((time.as_micros() as u64, Message { from, bytes: bytes.into() }));
         self.messages.sort_by_key(|(time_us, _)| *time_us);
         self
     }
 
-    /// What the other robots answer to what the program sends, and how long after; `None` is no answer, as when a message is
-    /// lost.
+    /// Sets the script by which the other robots answer the program's messages, with the delay of the answer; `None` is no answer, as
+    /// for a lost message.
     ///
     /// ```
     /// use robios_api::fake::Fake;
@@ -107,7 +107,7 @@ impl Fake {
 }
 
 impl FakeRobot {
-    /// Switches the radio on, or off; what came before is not heard.
+    /// Switches the radio on or off and discards earlier messages; returns true if it was on.
     pub(super) fn switch_radio(&self, is_on: bool) -> Result<bool, Stop> {
         self.act(|state| {
             let now_us = state.now_us;
@@ -117,7 +117,7 @@ impl FakeRobot {
         })
     }
 
-    /// Sends a message; false if the radio is off or the message too long.
+    /// Sends a message; returns false if the radio is off or the message too long.
     pub(super) fn radio_send(&self, to: RobotNumber, bytes: Option<&[u8]>, max: usize) -> Result<bool, Stop> {
         self.act(|state| {
             let State { radio, now_us, .. } = state;
@@ -132,7 +132,7 @@ impl FakeRobot {
         })
     }
 
-    /// How many messages wait.
+    /// Number of messages that wait to be received.
     pub(super) fn radio_waiting(&self) -> Result<i32, Stop> {
         self.act(|state| if state.radio.is_on { state.radio.waiting(state.now_us) } else { 0 })
     }
@@ -160,7 +160,7 @@ impl FakeRobot {
         self.act(|state| state.radio.settings)
     }
 
-    /// False while the radio is on.
+    /// Changes the settings; returns false, changing nothing, while the radio is on.
     pub(super) fn set_radio(&self, settings: RadioIOParameters) -> Result<bool, Stop> {
         self.act(|state| {
             if !state.radio.is_on {
@@ -180,5 +180,5 @@ impl FakeRobot {
     }
 }
 
-/// Most bytes of a message in RoBIOS 6.
+/// Maximum length of a message in RoBIOS 6, in bytes.
 pub(super) const MAX_ROBIOS6: usize = MAXMSGLEN as usize;

@@ -1,4 +1,4 @@
-//! What each RoBIOS call does on the fake robot; those left out fail as documented.
+//! RoBIOS 6 calls of the fake robot; calls that are not implemented fail as documented.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::image::ImageSize;
 use crate::os::RobotNumber;
 
-/// Gives an image; -1 if there is none.
+/// Writes an image to a buffer; returns -1 if there is none.
 fn frame<const N: usize>(bytes: Option<Vec<u8>>, buffer: &mut Out<[u8; N]>) -> i32 {
     match bytes.and_then(|bytes| bytes.try_into().ok()) {
         Some(frame) => {

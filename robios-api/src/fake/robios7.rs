@@ -1,4 +1,4 @@
-//! What each RoBIOS-7 call does on the fake robot; those left out fail as documented.
+//! RoBIOS-7 calls of the fake robot; calls that are not implemented fail as documented.
 
 use std::time::Duration;
 
@@ -13,13 +13,13 @@ use super::{Fake, Moment, PsdName};
 use crate::robios7::{Color, ImageSize, RobotNumber};
 use crate::unit::{Angle, Length};
 
-/// Timers are on a grid of 1 ms.
+/// Period of the timer grid: 1 ms.
 const TICK_US: u64 = 1_000;
-/// What sensors give where nothing is within range.
+/// Value of sensors that are out of range.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
 fn millimetres(distance: Option<Length>) -> i32 {
-    // 0 would say that there is no sensor.
+    // 0 would mean that there is no sensor.
     distance.map_or(OUT_OF_RANGE_MM, |distance| (distance.as_millimetres().round() as i32).clamp(1, OUT_OF_RANGE_MM))
 }
 
@@ -55,12 +55,12 @@ impl FakeRobot {
     }
 }
 
-/// Seconds of a drive at a pace; infinite for a pace that is not above 0.
+/// Duration of a drive in seconds; infinite for a speed of 0 or less.
 fn span_s(way: i32, pace: i32) -> f64 {
     if pace > 0 { f64::from(way).abs() / f64::from(pace) } else { f64::INFINITY }
 }
 
-/// An empty text clears the name of a key; in RoBIOS 6, whose display this is, a blank does.
+/// Label of a key: an empty text clears it, which takes a blank on the display of RoBIOS 6 that serves both generations.
 fn name_of_key(text: Option<&[u8]>) -> &[u8] {
     text.filter(|text| !text.is_empty()).unwrap_or(b" ")
 }
@@ -586,19 +586,19 @@ impl Robios7 for FakeRobot {
     leg_functions!();
 }
 
-/// Gives what there is: 0, else 1.
+/// Passes a value to `give`; returns 0, or 1 if there is none.
 fn given<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
     i32::from(what.map(give).is_none())
 }
 
-/// What a laser scanner measures in a direction of the robot.
+/// Script of a laser scanner: distance by direction in the robot's frame.
 pub type Scanner = Box<dyn Fn(&Moment, Angle) -> Option<Length> + Send>;
 
 /// Times and places of touches.
 pub type Touches = Vec<(Duration, crate::Pixel)>;
 
 impl Fake {
-    /// What the laser scanner measures now, in millimetres; `None` without one.
+    /// Current scan in millimetres; `None` without a laser scanner.
     pub(super) fn scan(&self, state: &State) -> Option<Vec<i32>> {
         let scanner = self.lidar.as_ref()?;
         let (range_deg, points) = state.scan;

@@ -17,11 +17,11 @@ use super::{Call, End, Fake, Moment, Run};
 use crate::call_site::LastPlace;
 use crate::robios7::Color;
 
-/// Virtual time of a call that does not wait, in microseconds: as of a slow processor, so that loops that poll end.
+/// Virtual time of a call that does not wait, in microseconds: that of a slow processor, so that polling loops end.
 const COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
-/// Ticks of the encoders.
+/// Resolution of the encoders.
 pub(super) const TICKS_PER_METRE: f64 = 1000.0;
 /// The only handle of the driving interface.
 pub(super) const VW: i32 = 1;
@@ -31,17 +31,17 @@ pub(super) struct FakeRobot {
     pub fake: Fake,
     pub last_place: Arc<LastPlace>,
     pub baton: Baton,
-    /// Never borrowed over a callback.
+    /// Never borrowed across a callback.
     pub state: RefCell<State>,
 }
 
 pub(super) struct State {
     pub now_us: u64,
-    /// The program has to be left.
+    /// The program must end.
     pub is_over: bool,
     pub failure: Option<String>,
     pub motion: Motion,
-    /// Where the robot was and where the program said it was, at the last `VWSetPosition`.
+    /// True pose and pose set by the program, at the last `VWSetPosition` or `VWInit`.
     pub origin: (Pose, Pose),
     pub has_drive: bool,
     pub power: [f64; 2],
@@ -53,7 +53,7 @@ pub(super) struct State {
     pub keys_read: usize,
     pub touches_read: usize,
     pub pixels: BTreeMap<(i32, i32), Color>,
-    /// Angle in degrees, and points, of a scan.
+    /// Setting of a scan: angle in degrees, and number of points.
     pub scan: (i32, i32),
     /// The camera, while it is on.
     pub camera: Option<super::camera::Setting>,
@@ -74,17 +74,17 @@ pub(super) struct State {
     pub calls: Vec<Call>,
 }
 
-/// Measuring of the distance sensors.
+/// Measurement of the distance sensors.
 #[derive(Clone, Copy)]
 pub(super) struct PsdRun {
     pub start_us: u64,
     pub mask: PSDHandle,
-    /// The last cycle; `None`: on and on.
+    /// The last cycle; `None` in continuous mode.
     pub last: Option<u64>,
 }
 
 impl PsdRun {
-    /// How many cycles are complete.
+    /// Number of complete cycles.
     pub(super) fn cycles(self, now_us: u64) -> u64 {
         let cycles = now_us.saturating_sub(self.start_us) / PSD_CYCLE_US;
         self.last.map_or(cycles, |last| cycles.min(last))
@@ -136,7 +136,7 @@ impl FakeRobot {
         Self { fake, last_place: Arc::default(), baton: Baton::default(), state: RefCell::new(state) }
     }
 
-    /// What the program did, after it has returned its exit code.
+    /// Record of the run, after the program has returned its exit code.
     pub(super) fn finish(self, exit_code: i32) -> Run {
         let state = self.state.into_inner();
         let end = match state.failure {
@@ -159,14 +159,14 @@ impl FakeRobot {
         }
     }
 
-    /// Lets a call take its time, then does something at its end.
+    /// Advances virtual time by the cost of a call, then runs `act`.
     pub(super) fn act<R>(&self, act: impl FnOnce(&mut State) -> R) -> Result<R, Stop> {
         let end_us = self.state.borrow().now_us + COST_US;
         self.advance(end_us)?;
         Ok(act(&mut self.state.borrow_mut()))
     }
 
-    /// Waits until a time; `None` waits for ever.
+    /// Waits until a time; `None` waits for ever. Fails inside a timer's function.
     pub(super) fn wait(&self, name: &str, until_us: Option<u64>) -> Result<(), Stop> {
         if self.state.borrow().is_in_callback {
             return Err(self.state.borrow_mut().blocked(name));
@@ -174,7 +174,7 @@ impl FakeRobot {
         self.advance(until_us.unwrap_or(u64::MAX))
     }
 
-    /// Lets virtual time pass, for the other tasks too where they take turns.
+    /// Advances virtual time; in preemptive mode other tasks run meanwhile.
     pub(super) fn advance(&self, mut until_us: u64) -> Result<(), Stop> {
         loop {
             until_us = until_us.saturating_add(self.pass(self.slice(until_us))?);
@@ -185,7 +185,7 @@ impl FakeRobot {
         }
     }
 
-    /// Lets virtual time pass; calls the timers that are due, and tells how long what they call takes.
+    /// Advances virtual time and calls the timers that are due; returns the time taken by their functions.
     pub(super) fn pass(&self, until_us: u64) -> Result<u64, Stop> {
         let mut pushed_us = 0;
         let limit_us = self.fake.limit.as_micros() as u64;
@@ -203,7 +203,7 @@ impl FakeRobot {
                 state.is_over = true;
                 return Err(stop);
             }
-            // What the timer's function calls pushes the end of the call that it interrupts.
+            // Calls made by the timer's function delay the end of the interrupted call.
             pushed_us += state.now_us - before_us;
             until_us = (until_us + state.now_us - before_us).min(limit_us);
         }
@@ -213,7 +213,7 @@ impl FakeRobot {
         if state.is_over { Err(Stop) } else { Ok(pushed_us) }
     }
 
-    /// Index of the sensor that a handle of one bit means.
+    /// Index of the sensor with a handle of one bit.
     pub(super) fn index_of(handle: i32, count: usize) -> Option<usize> {
         (0..count.min(31)).find(|index| handle == 1 << index)
     }
@@ -223,7 +223,7 @@ impl FakeRobot {
         index.filter(|index| *index < 31).map_or(0, |index| 1 << index)
     }
 
-    /// When the next unread key of a mask is pressed; keys before it are dropped.
+    /// Time and code of the next unread key in a mask; earlier keys are discarded.
     pub(super) fn next_key(&self, mask: i32) -> Option<(u64, i32)> {
         let state = &mut *self.state.borrow_mut();
         while let Some((time, key)) = self.fake.keys.get(state.keys_read) {
@@ -272,7 +272,7 @@ impl FakeRobot {
 }
 
 impl State {
-    /// What a call comes to that would wait inside of a timer's function.
+    /// Ends the program because a call would wait inside a timer's function.
     pub(super) fn blocked(&mut self, name: &str) -> Stop {
         self.is_over = true;
         self.failure = Some(format!("{name} waits inside of a timer's function"));
@@ -283,13 +283,13 @@ impl State {
         Moment { time: Duration::from_micros(time_us), position: self.motion.pose(time_us).position() }
     }
 
-    /// Where the program believes to be.
+    /// Pose of the program's odometry.
     pub(super) fn belief(&self) -> Pose {
         let (true_then, said) = self.origin;
         said.compose(true_then.relative(self.motion.pose(self.now_us)))
     }
 
-    /// The first timer that is due, with the clock put to its time; none while they are held or one is running.
+    /// Callback of the first timer that is due, with the clock set to its time; `None` while timers are held back or one runs.
     pub(super) fn due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
         if self.is_over || self.tasks.is_leaving() {
             return Err(Stop);
@@ -300,12 +300,12 @@ impl State {
         let due = self.timers.iter_mut().filter(|timer| timer.next_us <= until_us);
         let Some(timer) = due.min_by_key(|timer| (timer.next_us, timer.handle)) else { return Ok(None) };
         self.now_us = self.now_us.max(timer.next_us);
-        // Ticks that were missed are left out.
+        // Missed ticks are skipped.
         timer.next_us += timer.period_us * ((self.now_us - timer.next_us) / timer.period_us + 1);
         Ok(Some(timer.callback))
     }
 
-    /// Drives as the motors' power says.
+    /// Sets the speed that follows from the power of the motors.
     pub(super) fn follow_power(&mut self) {
         let [left, right] = self.power.map(|power| power * FULL_SPEED_MPS);
         self.motion.set_speed(self.now_us, (left + right) / 2.0, (right - left) / TRACK_M);
@@ -322,7 +322,7 @@ impl State {
     }
 }
 
-/// A call with its place.
+/// Text of a call with its location.
 fn placed(call: &Call) -> String {
     let text = call.text.trim_end_matches(" stopped");
     match call.place {

@@ -1,6 +1,6 @@
-//! Tasks of a fake robot: each on a thread of its own, one at a time.
+//! Tasks of a fake robot: each on its own thread, one at a time.
 //!
-//! Who runs is decided within calls, by priority and by who has been ready for longest: never by the scheduler of the machine.
+//! The running task is chosen within calls, by priority and by the order of becoming ready, never by the operating system.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex};
@@ -15,7 +15,7 @@ use crate::robot::locked;
 /// The task that runs `main`.
 const MAIN: usize = 0;
 
-/// Who may run: the tasks hand it to each other.
+/// Run token: its holder runs, and passes it on to another task.
 #[derive(Default)]
 pub(super) struct Baton {
     holder: Mutex<usize>,
@@ -43,11 +43,11 @@ pub(super) struct Tasks {
     list: Vec<Task>,
     current: usize,
     slice_end_us: u64,
-    /// How many times somebody became ready.
+    /// Number of transitions to ready so far.
     readied: u64,
     semaphores: Vec<Semaphore>,
     threads: Vec<JoinHandle<()>>,
-    /// `main` has returned: the others leave.
+    /// `main` has returned: the other tasks must end.
     is_leaving: bool,
 }
 
@@ -57,10 +57,10 @@ struct Task {
     uid: i32,
     code: Callback,
     status: Status,
-    /// Who has become ready earlier has a lower one.
+    /// Order of becoming ready: lower is earlier.
     place: u64,
     has_begun: bool,
-    /// Who has killed it, and goes on when it has left.
+    /// The task that has killed this one, and resumes when this one has ended.
     killer: Option<usize>,
 }
 
@@ -103,7 +103,7 @@ impl Tasks {
         }
     }
 
-    /// Whether the task that runs has to leave.
+    /// Returns true if the running task must end.
     pub(super) fn is_leaving(&self) -> bool {
         self.is_leaving || self.list[self.current].killer.is_some()
     }
@@ -121,7 +121,7 @@ impl Tasks {
         self.list[task].place = self.readied;
     }
 
-    /// Makes those ready who have slept long enough.
+    /// Makes the tasks ready whose sleep is over.
     fn wake(&mut self, now_us: u64) {
         let mut due: Vec<(u64, usize)> = self.sleepers().filter(|(time_us, _)| *time_us <= now_us).collect();
         due.sort_unstable();
@@ -135,7 +135,7 @@ impl Tasks {
         })
     }
 
-    /// Of those that are ready the highest in priority, of these the one that has been for longest.
+    /// The ready task of the highest priority; ties go to the one that has been ready longest.
     fn next(&self) -> Option<usize> {
         let ready = self.list.iter().enumerate().filter(|(_, task)| task.status == Status::Ready);
         ready.min_by_key(|(_, task)| (-task.priority, task.place)).map(|(index, _)| index)
@@ -146,7 +146,7 @@ impl Tasks {
         self.slice_end_us = now_us / TIMER_TICK_US * TIMER_TICK_US + TIMER_TICK_US;
     }
 
-    /// Index of a task by its number, 0 for the one that runs; none if it has ended.
+    /// Index of a task by its number, 0 for the running task; `None` if the task has ended.
     fn index(&self, number: i32) -> Option<usize> {
         let index = if number == 0 { self.current } else { usize::try_from(number).ok()? };
         self.list.get(index).filter(|task| task.status != Status::Ended).map(|_| index)
@@ -157,7 +157,7 @@ impl Tasks {
         self.semaphores.get_mut(index).map(|semaphore| (index, semaphore))
     }
 
-    /// What everybody waits for.
+    /// Message that names what each task waits for.
     fn story(&self) -> String {
         let waiting = self.list.iter().filter(|task| task.status != Status::Ended);
         let parts = waiting.map(|task| match task.status {
@@ -181,18 +181,18 @@ impl State {
     }
 }
 
-/// A fake robot, for the thread of one of its tasks.
+/// Pointer to a fake robot, for the thread of one of its tasks.
 struct Shared(*const FakeRobot);
 
-// SAFETY: all of a fake robot is `Send`, see `is_send` below, and who has the baton is alone with it: it is handed over by a lock,
-// so what one has done the next one sees.
+// SAFETY: all of a fake robot is `Send`, see `is_send` below, and only the holder of the run token accesses it. The token is
+// passed under a lock, so the next holder sees the writes of the previous one.
 unsafe impl Send for Shared {}
 
 const fn is_send<T: Send>() {}
 const _: () = is_send::<FakeRobot>();
 
 impl FakeRobot {
-    /// At the end of a call, or of a part of one that waits: another task's turn, where tasks take turns.
+    /// Lets another task run in preemptive mode, at the end of a call or of a part of a wait.
     pub(super) fn turn(&self) -> Result<(), Stop> {
         let is_preempted = {
             let state = &mut *self.state.borrow_mut();
@@ -201,7 +201,7 @@ impl FakeRobot {
         if is_preempted { self.give_way() } else { Ok(()) }
     }
 
-    /// Until when the task that runs keeps the processor while it waits for `until_us`.
+    /// Time until which the running task keeps the processor while it waits for `until_us`.
     pub(super) fn slice(&self, until_us: u64) -> u64 {
         let state = self.state.borrow();
         if state.tasks.rotates() && !state.is_in_callback {
@@ -211,13 +211,13 @@ impl FakeRobot {
         }
     }
 
-    /// Lets whoever is next run; comes back when it is this task's turn again.
+    /// Lets the next task run; returns when this task runs again.
     fn give_way(&self) -> Result<(), Stop> {
         let next = self.next_task()?;
         self.switch(next)
     }
 
-    /// Who is next; lets time pass until there is somebody.
+    /// The next task to run; advances virtual time until one is ready.
     fn next_task(&self) -> Result<usize, Stop> {
         loop {
             let until_us = {
@@ -258,14 +258,14 @@ impl FakeRobot {
         if state.is_over || state.tasks.is_leaving() { Err(Stop) } else { Ok(()) }
     }
 
-    /// The thread of a task.
+    /// Body of a task's thread.
     fn live(&self, task: usize) {
         self.baton.wait_for(task);
         let code = {
             let state = self.state.borrow();
             (!state.is_over && !state.tasks.is_leaving).then(|| state.tasks.list[task].code)
         };
-        // SAFETY: the program is in its `run`, in a call by which a task of it handed this one the baton; nothing is borrowed.
+        // SAFETY: the program is in its `run`, in a call in which one of its tasks passed the run token to this one; nothing is borrowed.
         let result = code.map_or(Ok(()), |code| unsafe { code.call() });
         let killer = {
             let state = &mut *self.state.borrow_mut();
@@ -288,7 +288,7 @@ impl FakeRobot {
         let state = &mut *self.state.borrow_mut();
         if !std::mem::replace(&mut state.tasks.list[task].has_begun, true) {
             let robot = Shared(self);
-            // SAFETY: the robot lives until `end_tasks` has seen the end of the thread.
+            // SAFETY: the robot lives until `end_tasks` has joined the thread.
             let life = move || unsafe { (*{ robot }.0).live(task) };
             let name = state.tasks.list[task].name.replace('\0', "");
             let thread = std::thread::Builder::new().name(name).spawn(life).expect("the system has room for a thread");
@@ -296,7 +296,7 @@ impl FakeRobot {
         }
     }
 
-    /// After `main`: lets all tasks leave, and waits for the ends of their threads.
+    /// Ends all tasks after `main` has returned, and joins their threads.
     pub(super) fn end_tasks(&self) {
         let count = {
             let state = &mut *self.state.borrow_mut();
@@ -320,7 +320,7 @@ impl FakeRobot {
         threads.into_iter().for_each(|thread| drop(thread.join()));
     }
 
-    /// What a call does that lets the task wait: nothing may in a timer's function.
+    /// Suspends the running task with a status; fails inside a timer's function, which must not wait.
     fn leave_processor(&self, name: &str, status: Status) -> Result<(), Stop> {
         {
             let state = &mut *self.state.borrow_mut();
@@ -459,7 +459,7 @@ impl FakeRobot {
         self.sleep_until("OSSleep", end_us)
     }
 
-    /// Leaves the processor to the others until `end_us`, where there are tasks.
+    /// Waits until `end_us` while other tasks run.
     pub(super) fn sleep_until(&self, call: &'static str, end_us: u64) -> Result<i32, Stop> {
         let has_tasks = self.state.borrow().tasks.mode.is_some();
         if has_tasks {
@@ -509,7 +509,7 @@ impl FakeRobot {
         }
     }
 
-    /// Also done for a task that leaves: what it has passed is let go by its destructors.
+    /// Also carried out for a task that is ending: its destructors return its permits.
     pub(super) fn leave_semaphore(&self, number: i32) -> Result<i32, Stop> {
         let is_left = {
             let state = self.state.borrow();

@@ -62,7 +62,7 @@ impl Motor<'_> {
         checked(call, Device::Numbered("motor", self.number), code)
     }
 
-    /// Sets the motor's speed in parts of the full one, -100 (full backwards) to 100 percent; rounded to whole ones.
+    /// Sets the motor's speed as a ratio of full speed, -100 (full backwards) to 100 percent, rounded to whole percent.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for more than 100 percent; [`Error::Refused`] if the robot has no such motor.
@@ -75,7 +75,7 @@ impl Motor<'_> {
         Err(Error::OutOfRange { what: "power of a motor", value: power.to_string(), accepted: "-100 to 100 %" })
     }
 
-    /// Sets the motor's speed in ticks of its encoder each second, negative for backwards.
+    /// Sets the motor's speed in encoder ticks per second, negative for backwards.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such motor.
@@ -85,7 +85,7 @@ impl Motor<'_> {
         self.checked("MOTORSpeed", robios7!(self.robot, MOTORSpeed(self.number.into(), ticks)))
     }
 
-    /// Gives the motor a controller.
+    /// Starts the motor's PID controller.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such motor, or for gains of 0.
@@ -95,7 +95,7 @@ impl Motor<'_> {
         self.checked("MOTORPID", robios7!(self.robot, MOTORPID(self.number.into(), p.into(), i.into(), d.into())))
     }
 
-    /// Takes the motor's controller away.
+    /// Stops the motor's PID controller.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such motor.
@@ -106,7 +106,7 @@ impl Motor<'_> {
 }
 
 impl Encoder<'_> {
-    /// Ticks since the reset, more when the wheel turns forward; 0 if the robot has no such encoder.
+    /// Ticks since the reset; the count increases when the wheel turns forward. 0 if the robot has no such encoder.
     #[track_caller]
     pub fn ticks(&self) -> Ticks {
         Ticks(robios7!(self.robot, ENCODERRead(self.number.into())))
@@ -134,7 +134,7 @@ impl Servo<'_> {
         checked("SERVOSet", Device::Numbered("servo", self.number), code)
     }
 
-    /// Sets what the first and the last position mean, in the servo's own numbers.
+    /// Sets the servo's own values for the first and the last position.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such servo.

@@ -15,7 +15,7 @@ use crate::unit::Frequency;
 #[derive(Clone, Copy, Debug)]
 pub struct Audio<'r>(pub(super) &'r Robot);
 
-/// What the microphone hears at an instant, 0 to 255; 128 is silence.
+/// Level of the microphone at an instant, 0 to 255; 128 is silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SoundLevel(pub u8);
 
@@ -37,30 +37,30 @@ impl Audio<'_> {
         checked("AUTone", Device::Speaker, robios7!(self.0, AUTone(frequency_hz, span_ms)))
     }
 
-    /// Whether a tone is being played.
+    /// Returns true if a tone is being played.
     #[track_caller]
     pub fn is_sounding(&self) -> bool {
         let is_silent: i32 = robios7!(self.0, AUCheckTone());
         is_silent == 0
     }
 
-    /// Plays a sound file by its name, or a WAV file that is in memory; does not wait.
+    /// Plays a sound file by its name, or a WAV file in memory; does not wait.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if it is none.
+    /// [`Error::Refused`](crate::Error::Refused) if it is not a sound.
     #[track_caller]
     pub fn play(&self, sample: impl AsRef<[u8]>) -> Result {
         checked("AUPlay", Device::Speaker, robios7!(self.0, AUPlay(ByteSlice::from(sample.as_ref()))))
     }
 
-    /// Whether a sound is being played.
+    /// Returns true if a sound is being played.
     #[track_caller]
     pub fn is_playing(&self) -> bool {
         let is_silent: i32 = robios7!(self.0, AUDone());
         is_silent == 0
     }
 
-    /// Records from the microphone until the room is full; does not wait.
+    /// Records from the microphone until the buffer is full; does not wait.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if nothing can be recorded.
@@ -70,14 +70,14 @@ impl Audio<'_> {
         checked("AURecord", Device::Microphone, robios7!(self.0, AURecord(ByteRoom::from(room), rate_hz)))
     }
 
-    /// Whether something is being recorded.
+    /// Returns true if a recording is in progress.
     #[track_caller]
     pub fn is_recording(&self) -> bool {
         let is_idle: i32 = robios7!(self.0, AUCheckRecord());
         is_idle == 0
     }
 
-    /// What the microphone hears now.
+    /// Current level of the microphone.
     #[track_caller]
     pub fn level(&self) -> SoundLevel {
         let level: i32 = robios7!(self.0, AUMicrophone());

@@ -1,4 +1,4 @@
-//! The camera: images of any size, and what they show.
+//! The camera: images of any size, with their depths and labels.
 
 use robios_sys::ByteRoom;
 use robios_sys::robios7::{CUSTOM, RESOLUTIONS};
@@ -10,9 +10,9 @@ use crate::error::checked;
 use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage};
 use crate::robot::{release, robios7};
 
-/// The camera, which is switched off when this is dropped.
+/// The camera; dropping the value switches it off.
 ///
-/// An image shows what was in front of the camera 1/60 s before the end of the call that takes it. Row 0 is on top.
+/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top.
 #[derive(Debug)]
 pub struct Camera<'r> {
     robot: &'r Robot,
@@ -23,8 +23,8 @@ impl Robot {
     /// Switches the camera on, with images of this size.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the robot has no camera, or for a size that it does not have: a side of no pixel
-    /// or of more than 4096, or more than 2592 x 1944 pixels.
+    /// [`Error::Refused`](crate::Error::Refused) if the robot has no camera, or for an unsupported size: a side of 0 or more than
+    /// 4096 pixels, or more than 2592 x 1944 pixels.
     #[track_caller]
     pub fn camera(&self, size: ImageSize) -> Result<Camera<'_>> {
         let (columns, rows) = size.to_robios7();
@@ -38,7 +38,7 @@ impl Robot {
 
 #[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
 impl Camera<'_> {
-    /// Size of its images.
+    /// Size of images.
     pub fn size(&self) -> ImageSize {
         self.size
     }
@@ -46,7 +46,7 @@ impl Camera<'_> {
     /// Takes a colour image.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if there is none, here and below.
+    /// [`Error::Refused`](crate::Error::Refused) if there is no image, also for the functions below.
     #[track_caller]
     pub fn color(&self) -> Result<ColorImage> {
         let mut image = ColorImage::new(self.size);
@@ -54,7 +54,7 @@ impl Camera<'_> {
         Ok(image)
     }
 
-    /// Takes a colour image in place of one there is, whose memory is used again.
+    /// Takes a colour image into an existing one, reusing its memory.
     #[track_caller]
     pub fn color_into(&self, image: &mut ColorImage) -> Result {
         if image.size != self.size {
@@ -72,7 +72,7 @@ impl Camera<'_> {
         Ok(image)
     }
 
-    /// Takes a grey image in place of one there is, whose memory is used again.
+    /// Takes a grey image into an existing one, reusing its memory.
     #[track_caller]
     pub fn gray_into(&self, image: &mut GrayImage) -> Result {
         if image.size != self.size {
@@ -82,7 +82,7 @@ impl Camera<'_> {
         checked("CAMGetGray", Device::Camera, robios7!(self.robot, CAMGetGray(room)))
     }
 
-    /// How far away what the last image shows is, without errors. A function of this simulator.
+    /// Depths of the last image, without noise. An extension of this simulator.
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; self.size.pixels()];
@@ -91,7 +91,7 @@ impl Camera<'_> {
         Ok(DepthImage { size: self.size, mm })
     }
 
-    /// What the last image shows. A function of this simulator.
+    /// Labels of the last image. An extension of this simulator.
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; self.size.pixels()];
@@ -115,7 +115,7 @@ mod tests {
     use crate::robios7::Color;
     use crate::{Error, Length, Pixel};
 
-    /// What the fake camera sees: redder and redder with the time, nearer from left to right, robot 2 in the left column.
+    /// Fake with a camera: red grows with time, depth shrinks from left to right, robot 2 fills the left column.
     fn fake() -> Fake {
         let camera = |now: &crate::fake::Moment, at: Pixel| Color {
             red: now.time.as_millis() as u8,

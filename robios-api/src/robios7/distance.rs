@@ -1,4 +1,4 @@
-//! Distances: PSD sensors, which measure when they are asked, and the laser scanner.
+//! Distance sensors: PSD sensors, which measure on request, and the laser scanner.
 
 use robios_sys::ByteRoom;
 
@@ -10,10 +10,10 @@ use crate::robot::robios7;
 use crate::unit::{Angle, Length};
 use crate::{Error, Result};
 
-/// What sensors give where nothing is within range, in millimetres.
+/// Value of sensors that are out of range, in millimetres.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
-/// Which PSD sensor.
+/// Name of a PSD sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PsdAt {
     /// `PSD_FRONT`
@@ -24,12 +24,12 @@ pub enum PsdAt {
     Right,
     /// `PSD_BACK`
     Back,
-    /// One that only the robi file names: its number, 1 to 6.
+    /// Sensor named only in the robi file: its number, 1 to 6.
     Other(u8),
 }
 
 impl PsdAt {
-    /// Its number.
+    /// Number of the sensor.
     pub const fn number(self) -> u8 {
         match self {
             Self::Front => 1,
@@ -64,7 +64,7 @@ pub struct Scan {
 }
 
 impl Robot {
-    /// A distance sensor; measures once, to see whether it is there.
+    /// A distance sensor; measures once to check that the sensor exists.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such sensor.
@@ -74,31 +74,31 @@ impl Robot {
         if distance_mm == 0 { Err(Error::Unavailable(at.device())) } else { Ok(Psd { robot: self, at }) }
     }
 
-    /// The laser scanner: 360 points all around, until [`Lidar::set`] says otherwise.
+    /// The laser scanner: 360 points all around, unless changed by [`Lidar::set`].
     pub fn lidar(&self) -> Lidar<'_> {
         Lidar(self)
     }
 }
 
 impl Psd<'_> {
-    /// Which sensor it is.
+    /// Name of the sensor.
     pub fn at(&self) -> PsdAt {
         self.at
     }
 
-    /// The distance now; `None` if nothing is within range.
+    /// Current distance; `None` if out of range.
     #[track_caller]
     pub fn distance(&self) -> Option<Length> {
         within_range(robios7!(self.robot, PSDGet(self.at.number().into())))
     }
 
-    /// What the distance is made of now; `None` if there is no such sensor. A function of this simulator.
+    /// Signal underlying the current distance; `None` if there is no such sensor. An extension of this simulator.
     #[track_caller]
     pub fn signal(&self) -> Option<Signal> {
         Signal::from_robios(robios7!(self.robot, PSDGetSignal(self.at.number().into())))
     }
 
-    /// The sensor's own number now.
+    /// Current raw value.
     #[track_caller]
     pub fn raw(&self) -> RawDistance {
         let raw: i32 = robios7!(self.robot, PSDGetRaw(self.at.number().into()));
@@ -107,11 +107,11 @@ impl Psd<'_> {
 }
 
 impl Lidar<'_> {
-    /// Sets the angle that a scan covers, half of it to either side; how far the scanner is tilted upwards; and the number of
-    /// points, as most 65,535.
+    /// Sets the angle covered by a scan, half of it to either side; the upward tilt of the scanner; and the number of points, at most
+    /// 65,535.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for another angle than 1 to 360 degrees, or no points.
+    /// [`Error::OutOfRange`] for an angle outside 1 to 360 degrees, or no points.
     #[track_caller]
     pub fn set(&self, range: Angle, tilt: Angle, points: u16) -> Result {
         let range_deg = range.to_robios7();
@@ -146,7 +146,7 @@ impl Lidar<'_> {
 }
 
 impl Scan {
-    /// The distances from left to right; `None` where nothing is within range.
+    /// Distances from left to right; `None` if out of range.
     pub fn distances(&self) -> &[Option<Length>] {
         &self.distances
     }
@@ -158,19 +158,18 @@ impl Scan {
         self.distances.iter().enumerate().map(move |(index, distance)| (direction(index), *distance))
     }
 
-    /// The distance of the point that is nearest to a direction; `None` if nothing is within range, or the scan does not reach
-    /// that far.
+    /// Distance of the point nearest to a direction; `None` if out of range or outside of the scan.
     pub fn towards(&self, direction: Angle) -> Option<Length> {
         let steps = (direction.wrapped() / self.spacing).round();
         let count = self.distances.len() as i64;
         let index = count / 2 - steps as i64;
-        // A whole turn has its end where it begins.
+        // A scan of 360 degrees wraps around.
         let is_closed = (self.spacing * count as f64 - Angle::degrees(360.0)).abs() < Angle::degrees(1e-6);
         let index = if is_closed { index.rem_euclid(count) } else { index };
         usize::try_from(index).ok().and_then(|index| self.distances.get(index).copied()).flatten()
     }
 
-    /// The shortest distance within two directions, `right` to `left`; `None` if nothing is within range there.
+    /// Shortest distance between two directions, `right` to `left`; `None` if all points there are out of range.
     pub fn nearest(&self, right: Angle, left: Angle) -> Option<Length> {
         let inside = self.points().filter(|(direction, _)| (right..=left).contains(direction));
         inside.filter_map(|(_, distance)| distance).reduce(Length::min)

@@ -1,4 +1,4 @@
-//! Driving: the VW interface, in the frame that it starts in: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Its frame is that of the robot at the start: x forward, y left, angles counter-clockwise.
 
 use super::Robot;
 use crate::Result;
@@ -12,7 +12,7 @@ use crate::unit::{Angle, Length, Speed, TurnRate};
 #[derive(Clone, Copy, Debug)]
 pub struct Drive<'r>(pub(super) &'r Robot);
 
-/// Which wheels stand although they are driven.
+/// Wheels that are stalled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stall {
     /// The left one.
@@ -43,7 +43,7 @@ impl Drive<'_> {
         self.set_speed(Speed::ZERO, TurnRate::ZERO)
     }
 
-    /// The speed as the encoders show it, to 1 mm/s and 1 degree/s.
+    /// Speed by odometry, to 1 mm/s and 1 degree/s.
     #[track_caller]
     pub fn velocity(&self) -> Velocity {
         let (mut forward, mut turn) = (0, 0);
@@ -51,7 +51,7 @@ impl Drive<'_> {
         Velocity { forward: Speed::from_robios7(forward), turn: TurnRate::from_robios7(turn) }
     }
 
-    /// Where the robot is, as the encoders show it, to 1 mm and 1 degree.
+    /// Position by odometry, to 1 mm and 1 degree.
     #[track_caller]
     pub fn position(&self) -> Position {
         let (mut x, mut y, mut phi) = (0, 0, 0);
@@ -59,7 +59,7 @@ impl Drive<'_> {
         Position { x: Length::from_robios7(x), y: Length::from_robios7(y), phi: Angle::from_robios7(phi) }
     }
 
-    /// Says where the robot is; it does not move.
+    /// Sets the position of the odometry; the robot does not move.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the position.
@@ -111,10 +111,10 @@ impl Drive<'_> {
         Ok(self)
     }
 
-    /// Starts to drive in one arc to a place in the robot's own frame, and does not wait; replaces a drive in progress.
+    /// Starts to drive in one arc to a point in the robot's frame, and does not wait; replaces a drive in progress.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take, or a place that it does not reach.
+    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take, or a point that the robot cannot reach.
     #[track_caller]
     pub fn drive_to(&self, ahead: Length, left: Length, speed: Speed) -> Result<&Self> {
         self.0.state().is_turning.set(false);
@@ -123,7 +123,7 @@ impl Drive<'_> {
         Ok(self)
     }
 
-    /// What remains of the drive in progress, to 1 mm or 1 degree; 0 when done.
+    /// Remainder of the drive in progress, to 1 mm or 1 degree; 0 when done.
     #[track_caller]
     pub fn remaining(&self) -> Remaining {
         let remaining: i32 = robios7!(self.0, VWRemain());
@@ -134,7 +134,7 @@ impl Drive<'_> {
         }
     }
 
-    /// Whether the drive has ended.
+    /// Returns true if the drive has ended.
     #[track_caller]
     pub fn is_done(&self) -> bool {
         let done: i32 = robios7!(self.0, VWDone());
@@ -150,7 +150,7 @@ impl Drive<'_> {
         checked("VWWait", Device::Drive, robios7!(self.0, VWWait()))
     }
 
-    /// Which wheels stand against something; `None` for none.
+    /// Wheels stalled by an obstacle; `None` if no wheel is.
     #[track_caller]
     pub fn stall(&self) -> Option<Stall> {
         match robios7!(self.0, VWStalled()) {
@@ -161,7 +161,7 @@ impl Drive<'_> {
         }
     }
 
-    /// Starts the PI controllers of speed and rate of turn; gains cross as tenths, reset times as hundredths of a second.
+    /// Starts the PI controllers of speed and rate of turn; gains are passed in tenths, reset times in hundredths of a second.
     ///
     /// Typical are gains of 7 with reset times of 0.3 s and 0.1 s.
     ///
@@ -186,7 +186,7 @@ impl Drive<'_> {
 }
 
 impl Position {
-    /// How far ahead and how far to the left of here another position lies: what [`Drive::drive_to`] takes.
+    /// Offset of another position ahead and to the left of this one: the arguments of [`Drive::drive_to`].
     pub fn ahead_and_left_of(self, other: Self) -> (Length, Length) {
         let (x, y) = (other.x - self.x, other.y - self.y);
         let (sin, cos) = (self.phi.sin(), self.phi.cos());

@@ -1,4 +1,4 @@
-//! What RoBIOS-7 does with images: files and filters.
+//! Image files and filters of RoBIOS-7.
 
 use robios_sys::{ByteRoom, ByteSlice};
 
@@ -9,12 +9,12 @@ use crate::image::{ColorImage, GrayImage, ImageSize};
 use crate::robot::robios7;
 use crate::{Error, Result};
 
-/// Images: files and filters, which take their virtual time as calls of RoBIOS do.
+/// Image files and filters; each call costs virtual time like every call of RoBIOS.
 #[derive(Clone, Copy, Debug)]
 pub struct Images<'r>(pub(super) &'r Robot);
 
 impl Images<'_> {
-    /// Reads a colour image of PNM; another size than this is cut, or filled up with black.
+    /// Reads a PNM file as a colour image of this size, cropped or padded with black.
     ///
     /// # Errors
     /// [`Error::Refused`] if the file cannot be read.
@@ -25,7 +25,7 @@ impl Images<'_> {
         Ok(image)
     }
 
-    /// Reads a grey image of PNM; another size than this is cut, or filled up with black.
+    /// Reads a PNM file as a grey image of this size, cropped or padded with black.
     ///
     /// # Errors
     /// [`Error::Refused`] if the file cannot be read.
@@ -70,7 +70,7 @@ impl Images<'_> {
         checked("IPWriteFileGray", Device::Image, code)
     }
 
-    /// Laplace edges.
+    /// Laplace edge filter.
     #[track_caller]
     pub fn laplace(&self, image: &GrayImage) -> GrayImage {
         let mut edges = GrayImage::new(image.size);
@@ -80,7 +80,7 @@ impl Images<'_> {
         edges
     }
 
-    /// Sobel edges.
+    /// Sobel edge filter.
     #[track_caller]
     pub fn sobel(&self, image: &GrayImage) -> GrayImage {
         let mut edges = GrayImage::new(image.size);
@@ -90,7 +90,7 @@ impl Images<'_> {
         edges
     }
 
-    /// The grey image of a colour image.
+    /// Converts a colour image to a grey image.
     #[track_caller]
     pub fn to_gray(&self, image: &ColorImage) -> GrayImage {
         let mut gray = GrayImage::new(image.size);
@@ -99,7 +99,7 @@ impl Images<'_> {
         gray
     }
 
-    /// A colour image that looks like a grey one.
+    /// Converts a grey image to a colour image.
     #[track_caller]
     pub fn to_color(&self, image: &GrayImage) -> ColorImage {
         let mut color = ColorImage::new(image.size);
@@ -108,7 +108,7 @@ impl Images<'_> {
         color
     }
 
-    /// Hue, saturation and intensity of a colour image, an image each.
+    /// Hue, saturation and intensity of a colour image, as one image each.
     #[track_caller]
     pub fn to_hsi(&self, image: &ColorImage) -> [GrayImage; 3] {
         let mut parts = [(); 3].map(|()| GrayImage::new(image.size));
@@ -117,7 +117,7 @@ impl Images<'_> {
         parts
     }
 
-    /// The second colour image over the first, where it is not black.
+    /// Lays `above` over `below` where `above` is not black.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if their sizes differ.

@@ -15,12 +15,12 @@ impl Robot {
             if let Some(key) = Key::from_code(robios7!(self, KEYGet())) {
                 return key;
             }
-            // A host without keys fails at once: time must pass all the same.
+            // A host without keys fails at once: the sleep lets virtual time pass.
             self.sleep(Duration::from_millis(10));
         }
     }
 
-    /// Waits for a certain key; others are dropped.
+    /// Waits for a certain key; other keys are discarded.
     #[track_caller]
     pub fn wait_for_key(&self, key: Key) {
         while robios7!(self, KEYWait(key.code())) != 0 {
@@ -34,7 +34,7 @@ impl Robot {
         Key::from_code(robios7!(self, KEYRead()))
     }
 
-    /// Waits for a touch of the display, and gives its place.
+    /// Waits for a touch of the display and returns its place.
     #[track_caller]
     pub fn wait_for_touch(&self) -> Pixel {
         let mut pixel = Pixel { x: 0, y: 0 };

@@ -13,7 +13,7 @@ use crate::key::Key;
 use crate::lcd::Pixel;
 use crate::robot::robios7;
 
-/// The colour display, written to with `write!` and `writeln!`; there is no result to look at.
+/// The colour display, written to with `write!` and `writeln!`; writing returns no result.
 ///
 /// ```
 /// # use robios_api::robios7::prelude::*;
@@ -29,7 +29,7 @@ use crate::robot::robios7;
 #[derive(Clone, Copy, Debug)]
 pub struct Lcd<'r>(pub(super) &'r Robot);
 
-/// A place on the display where text is written, see [`Lcd::at`].
+/// A text position on the display, see [`Lcd::at`].
 #[derive(Clone, Copy, Debug)]
 pub struct LcdPlace<'r> {
     robot: &'r Robot,
@@ -61,7 +61,7 @@ impl Color {
         YELLOW, OLIVE, ORANGE,
     }
 
-    /// The colour of three parts.
+    /// Creates a colour from its components.
     pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
         Self { red, green, blue }
     }
@@ -119,16 +119,16 @@ pub enum FontSize {
     S24,
 }
 
-/// Whether a shape is filled.
+/// Filling of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// It is.
+    /// The shape is filled.
     Filled,
     /// Only its outline is drawn.
     Outline,
 }
 
-/// Modes of the display that [`Lcd::set_mode`] changes; those not said stay.
+/// Modes of the display, set by [`Lcd::set_mode`]; all other modes stay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LcdMode {
     /// Text that leaves the last line moves all lines up.
@@ -137,9 +137,9 @@ pub enum LcdMode {
     Wrapping,
     /// Each call is shown at once.
     AutoRefresh,
-    /// What was drawn is shown by [`Lcd::refresh`].
+    /// Drawings are shown by [`Lcd::refresh`].
     ManualRefresh,
-    /// Text is drawn over what is there.
+    /// Text is drawn over the existing content.
     Transparent,
     /// Text has a background.
     Opaque,
@@ -165,14 +165,14 @@ impl LcdMode {
 }
 
 impl<'r> Lcd<'r> {
-    /// Writes formatted text at the cursor: what `write!` and `writeln!` call. `\n` starts a new line.
+    /// Writes formatted text at the cursor; called by `write!` and `writeln!`. `\n` starts a new line.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) {
         let text = text.to_string();
         let _: i32 = robios7!(self.0, LCDPrintf(ByteSlice::from(text.as_str())));
     }
 
-    /// A place to write to: row and column of characters, from 0 at the top left.
+    /// A text position to write to: row and column of characters, from 0 at the top left.
     pub fn at(&self, row: u8, column: u8) -> LcdPlace<'r> {
         LcdPlace { robot: self.0, row, column }
     }
@@ -180,13 +180,13 @@ impl<'r> Lcd<'r> {
     /// Moves the cursor: row and column of characters, from 0 at the top left.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the place is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
     #[track_caller]
     pub fn move_cursor(&self, row: u8, column: u8) -> Result {
         checked("LCDSetPos", Device::Lcd, robios7!(self.0, LCDSetPos(row.into(), column.into())))
     }
 
-    /// Where the cursor is: row and column.
+    /// Row and column of the cursor.
     #[track_caller]
     pub fn cursor(&self) -> (u8, u8) {
         let (mut row, mut column) = (0, 0);
@@ -200,13 +200,13 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDClear());
     }
 
-    /// Colours of text from now on.
+    /// Sets the colours of text.
     #[track_caller]
     pub fn set_color(&self, text: Color, background: Color) {
         let _: i32 = robios7!(self.0, LCDSetColor(text.to_robios(), background.to_robios()));
     }
 
-    /// Font of text from now on.
+    /// Sets the font of text.
     #[track_caller]
     pub fn set_font(&self, font: Font, style: FontStyle) {
         let font = match font {
@@ -222,7 +222,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDSetFont(font, style));
     }
 
-    /// Size of text from now on.
+    /// Sets the size of text.
     #[track_caller]
     pub fn set_font_size(&self, size: FontSize) {
         let size = match size {
@@ -241,14 +241,14 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDSetMode(mode.code()));
     }
 
-    /// Names the keys; an empty text clears a name.
+    /// Sets the labels of the keys; an empty text clears a label.
     #[track_caller]
     pub fn menu(&self, texts: [&str; 4]) {
         let [first, second, third, fourth] = texts.map(ByteSlice::from);
         let _: i32 = robios7!(self.0, LCDMenu(first, second, third, fourth));
     }
 
-    /// Names one key, with colours of its own.
+    /// Sets the label of one key, with its colours.
     #[track_caller]
     pub fn menu_item(&self, key: Key, text: &str, color: Color, background: Color) {
         let number = 1 + Key::ALL.iter().position(|other| *other == key).unwrap_or(0) as i32;
@@ -256,7 +256,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDMenuI(number, ByteSlice::from(text), color, background));
     }
 
-    /// The pixel behind the last one at the lower right: columns and rows of the display.
+    /// Size of the display: number of columns as `x`, number of rows as `y`.
     #[track_caller]
     pub fn size(&self) -> Pixel {
         let mut size = Pixel { x: 0, y: 0 };
@@ -264,7 +264,7 @@ impl<'r> Lcd<'r> {
         size
     }
 
-    /// Colours one pixel; here and in all that draw, what lies outside of the display is left out.
+    /// Colours one pixel; all drawing functions clip at the edges of the display.
     #[track_caller]
     pub fn set_pixel(&self, pixel: Pixel, color: Color) {
         let _: i32 = robios7!(self.0, LCDPixel(pixel.x, pixel.y, color.to_robios()));
@@ -344,7 +344,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDImageStart(at.x, at.y, columns, rows));
     }
 
-    /// Shows what has been drawn, with [`LcdMode::ManualRefresh`].
+    /// Shows the drawings made in [`LcdMode::ManualRefresh`].
     #[track_caller]
     pub fn refresh(&self) {
         let _: i32 = robios7!(self.0, LCDRefresh());
@@ -352,10 +352,10 @@ impl<'r> Lcd<'r> {
 }
 
 impl LcdPlace<'_> {
-    /// Writes formatted text at the place: what `write!` and `writeln!` call.
+    /// Writes formatted text at the position; called by `write!` and `writeln!`.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the place is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) -> Result {
         let text = text.to_string();

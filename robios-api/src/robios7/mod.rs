@@ -1,8 +1,8 @@
-//! RoBIOS-7: what is of this generation alone, or differs from RoBIOS 6.
+//! API of RoBIOS-7, as far as it differs from RoBIOS 6.
 //!
-//! A program whose function gets this module's [`Robot`] is one of RoBIOS-7. Devices are numbered from 1, and are there without
-//! being made ready. Lengths, angles, speeds and times have their units, as in RoBIOS 6; they cross to RoBIOS as whole
-//! millimetres, degrees, mm/s, degrees/s and milliseconds, rounded.
+//! A program whose function takes this module's [`Robot`] is a program of RoBIOS-7. Devices are numbered from 1 and need no
+//! initialisation. Lengths, angles, speeds and times are quantities with units, as in RoBIOS 6; they are passed to RoBIOS as
+//! whole millimetres, degrees, mm/s, degrees/s and milliseconds, rounded.
 //!
 //! ```standalone_crate
 //! # mod program {
@@ -68,7 +68,7 @@ pub use crate::radio::Message;
 
 pub(crate) use robot::State;
 
-/// What most programs use: `use robios_api::robios7::prelude::*;`.
+/// Items that most programs import: `use robios_api::robios7::prelude::*;`.
 pub mod prelude {
     pub use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The machine: what it is, its clock, its timers, its errors.
+//! The machine: its type, clock, timers and errors.
 
 use std::time::Duration;
 
@@ -15,9 +15,9 @@ use crate::unit::Frequency;
 use crate::{Error, Result};
 
 impl Robot {
-    /// Calls a function at regular times, until the returned timer is dropped.
+    /// Calls a function periodically, until the returned timer is dropped.
     ///
-    /// The function runs inside whatever call the program makes at that time, never inside itself. It must be short
+    /// The function runs inside the call in progress at that time and is never re-entered. It must be short
     /// and must not wait. It gets the robot.
     ///
     /// ```
@@ -68,10 +68,10 @@ impl Robot {
         TimeOfDay { hours, minutes, seconds, hundredths }
     }
 
-    /// Sets the robot's clock; its hundredths are left out. Virtual time goes on as it is.
+    /// Sets the robot's clock, ignoring the hundredths. Virtual time is not affected.
     ///
     /// # Errors
-    /// [`Error::Refused`] for another hour than 0 to 23, another minute or second than 0 to 59.
+    /// [`Error::Refused`] for an hour outside 0 to 23, or a minute or second outside 0 to 59.
     #[track_caller]
     pub fn set_clock(&self, time: TimeOfDay) -> Result {
         let code = robios7!(self, OSSetTime(time.hours.into(), time.minutes.into(), time.seconds.into()));
@@ -107,7 +107,7 @@ impl Robot {
         RobotNumber(id.clamp(0, 255) as u8)
     }
 
-    /// The kind of machine.
+    /// Type of machine.
     #[track_caller]
     pub fn machine_type(&self) -> MachineType {
         match robios7!(self, OSMachineType()) {
@@ -134,13 +134,13 @@ impl Robot {
     #[track_caller]
     pub fn halt(&self, message: &str, number: i32) -> ! {
         let _: i32 = robios7!(self, OSError(ByteSlice::from(message), number, 1));
-        // Only a host that takes the error lightly comes here.
+        // Reached only if the host returns from a fatal error.
         loop {
             self.sleep(Duration::from_secs(1));
         }
     }
 
-    /// Runs a command of the machine that simulates, where that is allowed, and gives its output.
+    /// Runs a shell command on the computer that runs the simulator, if allowed, and returns its output.
     ///
     /// # Errors
     /// [`Error::Refused`] if it is not allowed or has failed.
@@ -153,7 +153,7 @@ impl Robot {
     }
 }
 
-/// Text in a room, up to its final 0.
+/// Text in a buffer, up to the terminating 0.
 fn text_of(room: &[u8]) -> String {
     let len = room.iter().position(|byte| *byte == 0).unwrap_or(room.len());
     String::from_utf8_lossy(&room[..len]).into_owned()

@@ -13,20 +13,20 @@ use crate::{Error, Result};
 #[derive(Clone, Copy, Debug)]
 pub struct Ports<'r>(pub(super) &'r Robot);
 
-/// What a digital line is for.
+/// Direction of a digital line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// An input.
     In,
     /// An output.
     Out,
-    /// An input that is high where nothing drives it.
+    /// An input with pull-up: high when not driven.
     InPulledUp,
-    /// An input that is low where nothing drives it.
+    /// An input with pull-down: low when not driven.
     InPulledDown,
 }
 
-/// A voltage, in hundredths of a volt as RoBIOS tells it.
+/// A voltage, in hundredths of a volt as in RoBIOS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Voltage(i32);
 
@@ -48,7 +48,7 @@ fn line(number: u8) -> Device {
 }
 
 impl Ports<'_> {
-    /// Says what digital line 1 to 16 is for.
+    /// Sets the direction of digital line 1 to 16.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such line.
@@ -63,7 +63,7 @@ impl Ports<'_> {
         checked("DIGITALSetup", line(number), robios7!(self.0, DIGITALSetup(number.into(), direction)))
     }
 
-    /// Whether digital line 1 to 16 is high.
+    /// Returns true if digital line 1 to 16 is high.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such line.
@@ -75,7 +75,7 @@ impl Ports<'_> {
         }
     }
 
-    /// All digital lines, line 1 in the lowest bit.
+    /// States of all digital lines, line 1 in the lowest bit.
     #[track_caller]
     pub fn lines(&self) -> u16 {
         let lines: i32 = robios7!(self.0, DIGITALReadAll());

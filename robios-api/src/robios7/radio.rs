@@ -15,10 +15,10 @@ use crate::radio::{LOOK, Message};
 use crate::robot::{release, robios7};
 use crate::{Error, Result};
 
-/// Most bytes of a message; our choice.
+/// Maximum length of a message in bytes; our choice.
 pub const MAX_MESSAGE: usize = 1023;
 
-/// The radio, which is on; dropping the last one switches it off.
+/// The radio, switched on; dropping the last instance switches it off.
 #[derive(Debug)]
 pub struct Radio {
     robot: Robot,
@@ -59,11 +59,11 @@ impl Robot {
 }
 
 impl Radio {
-    /// Sends bytes, as texts of UTF-8 are, to one robot; does not wait. That they were sent does not say that they arrive.
+    /// Sends bytes, such as UTF-8 text, to one robot; does not wait. Success does not mean that they arrive.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes, or a 0 among them, which ends a message; [`Error::Refused`]
-    /// while what was sent before fills the radio's buffer.
+    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes, or a 0 among them, which would end the message;
+    /// [`Error::Refused`] while the radio's send buffer is full.
     #[track_caller]
     pub fn send(&self, to: RobotNumber, bytes: &[u8]) -> Result {
         if bytes.len() > MAX_MESSAGE {
@@ -86,7 +86,7 @@ impl Radio {
     /// Sends bytes to all robots; does not wait.
     ///
     /// # Errors
-    /// As of [`send`](Self::send).
+    /// As for [`send`](Self::send).
     #[track_caller]
     pub fn broadcast(&self, bytes: &[u8]) -> Result {
         self.send(RobotNumber::ALL, bytes)
@@ -105,19 +105,19 @@ impl Radio {
         Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: room[..len].to_vec() })
     }
 
-    /// The next message, if one waits.
+    /// The next message that waits, if any.
     ///
     /// # Errors
-    /// As of [`receive`](Self::receive).
+    /// As for [`receive`](Self::receive).
     #[track_caller]
     pub fn try_receive(&self) -> Result<Option<Message>> {
         if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
     }
 
-    /// Waits for a message, no longer than a time; `None` if none has come. Looks every millisecond.
+    /// Waits for a message for at most `span`; `None` at the timeout. Polls every millisecond.
     ///
     /// # Errors
-    /// As of [`receive`](Self::receive).
+    /// As for [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
         let end = self.robot.now() + span;
@@ -130,7 +130,7 @@ impl Radio {
         }
     }
 
-    /// How many messages wait to be received.
+    /// Number of messages that wait to be received.
     #[track_caller]
     pub fn waiting(&self) -> usize {
         let count: i32 = robios7!(self.robot, RADIOCheck());
@@ -144,7 +144,7 @@ impl Radio {
         RobotNumber(id.clamp(0, 255) as u8)
     }
 
-    /// The addresses of all robots whose radio is on, this one's among them.
+    /// Addresses of all robots whose radio is on, including this one.
     #[track_caller]
     pub fn robots(&self) -> Vec<RobotNumber> {
         let mut ids = [0_i32; MAX_RADIO_IDS];
@@ -155,34 +155,34 @@ impl Radio {
     }
 }
 
-/// Messages of types: encoded by `postcard` and `cobs`, without a 0 and without a checksum. With the feature `serde`.
+/// Typed messages, encoded by `postcard` and `cobs`, without a 0 byte and without a checksum. Requires the feature `serde`.
 #[cfg(feature = "serde")]
 impl Radio {
     /// Sends a value to one robot; does not wait.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if it takes more than [`MAX_MESSAGE`] bytes, or cannot be encoded; else as of
+    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise as for
     /// [`send`](Self::send).
     #[track_caller]
     pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
         self.send(to, &encoding::encoded_without_zero(value)?)
     }
 
-    /// Waits for a value, and gives it with the address of its sender.
+    /// Waits for a value and returns it with the address of its sender.
     ///
     /// # Errors
-    /// [`Error::Garbled`] for a message that is no such value to its last byte, as one whose bits were inverted may be (another may
-    /// be a wrong value: whoever has to know adds a checksum); else as of [`receive`](Self::receive).
+    /// [`Error::Garbled`] for a message that does not decode to such a value to its last byte. Inverted bits cause this error or a
+    /// wrong value; a checksum detects the latter. Otherwise as for [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;
         Ok((message.from, self.decode(&message)?))
     }
 
-    /// The value that a message says.
+    /// Decodes the value of a message.
     ///
     /// # Errors
-    /// [`Error::Garbled`], as of [`receive_as`](Self::receive_as).
+    /// [`Error::Garbled`], as for [`receive_as`](Self::receive_as).
     pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
         encoding::decoded_without_zero(message)
     }

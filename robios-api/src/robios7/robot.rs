@@ -6,18 +6,18 @@ use std::time::Duration;
 use super::{Audio, Drive, Images, Lcd, Ports, Simulation, TvRemote};
 use crate::{Console, Random, Ticker};
 
-/// The robot: every device and service is asked for here.
+/// The robot, from which all devices and services are obtained.
 ///
-/// A clone is the same robot. It belongs to the thread that runs the program.
+/// Clones refer to the same robot. The value belongs to the thread that runs the program.
 #[derive(Clone, Debug)]
 pub struct Robot(pub(crate) crate::Robot);
 
-/// What RoBIOS-7 does not tell again.
+/// Settings that cannot be queried from RoBIOS-7.
 #[derive(Debug)]
 pub(crate) struct State {
     /// The last drive was a turn on the spot.
     pub is_turning: Cell<bool>,
-    /// What the laser scanner is set to: angle in degrees, and points.
+    /// Setting of the laser scanner: angle in degrees, and number of points.
     pub scan: Cell<(u16, u16)>,
 }
 
@@ -32,7 +32,7 @@ impl Robot {
         &self.0.0.robios7
     }
 
-    /// What the program was given on the command line, without the program's own name.
+    /// Command line arguments of the program, without its name.
     pub fn arguments(&self) -> &[String] {
         self.0.arguments()
     }
@@ -47,7 +47,7 @@ impl Robot {
         Drive(self)
     }
 
-    /// Images: files and filters.
+    /// Image files and filters.
     pub fn images(&self) -> Images<'_> {
         Images(self)
     }
@@ -67,7 +67,7 @@ impl Robot {
         TvRemote(self)
     }
 
-    /// Ground truth: what a real robot does not know.
+    /// Ground truth, which a real robot does not know.
     pub fn simulation(&self) -> Simulation<'_> {
         Simulation(self)
     }
@@ -77,7 +77,7 @@ impl Robot {
         self.0.console()
     }
 
-    /// The console for what went wrong.
+    /// The console for error messages.
     pub fn console_error(&self) -> Console<'_> {
         self.0.console_error()
     }
@@ -105,7 +105,7 @@ impl Robot {
         self.0.sleep_until(time);
     }
 
-    /// For loops that run at regular times: [`Ticker::wait`] waits for the next multiple of the period.
+    /// Ticker for periodic loops: [`Ticker::wait`] waits for the next multiple of the period.
     ///
     /// A period of 0 is taken as 1 us.
     pub fn ticker(&self, period: Duration) -> Ticker {

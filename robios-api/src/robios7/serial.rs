@@ -14,7 +14,7 @@ use crate::serial::Handshake;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Baud(pub u32);
 
-/// A serial interface that is open; dropping it closes it.
+/// An open serial interface; dropping the value closes it.
 #[derive(Debug)]
 pub struct Serial {
     robot: Robot,
@@ -40,7 +40,7 @@ impl Serial {
     /// Sends bytes.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if they are not taken.
+    /// [`Error::Refused`](crate::Error::Refused) if they are not accepted.
     #[track_caller]
     pub fn send(&self, bytes: &[u8]) -> Result {
         let code = robios7!(self.robot, SERSend(self.number.into(), ByteSlice::from(bytes)));
@@ -53,7 +53,7 @@ impl Serial {
         robios7!(self.robot, SERReceiveChar(self.number.into()))
     }
 
-    /// What has been received and not read, without waiting: at most 255 bytes.
+    /// Bytes received and not yet read, at most 255; does not wait.
     #[track_caller]
     pub fn read(&self) -> Vec<u8> {
         let mut room = [0; MAX_SERIAL];
@@ -61,13 +61,13 @@ impl Serial {
         room[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
     }
 
-    /// Whether something has been received and not read.
+    /// Returns true if bytes have been received and not read.
     #[track_caller]
     pub fn has_received(&self) -> bool {
         robios7!(self.robot, SERCheck(self.number.into())) != 0_u8
     }
 
-    /// Drops what has been received.
+    /// Discards received bytes.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses it.

@@ -1,4 +1,4 @@
-//! Ground truth: where robots and objects are, and putting them elsewhere. A real robot has none of it.
+//! Ground truth: reads and sets the poses of robots and objects. A real robot has no such functions.
 
 use super::Robot;
 use crate::drive::Position;
@@ -10,14 +10,14 @@ use crate::unit::{Angle, Length};
 #[derive(Clone, Copy, Debug)]
 pub struct Simulation<'r>(pub(super) &'r Robot);
 
-/// Number of an object; they are numbered on from the robots.
+/// Number of an object; objects are numbered after the robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectNumber(pub u16);
 
-/// Where something is in the world: x to the right, y up on the plan, from its lower left corner; to 1 mm and 1 degree.
+/// Pose in the world frame: x to the right, y up on the plan, origin at the lower left corner; to 1 mm and 1 degree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TruePose {
-    /// On the ground.
+    /// Position and heading on the ground.
     pub position: Position,
     /// Height above the ground.
     pub height: Length,
@@ -36,13 +36,13 @@ impl TruePose {
 }
 
 impl Simulation<'_> {
-    /// The robot's own pose.
+    /// Pose of this robot.
     #[track_caller]
     pub fn own_pose(&self) -> TruePose {
         self.robot_pose(RobotNumber(0))
     }
 
-    /// A robot's pose; 0 is the own one.
+    /// Pose of a robot; number 0 is this robot.
     #[track_caller]
     pub fn robot_pose(&self, robot: RobotNumber) -> TruePose {
         let mut pose = [0; 4];
@@ -51,14 +51,14 @@ impl Simulation<'_> {
         TruePose::from_robios7(pose)
     }
 
-    /// Puts a robot to a pose; 0 is the own one.
+    /// Moves a robot to a pose; number 0 is this robot.
     #[track_caller]
     pub fn put_robot(&self, robot: RobotNumber, pose: TruePose) {
         let [x, y, z, phi] = pose.to_robios7();
         let () = robios7!(self.0, SIMSetRobot(robot.0.into(), x, y, z, phi));
     }
 
-    /// An object's pose.
+    /// Pose of an object.
     #[track_caller]
     pub fn object_pose(&self, object: ObjectNumber) -> TruePose {
         let mut pose = [0; 4];
@@ -67,7 +67,7 @@ impl Simulation<'_> {
         TruePose::from_robios7(pose)
     }
 
-    /// Puts an object to a pose.
+    /// Moves an object to a pose.
     #[track_caller]
     pub fn put_object(&self, object: ObjectNumber, pose: TruePose) {
         let [x, y, z, phi] = pose.to_robios7();

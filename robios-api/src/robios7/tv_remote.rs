@@ -9,7 +9,7 @@ use crate::tv_remote::TvCode;
 pub struct TvRemote<'r>(pub(super) &'r Robot);
 
 impl TvRemote<'_> {
-    /// Whether the robot has one.
+    /// Returns true if the robot has a receiver.
     #[track_caller]
     pub fn is_there(&self) -> bool {
         let status: i32 = robios7!(self.0, IRTVGetStatus());
@@ -30,7 +30,7 @@ impl TvRemote<'_> {
         (code != 0).then_some(TvCode(code))
     }
 
-    /// Drops the codes that have been received.
+    /// Discards received codes.
     #[track_caller]
     pub fn drop_received(&self) {
         let _: i32 = robios7!(self.0, IRTVFlush());

@@ -1,7 +1,7 @@
 //! Multi-tasking: several tasks of one program, of which one runs at a time.
 //!
-//! No rule of the schedule is needed for memory to be safe: a task's function and what it shares with others are `Send`, each task
-//! has a [`Robot`] of its own, which no other gets hold of, and what is shared is locked.
+//! Memory safety does not depend on the schedule: a task's function and the values that it shares are `Send`, each task has its own
+//! [`Robot`], which no other task can reach, and shared values are locked.
 
 mod semaphore;
 mod shared;
@@ -23,16 +23,16 @@ use crate::robot::{Common, Tables, locked, release, robios};
 use crate::time::Timer;
 use crate::{Error, Result, Robot};
 
-/// When tasks change.
+/// Scheduling mode of the tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskMode {
-    /// `COOP`: when the one that runs gives way or waits for another.
+    /// `COOP`: tasks switch only when the running task yields or waits for another.
     Cooperative,
-    /// `PREEMPT`: from [`Tasks::permit`] on also when a time slice of 10 ms is over, or one of higher priority becomes ready.
+    /// `PREEMPT`: after [`Tasks::permit`] also when a time slice of 10 ms ends or a task of higher priority becomes ready.
     Preemptive,
 }
 
-/// Priority of a task: of those that are ready the highest run. `main` has a lower one than all.
+/// Priority of a task: the ready task of highest priority runs. `main` has a lower priority than all other tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "the names are the numbers")]
 pub enum Priority {
@@ -46,29 +46,29 @@ pub enum Priority {
     P8,
 }
 
-/// What a task is created with.
+/// Settings of a new task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskSettings {
-    /// Its name in messages.
+    /// Name of the task in messages.
     pub name: String,
-    /// Its priority.
+    /// Priority of the task.
     pub priority: Priority,
-    /// Its stack; it gets more than that.
+    /// Requested stack in bytes; the actual stack is larger.
     pub stack_bytes: u32,
-    /// Its number, for [`Tasks::uid`]; may be anything.
+    /// Any number, returned by [`Tasks::uid`].
     pub uid: i32,
 }
 
-/// Multi-tasking as the task sees it that has this robot.
+/// Multi-tasking functions of the task that owns the robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Tasks<'a>(&'a Robot);
 
-/// A task that was created; valid until the program ends. It can be handed to other tasks.
+/// Handle of a task, valid until the program ends. It can be passed to other tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use = "a task runs once it is made ready"]
 pub struct Task(robios_sys::robios6::Task);
 
-/// Pre-emption is off while it lives, see [`Tasks::forbid`].
+/// Guard that keeps pre-emption off, see [`Tasks::forbid`].
 #[derive(Debug)]
 #[must_use = "pre-emption is off only while it lives"]
 pub struct Forbidden<'a> {
@@ -76,14 +76,14 @@ pub struct Forbidden<'a> {
     was_permitted: bool,
 }
 
-/// What a program's tasks know of each other.
+/// State shared by a program's tasks.
 #[derive(Default)]
 pub(crate) struct TaskState {
     is_on: bool,
     is_permitted: bool,
-    /// How many timers there are whose functions belong to the thread of `main`.
+    /// Number of timers whose functions are bound to the thread of `main`.
     pub timers: usize,
-    /// Those that have not ended, in the order of their creation.
+    /// Tasks that have not ended, in order of creation.
     jobs: Vec<Arc<Job>>,
 }
 
@@ -95,10 +95,10 @@ impl TaskSettings {
 }
 
 impl Robot {
-    /// Starts multi-tasking: from now on the function that calls is a task, of a lower priority than all others.
+    /// Starts multi-tasking: the calling function becomes a task of lower priority than all others.
     ///
-    /// A program has one kind of multi-tasking, from there to its end. It ends when `main` does. A task that panics or returns an
-    /// error ends the program.
+    /// The mode cannot be changed afterwards. The program ends when `main` returns. A task that panics or returns an error ends the
+    /// program.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -152,13 +152,12 @@ impl Robot {
         Ok(Tasks(self))
     }
 
-    /// Multi-tasking, for a task that has not started it.
+    /// Multi-tasking functions, for tasks other than the one that started it.
     pub fn tasks(&self) -> Tasks<'_> {
         Tasks(self)
     }
 
-    /// Ends all tasks, `main` having returned: what they have is dropped in the order of their creation, wherever the program
-    /// runs.
+    /// Ends all tasks after `main` has returned. Their resources are dropped in order of their creation, on every host.
     pub(crate) fn end_tasks(&self) {
         if !locked(&self.common().tasks).jobs.is_empty() {
             release!(self, OSForbid());
@@ -173,7 +172,7 @@ impl Robot {
         }
     }
 
-    /// Counts a timer whose function belongs to this thread.
+    /// Counts a timer whose function is bound to this thread.
     pub(crate) fn admit_timer(&self) -> Result {
         let tasks = &mut *locked(&self.common().tasks);
         if tasks.is_on {
@@ -185,7 +184,7 @@ impl Robot {
 }
 
 impl<'a> Tasks<'a> {
-    /// The mode; `None` before it was started.
+    /// Scheduling mode; `None` before multi-tasking was started.
     #[track_caller]
     pub fn mode(self) -> Option<TaskMode> {
         match robios!(self.0, OSMTStatus()) {
@@ -195,13 +194,12 @@ impl<'a> Tasks<'a> {
         }
     }
 
-    /// Creates a task, which is not ready yet: see [`Task::ready`].
+    /// Creates a task that is not yet ready to run: see [`Task::ready`].
     ///
-    /// Its function gets a robot of its own, of which it asks the devices that it uses. It may return nothing or a `Result`, as
-    /// `main` may.
+    /// The function gets its own robot, from which it obtains its devices. It may return nothing or a `Result`, as `main` may.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] if there are too many tasks, or none can be.
+    /// [`Error::Unavailable`] if there are too many tasks or multi-tasking is off.
     #[track_caller]
     pub fn spawn<O: Outcome>(
         self,
@@ -215,7 +213,7 @@ impl<'a> Tasks<'a> {
     /// As [`spawn`](Self::spawn), with all settings.
     ///
     /// # Errors
-    /// As of [`spawn`](Self::spawn).
+    /// As for [`spawn`](Self::spawn).
     #[track_caller]
     pub fn spawn_with<O: Outcome>(
         self,
@@ -245,7 +243,7 @@ impl<'a> Tasks<'a> {
         }
     }
 
-    /// Makes a semaphore that so many may pass at first.
+    /// Creates a semaphore with a number of initial permits.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.
@@ -254,10 +252,10 @@ impl<'a> Tasks<'a> {
         Semaphore::new(self.0, permits)
     }
 
-    /// Makes a value that tasks share: who has it locked is alone with it.
+    /// Creates a value shared between tasks; one task at a time can lock it.
     ///
     /// # Errors
-    /// As of [`semaphore`](Self::semaphore), of which it needs one.
+    /// As for [`semaphore`](Self::semaphore), which this function calls.
     #[track_caller]
     pub fn shared<T>(self, value: T) -> Result<Shared<T>> {
         Shared::new(self.0, value)
@@ -287,7 +285,7 @@ impl<'a> Tasks<'a> {
         checked("OSYield", Device::Tasks, robios!(self.0, OSYield()))
     }
 
-    /// Lets the others run for a time, in whole hundredths of a second, rounded up; [`Robot::sleep`] does to the microsecond.
+    /// Sleeps for whole hundredths of a second, rounded up, while other tasks run; [`Robot::sleep`] is exact to the microsecond.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.
@@ -308,7 +306,7 @@ impl<'a> Tasks<'a> {
         Ok(())
     }
 
-    /// Switches pre-emption off until the guard is dropped, which leaves it as it was before.
+    /// Switches pre-emption off until the guard is dropped, which restores the previous state.
     ///
     /// # Errors
     /// [`Error::Refused`] without multi-tasking.
@@ -319,13 +317,13 @@ impl<'a> Tasks<'a> {
         Ok(Forbidden { robot: self.0, was_permitted })
     }
 
-    /// Calls a function at regular times, as [`Robot::every`] does, where there are tasks.
+    /// Calls a function periodically, as [`Robot::every`] does, in a program with tasks.
     ///
-    /// It runs inside whatever call the program makes at that time, on the thread of whatever task that is: so it must be `Send`, and
-    /// it asks its robot for the devices that it uses. It may make tasks ready and signal semaphores, but must not wait.
+    /// The function runs inside the call in progress at that time, on the thread of the task that made the call: it must be `Send`, and
+    /// it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must not wait.
     ///
     /// # Errors
-    /// As of [`Robot::every`].
+    /// As for [`Robot::every`].
     #[track_caller]
     pub fn every(self, period: Duration, function: impl FnMut(&Robot) + Send + 'static) -> Result<Timer> {
         Timer::of_any_task(self.0, period, Box::new(function))
@@ -333,7 +331,7 @@ impl<'a> Tasks<'a> {
 }
 
 impl Task {
-    /// Makes it ready to run.
+    /// Makes the task ready to run.
     ///
     /// # Errors
     /// [`Error::Refused`] if it has ended.
@@ -342,7 +340,7 @@ impl Task {
         checked("OSReady", Device::Tasks, robios!(robot, OSReady(self.0)))
     }
 
-    /// Suspends it until it is made ready again.
+    /// Suspends the task until it is made ready again.
     ///
     /// # Errors
     /// [`Error::Refused`] if it has ended.
@@ -351,7 +349,7 @@ impl Task {
         checked("OSSuspend", Device::Tasks, robios!(robot, OSSuspend(self.0)))
     }
 
-    /// Makes it ready and lets the next ready task of the highest priority run.
+    /// Makes the task ready and lets the next ready task of the highest priority run.
     ///
     /// # Errors
     /// [`Error::Refused`] if it has ended.
@@ -360,7 +358,7 @@ impl Task {
         checked("OSRun", Device::Tasks, robios!(robot, OSRun(self.0)))
     }
 
-    /// Ends it: it goes no further than the call that it is in, and what it has is dropped.
+    /// Cancels the task: it ends inside its current call, and its resources are dropped.
     ///
     /// # Errors
     /// [`Error::Refused`] if it has ended.
@@ -369,7 +367,7 @@ impl Task {
         checked("OSKill", Device::Tasks, robios!(robot, OSKill(self.0)))
     }
 
-    /// The number that it was created with.
+    /// The number that the task was created with.
     #[track_caller]
     pub fn uid(self, robot: &Robot) -> i32 {
         robios!(robot, OSGetUID(self.0))
@@ -389,13 +387,13 @@ impl Drop for Forbidden<'_> {
 struct Job {
     tables: Tables,
     common: Arc<Common>,
-    /// Until it begins.
+    /// Function of the task; `None` once it has begun.
     function: Mutex<Option<Box<Function>>>,
-    /// Its number, once it is known.
+    /// Number of the task, set once it is known.
     task: OnceLock<robios_sys::robios6::Task>,
 }
 
-/// A task's function; gives the text of its failure, if it fails.
+/// Function of a task; returns the text of its failure.
 type Function = dyn FnOnce(&Robot) -> Option<String> + Send;
 
 impl Job {
@@ -408,24 +406,24 @@ impl Job {
         status
     }
 
-    /// Takes it from those that have not ended.
+    /// Removes the task from the list of those that have not ended.
     fn forget(&self) {
         let mut tasks = locked(&self.common.tasks);
         let place = tasks.jobs.iter().position(|job| std::ptr::eq(&**job, self));
         let job = place.map(|place| tasks.jobs.remove(place));
-        // What the function holds may ask for the lock when it is dropped.
+        // Values captured by the function may take the lock when they are dropped.
         drop(tasks);
         drop(job);
     }
 }
 
-/// What the host calls when the task's turn comes first.
+/// Entry point of a task, called by the host when the task first runs.
 ///
 /// # Safety
-/// `data` is a [`Job`] that has not begun, and its program's `main` has not been left.
+/// `data` is a [`Job`] that has not begun, and its program's `main` has not returned.
 unsafe extern "C" fn begin(data: *mut c_void) -> Status {
     let job = data.cast_const().cast::<Job>();
-    // SAFETY: those that have not ended hold one count of the job; a second one keeps it alive to the end of the task.
+    // SAFETY: the list of tasks holds one reference to the job; a second one keeps it alive until the task ends.
     let job = unsafe {
         Arc::increment_strong_count(job);
         Arc::from_raw(job)

@@ -5,13 +5,13 @@ use crate::error::checked;
 use crate::robot::{release, robios};
 use crate::{Result, Robot};
 
-/// A semaphore; a clone is the same one. It can be handed to other tasks.
+/// A semaphore. Clones refer to the same semaphore and can be passed to other tasks.
 #[derive(Clone, Debug)]
 pub struct Semaphore {
     number: robios_sys::robios6::Semaphore,
 }
 
-/// A semaphore was passed; dropping it lets one more pass.
+/// Permit taken from a semaphore; dropping it returns the permit.
 #[derive(Debug)]
 #[must_use = "the semaphore is passed only while it lives"]
 pub struct Permit<'a> {
@@ -28,30 +28,30 @@ impl Semaphore {
         Ok(Self { number })
     }
 
-    /// Passes it, or waits until one may.
+    /// Takes a permit; waits until one is available.
     ///
     /// # Panics
-    /// If it was made in another run.
+    /// If the semaphore was created in another run.
     #[track_caller]
     pub fn wait(&self, robot: &Robot) {
         let code: i32 = robios!(robot, OSSemP(self.number));
         assert!(code == 0, "the semaphore was made in another run");
     }
 
-    /// Lets one more pass: the task that has waited longest, if there is one. Does not wait.
+    /// Adds a permit, which goes to the task that has waited longest, if any. Does not wait.
     ///
     /// # Panics
-    /// If it was made in another run.
+    /// If the semaphore was created in another run.
     #[track_caller]
     pub fn signal(&self, robot: &Robot) {
         let code: i32 = robios!(robot, OSSemV(self.number));
         assert!(code == 0, "the semaphore was made in another run");
     }
 
-    /// Passes it as [`wait`](Self::wait) does, until what is returned is dropped.
+    /// Takes a permit as [`wait`](Self::wait) does; dropping the guard returns the permit.
     ///
     /// # Panics
-    /// As [`wait`](Self::wait).
+    /// As for [`wait`](Self::wait).
     #[track_caller]
     pub fn acquire<'a>(&self, robot: &'a Robot) -> Permit<'a> {
         self.wait(robot);

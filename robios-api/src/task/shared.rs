@@ -7,21 +7,20 @@ use super::{Permit, Semaphore};
 use crate::robot::locked;
 use crate::{Result, Robot};
 
-/// A value that tasks share; a clone is the same one. Who has it locked is alone with it.
+/// A value shared between tasks. Clones refer to the same value; one task at a time can lock it.
 ///
-/// The semaphore is what tasks wait at; the mutex within, for which nobody waits then, is what makes sharing safe whatever the
-/// schedule is.
+/// Tasks wait at the semaphore; the mutex inside, which is then uncontended, makes sharing safe for every schedule.
 #[derive(Debug)]
 pub struct Shared<T> {
     semaphore: Semaphore,
     value: Arc<Mutex<T>>,
 }
 
-/// The value of a [`Shared`], which is locked until this is dropped.
+/// Guard of a [`Shared`] value, which is locked until the guard is dropped.
 #[derive(Debug)]
 #[must_use = "the value is locked only while it lives"]
 pub struct SharedGuard<'a, T> {
-    // In this order: who waits at the semaphore finds the mutex free.
+    // Field order matters: the mutex is released before the semaphore, so that the next task finds it free.
     value: MutexGuard<'a, T>,
     _permit: Permit<'a>,
 }
@@ -32,12 +31,12 @@ impl<T> Shared<T> {
         Ok(Self { semaphore: Semaphore::new(robot, 1)?, value: Arc::new(Mutex::new(value)) })
     }
 
-    /// Locks the value; waits while another task has it.
+    /// Locks the value; waits while another task has it locked.
     ///
-    /// A task that locks it twice waits for itself for ever. What a task that is killed has locked is left as it was then.
+    /// A task that locks the value twice deadlocks. If a task is killed while it holds the lock, the value keeps its current state.
     ///
     /// # Panics
-    /// If it was made in another run.
+    /// If the value was created in another run.
     #[track_caller]
     pub fn lock<'a>(&'a self, robot: &'a Robot) -> SharedGuard<'a, T> {
         let permit = self.semaphore.acquire(robot);
@@ -46,10 +45,10 @@ impl<T> Shared<T> {
 }
 
 impl<T: Clone> Shared<T> {
-    /// A copy of the value, locked no longer than that takes.
+    /// Copies the value, which is locked only for the copy.
     ///
     /// # Panics
-    /// As [`lock`](Self::lock).
+    /// As for [`lock`](Self::lock).
     #[track_caller]
     pub fn get(&self, robot: &Robot) -> T {
         self.lock(robot).clone()

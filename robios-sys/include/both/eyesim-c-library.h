@@ -1,4 +1,4 @@
-/* What the C library declares, for programs that call its functions without a declaration. */
+/* Declarations of the C library, for programs that call its functions without a declaration. */
 #ifndef EYESIM_C_LIBRARY_H
 #define EYESIM_C_LIBRARY_H
 

@@ -1,2 +1,2 @@
-/* Old programs include it; everything is in eyebot.h. */
+/* For old programs that include this name; everything is in eyebot.h. */
 #include "eyebot.h"

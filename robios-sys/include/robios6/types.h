@@ -2,7 +2,7 @@
 #ifndef EYESIM_TYPES_H
 #define EYESIM_TYPES_H
 
-/* The generation of RoBIOS that this header is of. */
+/* Generation of RoBIOS of this header. */
 #define EYESIM_ROBIOS 6
 
 /* Checks the arguments of a function that formats as printf does. */
@@ -38,7 +38,7 @@ typedef float radPerSec;
 typedef float meter;
 typedef float radians;
 
-/* x forward and y left of where VWInit or VWSetPosition has set 0; phi counter-clockwise. */
+/* x forward and y left of the origin set by VWInit or VWSetPosition; phi counter-clockwise. */
 typedef struct {
     meter x;
     meter y;

@@ -1,2 +1,2 @@
-/* The name that programs in C++ include it by. */
+/* Header name for programs in C++. */
 #include "eyebot.h"

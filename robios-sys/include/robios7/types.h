@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What EyeSim's types.h brings, X included; without it (EYESIM_LEAN) its names are the program's own. */
+/* Additional names of EyeSim's types.h, X included; with EYESIM_LEAN these names are left to the program. */
 #ifndef EYESIM_LEAN
 #include <errno.h>
 #include <math.h>
@@ -22,7 +22,7 @@
 #include "X11/Xlib.h"
 #endif
 
-/* The generation of RoBIOS that this header is of. */
+/* Generation of RoBIOS of this header. */
 #define EYESIM_ROBIOS 7
 
 /* Checks the arguments of a function that formats as printf does. */
@@ -38,7 +38,7 @@ typedef int TIMER; /* of OSAttachTimer, 0 is none */
 typedef char *DeviceSemantics;
 typedef void (*TimerFnc)(void);
 
-/* Whatever arguments: the headers differ. */
+/* Any arguments: the headers differ. */
 #ifdef __cplusplus
 #define EYESIM_ANY ...
 #else
@@ -91,7 +91,7 @@ typedef BYTE CAMHDgray[CAMHD_PIXELS];
 typedef BYTE CAM5MPcol[CAM5MP_SIZE];
 typedef BYTE CAM5MPgray[CAM5MP_PIXELS];
 
-/* What CAMInit and IPSetSize have set; at first QVGA. */
+/* Sizes set by CAMInit and IPSetSize; initially QVGA. */
 #ifdef __cplusplus
 extern "C" {
 #endif

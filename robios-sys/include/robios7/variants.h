@@ -1,4 +1,4 @@
-/* What programs for the RoBIOS-7 headers of 2016 and 2017 use; part of eyebot.h. */
+/* Names of the RoBIOS-7 headers of 2016 and 2017; part of eyebot.h. */
 #ifndef EYESIM_VARIANTS_H
 #define EYESIM_VARIANTS_H
 
@@ -34,7 +34,7 @@ int LCDInit(void); /* 0: the display is always there */
 int SERVODone(int servo); /* 1: a servo turns at once; 0 if there is no such servo */
 int SERVOWait(int servo); /* 0, 1 if there is no such servo */
 
-/* How many points LIDARGet gives, as LIDARSet has set them; at first 360. */
+/* Number of points of LIDARGet, as set by LIDARSet; initially 360. */
 #ifndef LIDAR_RESOLUTION
 extern int LIDAR_RESOLUTION;
 #endif

@@ -1,4 +1,4 @@
-//! Writes `docs/c-library.md` anew from the list of replaced functions: `cargo run -p robios-sys --bin generate`.
+//! Regenerates `docs/c-library.md` from the list of interposed functions: `cargo run -p robios-sys --bin generate`.
 
 fn main() -> std::io::Result<()> {
     std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/c-library.md"), robios_sys::c::c_library_page())

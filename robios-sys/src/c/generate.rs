@@ -9,9 +9,9 @@ use crate::robios7::{self, Robios7Call, Robios7Table};
 use crate::support::{SupportCall, SupportTable};
 use crate::table::{Family, Function, Parameter};
 
-/// What header and shim of one generation are written from.
+/// Input from which header and shim of one generation are generated.
 struct Generation {
-    /// As the header says it.
+    /// Title in the header.
     title: &'static str,
     families: &'static [Family],
     functions: Vec<&'static Function>,
@@ -73,11 +73,11 @@ fn seven() -> Generation {
 
 const NOTICE: &str = "Written from the lists of functions and constants of eyesim.";
 
-/// How a kind of parameter or result looks in C.
+/// C types of a kind of parameter or result.
 struct CType {
-    /// In the program's header.
+    /// Type in the program's header.
     header: &'static str,
-    /// In the tables.
+    /// Type in the tables.
     abi: &'static str,
 }
 
@@ -231,7 +231,7 @@ fn defines(constants: &[Constant]) -> String {
             value @ 0x1_0000.. => format!("{value:#08X}").replace("0X", "0x"),
             value => value.to_string(),
         };
-        // Programs of old define these two themselves.
+        // Old programs define these two themselves.
         if let name @ ("TRUE" | "FALSE") = constant.name {
             writeln!(text, "#undef {name}").expect("a string takes every line");
         }
@@ -303,7 +303,7 @@ fn shim_functions(generation: &Generation) -> String {
     text
 }
 
-/// How the shim passes an argument on.
+/// C expression by which the shim passes an argument on.
 fn argument(parameter: &Parameter) -> String {
     let name = parameter.name;
     match parameter.kind {

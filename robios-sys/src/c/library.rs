@@ -1,9 +1,9 @@
-//! What the shim does to the C library, as data: for messages, for warnings about libraries built elsewhere, and for
+//! Interposed functions of the C library, as data: for messages, for warnings about libraries built elsewhere, and for
 //! `docs/c-library.md`.
 
-/// Symbols of the C library that the shim defines anew, and what they do then.
+/// Interposed symbols of the C library, and their behaviour in the shim.
 ///
-/// A library that was built without the shim and imports one of them breaks out of the robot or of virtual time.
+/// A library built without the shim that imports one of them acts outside of its robot or of virtual time.
 pub const REPLACED: &[(&str, &str)] = &[
     ("exit", ENDS),
     ("_exit", ENDS_AT_ONCE),
@@ -282,7 +282,7 @@ const CANCELS: &str = "takes effect at calls of RoBIOS, and at those of the C li
 const ACCEPTED: &str = "accepted: names and attributes of tasks, without an effect";
 const REFUSES_SIGNAL: &str = "does nothing and says so on the console, unless the signal is 0";
 
-/// Symbols that the shim leaves alone although what they do reaches beyond the robot or beyond virtual time, and why.
+/// Symbols that are not interposed although their effects reach beyond the robot or virtual time, with the reason.
 pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("fork", PROCESS),
     ("vfork", PROCESS),
@@ -363,10 +363,10 @@ const NETWORK: &str = "what comes over a network differs between runs";
 const REAL_TIME: &str = "waits for or tells real time";
 const STREAMS: &str = "streams of C++ print to the host's standard output";
 
-/// Why a symbol that a library built elsewhere imports is outside the guarantee; `None` if it is not.
+/// Reason why a symbol imported by a library built elsewhere is outside the guarantee; `None` if it is inside.
 ///
-/// Without the shim, most of what it [replaces](REPLACED) is outside too, except what almost every library imports and
-/// what matters only when the program is broken.
+/// Without the shim, most [interposed](REPLACED) symbols are outside too, except those that almost every library imports and
+/// those that matter only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
     let is_harmless =

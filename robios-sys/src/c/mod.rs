@@ -1,5 +1,5 @@
 //! The C side, as text: headers for programs, the shim that is compiled into every C program's library, the compiler's
-//! flags, and what the shim does to the C library. What follows from the lists of functions is written when it is first used.
+//! flags, and the interposed functions of the C library. Parts that follow from the lists of functions are generated on first use.
 
 mod generate;
 mod library;
@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 pub struct SourceFile {
     /// Its name, without a folder.
     pub name: &'static str,
-    /// What is in it.
+    /// Content of the file.
     pub text: Cow<'static, str>,
 }
 
@@ -61,7 +61,7 @@ pub static HEADERS7: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
 /// without a declaration.
 pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
 
-/// Defined for a source whose names collide with those that `types.h` of RoBIOS-7 brings besides its own.
+/// Flag for a source whose names collide with the additional names of RoBIOS-7's `types.h`.
 pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";
 
 /// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
@@ -91,8 +91,8 @@ pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 /// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: the same bits on every
 /// processor. `-fno-strict-aliasing`: old programs read images through other types.
 ///
-/// `-fno-builtin-...`: names of functions that no C standard has, so that programs have their own; where their type is
-/// the same, a compiler would put its own in their place.
+/// `-fno-builtin-...`: functions outside of the C standards, which programs may define themselves; given the same type, a
+/// compiler would substitute its own.
 pub const COMPILE_FLAGS: &[&str] = &[
     "-g",
     "-fPIC",
@@ -120,7 +120,7 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-builtin-yn",
 ];
 
-/// Flags for compiling the shim: it must not be checked by the functions that it replaces.
+/// Flags for compiling the shim, which must not be checked by the functions that it interposes.
 pub const SHIM_FLAGS: &[&str] = &[
     "-g",
     "-O1",
@@ -136,10 +136,10 @@ pub const SHIM_FLAGS: &[&str] = &[
 pub const CPP_SHIM_FLAGS: &[&str] =
     &["-g", "-O1", "-fPIC", "-std=gnu++17", "-U_FORTIFY_SOURCE", "-fno-stack-protector", "-fexceptions", "-frtti"];
 
-/// Defined for the shim of a program with parts in C++, whose functions are unwound.
+/// Flags for the shim of a program with parts in C++, whose functions are unwound.
 pub const CPP_FLAGS: &[&str] = &["-DEYESIM_CPP", "-fexceptions"];
 
-/// Defined for the shim where `main` returns no value: the exit code is then 0.
+/// Flag for the shim of a program whose `main` returns no value: the exit code is then 0.
 pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
 
 /// Flags for linking a program's library.
@@ -148,13 +148,13 @@ pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
 /// `-z defs` reports a misspelled function when linking and not when loading.
 pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
 
-/// Flags for linking a library with parts in C++: its copies share nothing of the C++ library, and nothing that C++ would
-/// make unique in the process (`STB_GNU_UNIQUE`: static variables of templates and inline functions).
+/// Flags for linking a library with parts in C++: its copies share neither the C++ library nor symbols that C++ makes unique in
+/// the process (`STB_GNU_UNIQUE`: static variables of templates and inline functions).
 pub const CPP_LINK_FLAGS: &[&str] = &["-static-libstdc++", "-static-libgcc"];
 
-/// The file of [`SHIM`] that is given to the linker as the version script of a library with parts in C++: it exports nothing
-/// but its description.
+/// The file of [`SHIM`] that is the linker's version script of a library with parts in C++, which exports only its
+/// description.
 pub const CPP_EXPORTS: &str = "exports.map";
 
-/// Libraries, behind everything else.
+/// Libraries, last on the linker's command line.
 pub const LIBRARIES: &[&str] = &["-lm"];

@@ -1,4 +1,4 @@
-//! The page of the documentation that lists what the shim does to the C library.
+//! Documentation page of the interposed functions of the C library.
 
 use std::fmt::Write as _;
 

@@ -3,7 +3,7 @@
 use crate::constant::constants;
 
 constants! {
-    /// What `eyebot.h` defines.
+    /// Constants of `eyebot.h`.
     list CONSTANTS;
     /// `BOOL`: yes.
     TRUE: i32 = 1;
@@ -158,12 +158,12 @@ constants! {
     REPCODE_MODE: i32 = 2;
 }
 
-/// Which device of its kind: the argument of the `...Init` functions.
+/// Devices of each kind: arguments of the `...Init` functions.
 pub mod semantics {
     use crate::constant::constants;
 
     constants! {
-        /// What `hdt_sem.h` defines.
+        /// Constants of `hdt_sem.h`.
         list SEMANTICS;
         /// Motor of the left wheel.
         MOTOR_LEFT: i32 = -100;
@@ -310,7 +310,7 @@ pub mod hdt_type {
     use crate::constant::constants;
 
     constants! {
-        /// What `hdt.h` defines.
+        /// Constants of `hdt.h`.
         list HDT_TYPES;
         /// Motors.
         HDT_MOTOR: i32 = 1;

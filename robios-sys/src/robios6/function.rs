@@ -49,7 +49,7 @@ function_table! {
     }
 
     family HDT "the table of the robot's devices", source "RoBIOS 6 library, hardware description table; layout of an entry: our choice" {
-        /// Whether the table of devices is sound. Returns 0 if it is.
+        /// Checks the device table. Returns 0 if it is valid.
         fn HDT_Validate() -> i32 = -1;
 
         /// Looks a device up.
@@ -64,7 +64,7 @@ function_table! {
         /// Returns 0, or -1 if there are not as many or a pointer is 0.
         fn HDT_FindTable(type_id: TypeID, index: i32, entry: Out<HDTEntry>) -> i32 = -1;
 
-        /// How many devices of a kind the robot has.
+        /// Number of devices of a kind.
         /// type_id: HDT_MOTOR and so on. Returns the number, 0 for an unknown kind.
         fn HDT_TypeCount(type_id: TypeID) -> i32 = 0;
     }
@@ -117,7 +117,7 @@ function_table! {
         /// spaces: least number of characters. decimals: digits after the point. Returns 0.
         fn LCDPutFloatS(v: f32, spaces: i32, decimals: i32) -> i32 = -1;
 
-        /// Sets how text behaves.
+        /// Sets the text mode.
         /// mode: SCROLLING or NONSCROLLING, and CURSOR or NOCURSOR, OR-ed. Returns 0.
         fn LCDMode(mode: i32) -> i32 = -1;
 
@@ -125,7 +125,7 @@ function_table! {
         /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
         fn LCDSetPos(row: i32, column: i32) -> i32 = -1;
 
-        /// Where the cursor is. Returns 0, or -1 if a pointer is 0.
+        /// Position of the cursor. Returns 0, or -1 if a pointer is 0.
         fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = -1;
 
         /// Shows the upper 54 rows of a grey image at the left of the LCD, so that the menu stays visible.
@@ -162,11 +162,11 @@ function_table! {
         /// row: 0 (top) to 63. col: 0 (left) to 127.
         fn LCDGetPixel(row: i32, col: i32) -> i32 = -1;
 
-        /// Draws a line between two pixels, both included; what lies outside of the LCD is left out.
+        /// Draws a line between two pixels, both included; parts outside of the LCD are clipped.
         /// x: 0 (left) to 127. y: 0 (top) to 63. col: 0 white, 1 black, 2 inverted. Returns 0, or -1 for another col.
         fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
 
-        /// Fills a rectangle, all edges included; what lies outside of the LCD is left out.
+        /// Fills a rectangle, all edges included; parts outside of the LCD are clipped.
         /// x: 0 (left) to 127, x1 < x2. y: 0 (top) to 63, y1 < y2. col: 0 white, 1 black, 2 inverted.
         /// Returns 0, or -1 for another col or corners in another order.
         fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
@@ -183,7 +183,7 @@ function_table! {
         /// The key that is pressed and has not been read yet, without waiting. Returns its code, 0 if there is none.
         fn KEYRead() -> i32 = 0;
 
-        /// Waits for a certain key; others are dropped.
+        /// Waits for a certain key; other keys are discarded.
         /// excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 at once for another excode.
         fn KEYWait(excode: i32) -> i32 = -1;
     }
@@ -197,10 +197,10 @@ function_table! {
         /// Stops the camera. Returns 0, or -1 if it was not started.
         fn CAMRelease() -> i32 = -1;
 
-        /// Takes a grey image; waits until it is there. Returns 0, or -1 if there is no camera or buf is 0.
+        /// Takes a grey image and waits for it. Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrame(buf: Out<Image>) -> i32 = -1;
 
-        /// Takes a colour image; waits until it is there.
+        /// Takes a colour image and waits for it.
         /// convert: 0 leaves red, green, blue; 1 turns it to 8-bit grey at the start of the same buffer.
         /// Returns 0, or -1 if there is no colour camera or buf is 0.
         fn CAMGetColFrame(buf: Out<ColImage>, convert: i32) -> i32 = -1;
@@ -212,7 +212,7 @@ function_table! {
         /// Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameColor(buf: Out<ColorFrame>) -> i32 = -1;
 
-        /// The same as CAMGetFrameColor.
+        /// Alias of CAMGetFrameColor.
         fn CAMGetFrameRGB(buf: Out<ColorFrame>) -> i32 = -1;
 
         /// Takes the camera's raw values: 120 rows of 160 bytes behind its colour filter.
@@ -224,10 +224,10 @@ function_table! {
         /// FPS60 to FPS0_46875. Returns 0, or -1 if there is no camera.
         fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = -1;
 
-        /// What CAMSet has set. Returns 0, or -1 if there is no camera or a pointer is 0.
+        /// Values set by CAMSet. Returns 0, or -1 if there is no camera or a pointer is 0.
         fn CAMGet(p1: Out<i32>, p2: Out<i32>, p3: Out<i32>) -> i32 = -1;
 
-        /// Sets how the brightness is found.
+        /// Switches automatic brightness on or off.
         /// mode: AUTOBRIGHTNESS or NOAUTOBRIGHTNESS. Returns 0, or -1 if there is no camera.
         fn CAMMode(mode: i32) -> i32 = -1;
     }
@@ -251,8 +251,8 @@ function_table! {
 
     family MT "multi-tasking", source "RoBIOS 6 library, multi-tasking" {
         /// Starts multi-tasking; the program becomes the first task, of priority IDLE_PRI.
-        /// mode: COOP (or DEFAULT): tasks change only where one gives way. PREEMPT: also every 10 ms and when one of
-        /// higher priority is ready, from OSPermit on. Returns 0, or -1 for another mode or if it was started before.
+        /// mode: COOP (or DEFAULT): tasks switch only when one yields. PREEMPT: after OSPermit also every 10 ms and when one
+        /// of higher priority is ready. Returns 0, or -1 for another mode or if it was started before.
         fn OSMTInit(mode: Byte) -> i32 = -1, c "int OSMTInit(BYTE mode)";
 
         /// Creates a task, which is not ready yet: see OSReady. It ends when its function returns.
@@ -301,22 +301,22 @@ function_table! {
         /// n: hundredths of a second. Returns 0.
         fn OSSleep(n: i32) -> i32 = -1;
 
-        /// Keeps tasks from changing by themselves, until OSPermit. Returns 0, or -1 without multi-tasking.
+        /// Switches pre-emption off, until OSPermit. Returns 0, or -1 without multi-tasking.
         fn OSForbid() -> i32 = -1;
 
-        /// Lets tasks change by themselves, in mode PREEMPT. Returns 0, or -1 without multi-tasking.
+        /// Switches pre-emption on, in mode PREEMPT. Returns 0, or -1 without multi-tasking.
         fn OSPermit() -> i32 = -1;
 
-        /// Makes a semaphore; one that is made anew is another one.
-        /// sem: the program's own. val: how many may pass at first. Returns 0, or -1 if sem is 0 or val below 0.
+        /// Initialises a semaphore; a repeated initialisation creates a new one.
+        /// sem: a variable of the program. val: initial number of permits. Returns 0, or -1 if sem is 0 or val below 0.
         fn OSSemInit(sem: InOut<Semaphore>, val: i32) -> i32 = -1, c "int OSSemInit(struct sem *sem, int val)";
 
-        /// Passes a semaphore, or waits at it: first come, first served. Also without multi-tasking.
-        /// Returns 0, or -1 if sem is 0 or was not made.
+        /// Takes a permit of a semaphore or waits for one: first come, first served. Works without multi-tasking too.
+        /// Returns 0, or -1 if sem is 0 or was not initialised.
         fn OSSemP(sem: Semaphore) -> i32 = -1, c "int OSSemP(struct sem *sem)";
 
-        /// Lets the task pass that has waited longest, or one more later.
-        /// Returns 0, or -1 if sem is 0 or was not made.
+        /// Adds a permit to a semaphore; it goes to the task that has waited longest, if any.
+        /// Returns 0, or -1 if sem is 0 or was not initialised.
         fn OSSemV(sem: Semaphore) -> i32 = -1, c "int OSSemV(struct sem *sem)";
     }
 
@@ -338,17 +338,17 @@ function_table! {
         /// Waits. n: hundredths of a second. Returns 0.
         fn OSWait(n: i32) -> i32 = -1;
 
-        /// Calls a function at regular times: every scale/100 seconds.
-        /// It is called inside of the call that is in progress then, never while it still runs itself; it must be
+        /// Calls a function periodically, every scale/100 seconds.
+        /// It is called inside the call in progress at that time and is never re-entered; it must be
         /// short and must not wait. Returns a handle, or 0 if the list is full, scale is below 1 or f is 0.
         fn OSAttachTimer(scale: i32, f: Callback) -> TimerHandle = 0;
 
-        /// Stops the calls of OSAttachTimer. Returns 1, or 0 if handle is not one.
+        /// Stops a timer of OSAttachTimer. Returns 1, or 0 if handle is invalid.
         fn OSDetachTimer(handle: TimerHandle) -> i32 = 0;
     }
 
     family RS232 "serial interfaces and download", source "RoBIOS 6 library, serial communication" {
-        /// Sets a serial interface up.
+        /// Opens a serial interface.
         /// baud: SER4800 to SER115200. handshake: NONE or RTSCTS. interface: SERIAL1 to SERIAL3.
         /// Returns 0, or not 0 for other values.
         fn OSInitRS232(baud: i32, handshake: i32, interface: i32) -> i32 = -1;
@@ -363,27 +363,27 @@ function_table! {
         /// interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if buf is 0.
         fn OSRecvRS232(buf: Out<Char>, interface: i32) -> i32 = -1;
 
-        /// Drops what has been received. Returns 0, or not 0 on failure.
+        /// Discards received bytes. Returns 0, or not 0 on failure.
         fn OSFlushInRS232(interface: i32) -> i32 = -1;
 
-        /// Drops what has not been sent. Returns 0, or not 0 on failure.
+        /// Discards bytes not yet sent. Returns 0, or not 0 on failure.
         fn OSFlushOutRS232(interface: i32) -> i32 = -1;
 
-        /// How many bytes have been received and not read; below 0 on failure.
+        /// Number of bytes received and not yet read; below 0 on failure.
         fn OSCheckInRS232(interface: i32) -> i32 = -1;
 
-        /// How many bytes have not been sent yet; below 0 on failure.
+        /// Number of bytes not yet sent; below 0 on failure.
         fn OSCheckOutRS232(interface: i32) -> i32 = -1;
 
-        /// Loads a user program over a serial interface, which a simulated robot cannot.
+        /// Loads a user program over a serial interface; not available on a simulated robot.
         /// name: at least 16 bytes for the program's name. bytes: how many were loaded.
         /// Returns 0 when done, 99 to be called again, or another number on failure.
         fn OSDownload(name: Out<[u8; 16]>, bytes: Out<i32>, baud: i32, handshake: i32, interface: i32) -> i32 = 1;
 
-        /// Starts the user program that was loaded, which a simulated robot has none of. Returns -1.
+        /// Starts the loaded user program; a simulated robot has none. Returns -1.
         fn USRStart() -> i32 = -1;
 
-        /// Makes the loaded user program stay over a reset.
+        /// Keeps the loaded user program over a reset.
         /// name: what it is called. mode: SET (TRUE) or RESET (FALSE). Returns 0, or -1 if there is none.
         fn USRResident(name: Text, mode: Bool) -> i32 = -1;
     }
@@ -393,34 +393,34 @@ function_table! {
         /// sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is none.
         fn AUPlaySample(sample: Bytes) -> i32 = 0, c "int AUPlaySample(char *sample)";
 
-        /// Whether no sample is being played: FALSE while one is.
+        /// FALSE while a sample is being played, else TRUE.
         fn AUCheckSample() -> i32 = TRUE;
 
         /// Plays a tone; does not wait.
         /// freq_hz: 65 to 21000. span_ms: milliseconds. Returns 0, or -1 for other values.
         fn AUTone(freq_hz: i32, span_ms: i32) -> i32 = -1;
 
-        /// Whether no tone is being played: FALSE while one is.
+        /// FALSE while a tone is being played, else TRUE.
         fn AUCheckTone() -> i32 = TRUE;
 
         /// Plays a short tone; does not wait. Returns 0.
         fn AUBeep() -> i32 = -1;
 
         /// Records from the microphone.
-        /// buf: where the sample goes, written before the return. len: its bytes. freq: wanted rate in Hz.
+        /// buf: buffer for the sample, written before the return. len: its size in bytes. freq: wanted rate in Hz.
         /// Returns the rate in Hz, or 0 if buf is 0 or len is not positive.
         fn AURecordSample(buf: OutBytes, freq_hz: i64) -> i32 = 0,
             c "int AURecordSample(BYTE *buf, long len, long freq)";
 
-        /// Whether nothing is being recorded: FALSE while it is.
+        /// FALSE while a recording is in progress, else TRUE.
         fn AUCheckRecord() -> i32 = TRUE;
 
-        /// The microphone's value now, 0 to 1023; 512 is silence.
+        /// Current value of the microphone, 0 to 1023; 512 is silence.
         fn AUCaptureMic() -> i32 = 512;
     }
 
     family PSD "infrared distance sensors, results in millimetres", source "RoBIOS 6 library, position sensing devices" {
-        /// Makes a PSD sensor ready for measuring.
+        /// Initialises a PSD sensor.
         /// semantics: PSD_FRONT and so on. Returns a handle (one bit), or 0 if the robot has no such sensor.
         fn PSDInit(semantics: DeviceSemantics) -> PSDHandle = 0;
 
@@ -428,174 +428,173 @@ function_table! {
         fn PSDRelease() -> i32 = -1;
 
         /// Starts measuring.
-        /// bitmask: handles, OR-ed. cycle: TRUE measures on and on, FALSE once.
+        /// bitmask: handles, OR-ed. cycle: TRUE measures continuously, FALSE once.
         /// Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is no handle.
         fn PSDStart(bitmask: PSDHandle, cycle: Bool) -> i32 = -1;
 
         /// Ends measuring after the cycle that is running. Returns 0.
         fn PSDStop() -> i32 = -1;
 
-        /// Whether there is a valid result: TRUE after the first cycle is complete, else FALSE.
+        /// TRUE if there is a valid result, that is after the first complete cycle, else FALSE.
         fn PSDCheck() -> Bool = FALSE;
 
-        /// The distance that the last complete cycle has measured, in millimetres; PSD_OUT_OF_RANGE if nothing is
-        /// within range.
+        /// Distance measured by the last complete cycle, in millimetres; PSD_OUT_OF_RANGE if nothing is within range.
         /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
         fn PSDGet(handle: PSDHandle) -> i32 = PSD_OUT_OF_RANGE;
 
-        /// The raw value that the last complete cycle has measured, 0 to 255.
+        /// Raw value measured by the last complete cycle, 0 to 255.
         /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
         fn PSDGetRaw(handle: PSDHandle) -> i32 = 0;
     }
 
     family SERVO "servos", source "RoBIOS 6 library, servos and motors" {
-        /// Makes a servo ready.
+        /// Initialises a servo.
         /// semantics: SERVO1 and so on. Returns a handle, or 0 if the robot has no such servo.
         fn SERVOInit(semantics: DeviceSemantics) -> ServoHandle = 0;
 
         /// Releases servos.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
         fn SERVORelease(handle: ServoHandle) -> i32 = 0x1111_0000;
 
         /// Turns a servo.
-        /// handle: of SERVOInit. angle: 0 to 255, the middle is 127 or 128. Returns 0, or -1 if handle is not one or
-        /// angle is another.
+        /// handle: of SERVOInit. angle: 0 to 255, the middle is 127 or 128. Returns 0, or -1 if handle or angle is
+        /// invalid.
         fn SERVOSet(handle: ServoHandle, angle: i32) -> i32 = -1;
     }
 
     family MOTOR "motors", source "RoBIOS 6 library, servos and motors" {
-        /// Makes a motor ready.
-        /// semantics: MOTOR_LEFT and so on. Returns a handle, or 0 if the robot has no such motor or VW has it.
+        /// Initialises a motor.
+        /// semantics: MOTOR_LEFT and so on. Returns a handle, or 0 if the robot has no such motor or VW uses it.
         fn MOTORInit(semantics: DeviceSemantics) -> MotorHandle = 0;
 
         /// Stops and releases motors.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
         fn MOTORRelease(handle: MotorHandle) -> i32 = 0x1111_0000;
 
         /// Sets a motor's speed.
         /// handle: handles, OR-ed. speed_percent: -100 (full backwards) to 100.
-        /// Returns 0, or -1 if handle has one that is none.
+        /// Returns 0, or -1 if one of the handles is invalid.
         fn MOTORDrive(handle: MotorHandle, speed_percent: i32) -> i32 = -1;
     }
 
     family QUAD "wheel encoders", source "RoBIOS 6 library, encoders" {
-        /// Makes an encoder ready; its count starts at 0.
+        /// Initialises an encoder; its count starts at 0.
         /// semantics: QUAD_LEFT and so on. Returns a handle, or 0 if the robot has no such encoder.
         fn QUADInit(semantics: DeviceSemantics) -> QuadHandle = 0;
 
         /// Releases encoders.
-        /// handle: handles, OR-ed. Returns 0, or -1 if none of it is a handle.
+        /// handle: handles, OR-ed. Returns 0, or -1 if no handle is valid.
         fn QUADRelease(handle: QuadHandle) -> i32 = -1;
 
         /// Sets the counts of encoders to 0.
-        /// handle: handles, OR-ed. Returns 0, or -1 if it has one that is none.
+        /// handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
         fn QUADReset(handle: QuadHandle) -> i32 = -1;
 
-        /// An encoder's count: ticks since the reset, more when the wheel turns forward; 0 if handle is not one.
+        /// Count of an encoder: ticks since the reset, increasing when the wheel turns forward; 0 if handle is invalid.
         fn QUADRead(handle: QuadHandle) -> i32 = 0;
 
         /// The motor that belongs to an encoder.
         /// semantics: QUAD_LEFT and so on. Returns MOTOR_LEFT and so on, or 0 if the robot has no such encoder.
         fn QUADGetMotor(semantics: DeviceSemantics) -> DeviceSemantics = 0;
 
-        /// How far a wheel has rolled since QUADODOReset, in metres; 0 if handle is not one.
+        /// Distance rolled by a wheel since QUADODOReset, in metres; 0 if handle is invalid.
         fn QUADODORead(handle: QuadHandle) -> f32 = 0.0;
 
-        /// Sets how far a wheel has rolled to 0; its count stays.
-        /// handle: handles, OR-ed. Returns 0, or -1 if it has one that is none.
+        /// Sets the rolled distance of wheels to 0; their tick counts stay.
+        /// handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
         fn QUADODOReset(handle: QuadHandle) -> i32 = -1;
     }
 
     family VW "driving: metres, radians, seconds; x forward, y left, phi counter-clockwise", source "RoBIOS 6 library, VW interface" {
-        /// Makes the driving interface ready and sets position and heading to 0; it takes motors and encoders.
+        /// Initialises the driving interface and sets position and heading to 0; it takes motors and encoders.
         /// semantics: VW_DRIVE. Timescale: control runs at 100 Hz/Timescale, usually 1.
         /// Returns a handle, or 0 if the robot cannot drive, it is already in use or Timescale is below 1.
         fn VWInit(semantics: DeviceSemantics, Timescale: i32) -> VWHandle = 0;
 
-        /// Stops the robot and releases the driving interface. Returns 0, or -1 if handle is not one.
+        /// Stops the robot and releases the driving interface. Returns 0, or -1 if handle is invalid.
         fn VWRelease(handle: VWHandle) -> i32 = -1;
 
         /// Sets the speed, until the next command.
         /// v_mps: m/s, negative = backwards. w_radps: rad/s, positive = counter-clockwise.
-        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress.
+        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress.
         fn VWSetSpeed(handle: VWHandle, v_mps: MetrePerSecond, w_radps: RadianPerSecond) -> i32 = -1;
 
-        /// The speed as the encoders show it. Returns 0, or -1 if handle is not one or vw is 0.
+        /// Speed by odometry. Returns 0, or -1 if handle is invalid or vw is 0.
         fn VWGetSpeed(handle: VWHandle, vw: Out<SpeedType>) -> i32 = -1;
 
-        /// Says where the robot is; it does not move.
-        /// x_m, y_m: metres. phi_rad: radians. Returns 0, or -1 if handle is not one.
+        /// Sets the position of the odometry; the robot does not move.
+        /// x_m, y_m: metres. phi_rad: radians. Returns 0, or -1 if handle is invalid.
         fn VWSetPosition(handle: VWHandle, x_m: Metre, y_m: Metre, phi_rad: Radian) -> i32 = -1;
 
-        /// Where the robot is, as the encoders show it. Returns 0, or -1 if handle is not one or pos is 0.
+        /// Position by odometry. Returns 0, or -1 if handle is invalid or pos is 0.
         fn VWGetPosition(handle: VWHandle, pos: Out<PositionType>) -> i32 = -1;
 
         /// Starts the PI controllers of speed and rate of turn: output = V * (e + 1/T * integral of e).
         /// Vv, Tv: for the speed. Vw, Tw: for the rate of turn. Typical: 7, 0.3, 10, 0.1.
-        /// Returns 0, or -1 if handle is not one.
+        /// Returns 0, or -1 if handle is invalid.
         fn VWStartControl(handle: VWHandle, Vv: f32, Tv: f32, Vw: f32, Tw: f32) -> i32 = -1;
 
-        /// Stops the PI controllers: speeds are open loop again. Returns 0, or -1 if handle is not one.
+        /// Stops the PI controllers: speeds are open loop again. Returns 0, or -1 if handle is invalid.
         fn VWStopControl(handle: VWHandle) -> i32 = -1;
 
         /// Drives straight ahead.
         /// delta_m: distance in metres, negative = backwards. v_mps: speed in m/s, > 0.
-        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
         /// not wait.
         fn VWDriveStraight(handle: VWHandle, delta_m: Metre, v_mps: MetrePerSecond) -> i32 = -1;
 
         /// Turns on the spot.
         /// delta_rad: angle in radians, positive = counter-clockwise. w_radps: rate in rad/s, > 0.
-        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
         /// not wait.
         fn VWDriveTurn(handle: VWHandle, delta_rad: Radian, w_radps: RadianPerSecond) -> i32 = -1;
 
         /// Drives along a circular arc.
         /// delta_l_m: length of the arc in metres, negative = backwards. delta_phi_rad: change of heading in radians,
         /// positive = counter-clockwise. v_mps: speed in m/s, > 0.
-        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
         /// not wait.
         fn VWDriveCurve(handle: VWHandle, delta_l_m: Metre, delta_phi_rad: Radian, v_mps: MetrePerSecond) -> i32 = -1;
 
-        /// What remains of the drive in progress, in metres (for a turn radians; for a curve its length): 0 when done
-        /// or if handle is not one.
+        /// Remainder of the drive in progress, in metres (for a turn radians; for a curve its length): 0 when done
+        /// or if handle is invalid.
         fn VWDriveRemain(handle: VWHandle) -> f32 = 0.0;
 
-        /// Whether the drive has ended: 1 if it has, 0 if it is in progress, -1 if handle is not one.
+        /// 1 if the drive has ended, 0 if it is in progress, -1 if handle is invalid.
         fn VWDriveDone(handle: VWHandle) -> i32 = -1;
 
-        /// Waits until the drive has ended. Returns 0, or -1 at once if handle is not one.
+        /// Waits until the drive has ended. Returns 0, or -1 at once if handle is invalid.
         fn VWDriveWait(handle: VWHandle) -> i32 = -1;
 
-        /// Whether a motor is stalled: 1 if one is, 0 if none is or there is no command, -1 if handle is not one.
+        /// 1 if a motor is stalled, 0 if none is or there is no command, -1 if handle is invalid.
         fn VWStalled(handle: VWHandle) -> i32 = -1;
     }
 
     family BUMP "bumpers", source "RoBIOS 6 library, bumper and infrared sensors" {
-        /// Makes a bumper ready.
+        /// Initialises a bumper.
         /// semantics: BUMP_LEFT and so on. Returns a handle, or 0 if the robot has no such bumper.
         fn BUMPInit(semantics: DeviceSemantics) -> BumpHandle = 0;
 
         /// Releases bumpers.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
         fn BUMPRelease(handle: BumpHandle) -> i32 = 0x1111_0000;
 
-        /// Whether something has bumped since the last check.
-        /// timestamp: when, the first time, in hundredths of a second; may be 0.
-        /// Returns 0 if something has, -1 if nothing has or handle is not one.
+        /// Checks a bumper for contacts since the last check.
+        /// timestamp: time of the first contact, in hundredths of a second; may be 0.
+        /// Returns 0 if there was a contact, -1 if there was none or handle is invalid.
         fn BUMPCheck(handle: BumpHandle, timestamp: Out<i32>) -> i32 = -1;
     }
 
     family IR "infrared proximity sensors", source "RoBIOS 6 library, bumper and infrared sensors" {
-        /// Makes an infrared sensor ready.
+        /// Initialises an infrared sensor.
         /// semantics: IR_LEFT and so on. Returns a handle, or 0 if the robot has no such sensor.
         fn IRInit(semantics: DeviceSemantics) -> IRHandle = 0;
 
         /// Releases infrared sensors.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
         fn IRRelease(handle: IRHandle) -> i32 = 0x1111_0000;
 
-        /// Whether something is near: 1 if it is, 0 if not, -1 if handle is not one.
+        /// 1 if an object is near, 0 if not, -1 if handle is invalid.
         fn IRRead(handle: IRHandle) -> i32 = -1;
     }
 
@@ -633,13 +632,13 @@ function_table! {
     }
 
     family COMPASS "the compass", source "RoBIOS 6 library, compass" {
-        /// Makes the compass ready. semantics: COMPASS. Returns 0, or not 0 if the robot has none.
+        /// Initialises the compass. semantics: COMPASS. Returns 0, or not 0 if the robot has none.
         fn COMPASSInit(semantics: DeviceSemantics) -> i32 = -1;
 
-        /// Starts measuring. cycle: TRUE measures on and on, FALSE once. Returns 0, or 1 if it is not ready.
+        /// Starts measuring. cycle: TRUE measures continuously, FALSE once. Returns 0, or 1 if it is not ready.
         fn COMPASSStart(cycle: Bool) -> i32 = 1;
 
-        /// Whether a result is there: 1 if it is, else 0.
+        /// 1 if a result is available, else 0.
         fn COMPASSCheck() -> i32 = 0;
 
         /// Ends measuring. Returns 0, or 1 if it is not ready.
@@ -657,14 +656,14 @@ function_table! {
     }
 
     family IRTV "TV remote control", source "RoBIOS 6 library, infrared remote control" {
-        /// Starts receiving with the settings of the table of devices.
+        /// Starts receiving with the settings of the device table.
         /// semantics: IRTV. Returns 0, or not 0 if the robot has no receiver.
         fn IRTVInitHDT(semantics: DeviceSemantics) -> i32 = -1;
 
         /// Starts receiving.
         /// type_code: SPACE_CODE, PULSE_CODE, MANCHESTER_CODE or RAW_CODE. length: bits of a code.
         /// tog_mask: bits that toggle. inv_mask: bits that are inverted. mode: DEFAULT_MODE, SLOPPY_MODE or
-        /// REPCODE_MODE. bufsize: codes that are kept, 1 to 4. delay: hundredths of a second before a key repeats.
+        /// REPCODE_MODE. bufsize: codes that the buffer holds, 1 to 4. delay: hundredths of a second before a key repeats.
         /// Returns 0, or not 0 if the robot has no receiver.
         fn IRTVInit(type_code: i32, length: i32, tog_mask: i32, inv_mask: i32, mode: i32, bufsize: i32, delay: i32)
             -> i32 = -1;
@@ -681,7 +680,7 @@ function_table! {
         /// Waits for the next code and returns it; 0 at once if nothing is being received.
         fn IRTVGet() -> i32 = 0;
 
-        /// Drops the codes that have been received.
+        /// Discards received codes.
         fn IRTVFlush() -> () = ();
 
         /// The settings of IRTVInit; a pointer may be 0.
@@ -695,15 +694,15 @@ function_table! {
         /// Switches the radio on, with the settings of RADIOSetIoctl. Returns 0, -1 if it is on already.
         fn RADIOInit() -> i32 = -1;
 
-        /// Switches the radio off: messages that wait or are on their way are lost. Returns 0, -1 if it is off.
+        /// Switches the radio off: messages that wait or are in transit are lost. Returns 0, -1 if it is off.
         fn RADIOTerm() -> i32 = -1;
 
-        /// Sends a message; does not wait until it is sent, nor learns whether it arrives.
-        /// id: the receiver, BROADCAST for everybody. byteCount: 0 to MAXMSGLEN.
+        /// Sends a message, without waiting for the transmission and without acknowledgement.
+        /// id: the receiver, BROADCAST for all robots. byteCount: 0 to MAXMSGLEN.
         /// Returns 0, or 1 if the radio is off, the message is too long, buffer is 0, or 1024 bytes wait to be sent already.
         fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
 
-        /// How many messages wait to be received; 0 if the radio is off.
+        /// Number of messages that wait to be received; 0 if the radio is off.
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck()";
 
         /// Waits for a message, which may be damaged: there is no checksum.
@@ -716,71 +715,71 @@ function_table! {
         fn RADIOGetIoctl(p: Out<RadioIOParameters>) -> i32 = -1;
 
         /// Changes the settings of the radio, before RADIOInit: speed and id count, the others are kept.
-        /// Returns 0, or -1 if p is 0, a setting is not one that it may have, or the radio is on; then nothing changes.
+        /// Returns 0, or -1 if p is 0, a setting is invalid, or the radio is on; then nothing changes.
         fn RADIOSetIoctl(p: In<RadioIOParameters>) -> i32 = -1;
 
         /// State of the radio. Returns 0, -1 if it is off or s is 0.
         fn RADIOGetStatus(s: Out<RadioStatus>) -> i32 = -1;
     }
     family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {
-        /// What the distance of the last complete cycle was made of: the signal of a reflectance sensor, in 1/m; the energy
-        /// of a sonar's echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
-        /// handle: of PSDInit. Returns -1 if handle is not one, or nothing has been measured.
+        /// Signal underlying the distance of the last complete cycle: that of a reflectance sensor, in 1/m; the echo energy of a
+        /// sonar, 1 for a perfect reflector 1 m ahead; for other sensors 1 with an echo, 0 without.
+        /// handle: of PSDInit. Returns -1 if handle is invalid, or nothing has been measured.
         fn PSDGetSignal(handle: PSDHandle) -> f32 = -1.0;
 
         /// Scans once with the laser scanner: distances in millimetres from left to right, the middle one (of n, that of
-        /// index n/2) straight ahead; 9999 for nothing.
-        /// size: room in distance; as many are written as fit. Returns the number of points of the scan, or -1 if there is
-        /// no scanner or distance is 0.
+        /// index n/2) straight ahead; 9999 if out of range.
+        /// size: capacity of distance; as many points as fit are written. Returns the number of points of the scan, or -1 if
+        /// there is no scanner or distance is 0.
         fn LIDARScan(distance: OutInts) -> i32 = -1, c "int LIDARScan(int distance[], int size)";
     }
     family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
-        /// How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
-        /// mm: 60 rows of 80 numbers, row 0 on top, without errors. Returns 0, -1 if mm is 0 or no image has been taken.
+        /// Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
+        /// mm: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if mm is 0 or no image has been taken.
         fn CAMGetDepth(mm: OutFloats) -> i32 = -1, c "int CAMGetDepth(float *mm)";
 
-        /// What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
-        /// SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+        /// Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
+        /// SIMGetRobot and SIMGetObject: robots from 1, then the objects.
         /// labels: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if labels is 0 or no image has been taken.
         fn CAMGetLabels(labels: OutInts) -> i32 = -1, c "int CAMGetLabels(int *labels)";
     }
     family LEG "legs", source "our choice: RoBIOS has none" {
-        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, as the robi has them.
+        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, in the order of the robi file.
         fn LEGCount() -> i32 = 0;
 
-        /// Walks in another gait from now on: each leg when it is lifted next.
+        /// Switches to another gait; each leg changes when it is next lifted.
         /// gait: from 1. Returns 0, -1 if there are no legs or no such gait.
         fn LEGSetGait(gait: i32) -> i32 = -1;
 
-        /// Walks with this speed until further notice, sideways too; 0, 0, 0 stops.
-        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond what the
-        /// legs can do is slowed down as a whole. Returns 0, -1 if there are no legs.
+        /// Walks at this speed until the next command, sideways too; 0, 0, 0 stops.
+        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond the
+        /// capability of the legs is scaled down as a whole. Returns 0, -1 if there are no legs.
         fn LEGSetSpeed(vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> i32 = -1;
 
-        /// Sets how high feet are lifted, each from its next step on.
-        /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or more than they can do.
+        /// Sets the height to which feet are lifted; each leg applies it from its next step on.
+        /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or beyond the legs.
         fn LEGSetStep(height_mm: i32) -> i32 = -1;
 
-        /// The angle of a joint, now: as its encoder tells it, without errors.
-        /// joint: from 1 at the body. degrees: the sign is that of the robi: yaw to the left, roll, thigh forward, knee
+        /// Current angle of a joint from its encoder, without noise.
+        /// joint: from 1 at the body. degrees: positive as in the robi file: yaw to the left, roll, thigh forward, knee
         /// bent, toes up. Returns 0, -1 if there is no such leg or joint or degrees is 0.
         fn LEGGetJoint(leg: i32, joint: i32, degrees: Out<f32>) -> i32 = -1;
 
-        /// Where a link of a leg is, now, in the frame of the body, by the joints' angles.
+        /// Current pose of a link of a leg in the frame of the body, computed from the joint angles.
         /// link: from 1, the thigh. pose: 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees.
         /// Returns 0, -1 if there is no such leg or link or pose is 0.
         fn LEGGetLink(leg: i32, link: i32, pose: OutFloats) -> i32 = -1, c "int LEGGetLink(int leg, int link, float pose[6])";
 
-        /// How high the body's frame is above the world's floor, now, as the legs tell it: 0 upright on the floor.
+        /// Current height of the body frame above the world's floor, computed from the legs: 0 upright on the floor.
         /// mm: up. Returns 0, -1 if there are no legs or mm is 0.
         fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
 
-        /// Whether a foot is on the ground, now: 1, 0 in the air, -1 if there is no such leg.
+        /// 1 if a foot is on the ground, 0 if it is in the air, -1 if there is no such leg.
         fn LEGGetFoot(leg: i32) -> i32 = -1;
 
-        /// Moves where a leg treads: from the next instant at which its foot is in the air on, until it is called again.
-        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: how much higher the foot is lifted.
-        /// Returns 0, -1 if there is no such leg or it cannot reach so far.
+        /// Corrects the steps of a leg, from the next instant at which its foot is in the air until the next correction.
+        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: additional lift of the foot.
+        /// Returns 0, -1 if there is no such leg or the foothold is out of its reach.
         fn LEGCorrect(leg: i32, dx_mm: i32, dy_mm: i32, dz_mm: i32) -> i32 = -1;
     }
 }

@@ -1,4 +1,4 @@
-//! RoBIOS 6, as the classic EyeBot controllers and the classic simulator have it: types, constants, functions.
+//! RoBIOS 6 of the classic EyeBot controllers and the classic simulator: types, constants, functions.
 //!
 //! Units are metres, radians and seconds for driving, millimetres for PSD sensors, hundredths of a second for time.
 
@@ -162,9 +162,9 @@ impl ShowOut for RadioStatus {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct HDTEntry {
-    /// What kind of device, see [`hdt_type`].
+    /// Kind of device, see [`hdt_type`].
     pub type_id: TypeID,
-    /// Which of its kind, see [`semantics`].
+    /// Device of its kind, see [`semantics`].
     pub semantics: DeviceSemantics,
     /// Its name, at most 15 characters, filled up with 0.
     pub name: [u8; 16],

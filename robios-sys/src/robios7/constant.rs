@@ -4,7 +4,7 @@ use super::Color;
 use crate::constant::constants;
 
 constants! {
-    /// What `types.h` defines.
+    /// Constants of `types.h`.
     list CONSTANTS;
 
     /// 160 x 120 pixels.

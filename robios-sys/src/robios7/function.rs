@@ -25,7 +25,7 @@ function_table! {
         /// Moves the cursor. Returns 0.
         fn LCDSetPos(row: i32, column: i32) -> i32 = 1;
 
-        /// Where the cursor is. Returns 0.
+        /// Position of the cursor. Returns 0.
         fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = 1;
 
         /// Colours of text from now on. Returns 0.
@@ -40,22 +40,21 @@ function_table! {
         /// Modes, LCD_SCROLLING and the like, or-ed. Returns 0.
         fn LCDSetMode(mode: i32) -> i32 = 1;
 
-        /// Names the four keys under the display; an empty text clears a name. Returns 0.
+        /// Sets the labels of the four keys under the display; an empty text clears a label. Returns 0.
         fn LCDMenu(st1: Text, st2: Text, st3: Text, st4: Text) -> i32 = 1;
 
-        /// Names one key, 1 to 4, with colours of its own. Returns 0, 1 if there is no such key.
+        /// Sets the label of one key, 1 to 4, with its colours. Returns 0, 1 if there is no such key.
         fn LCDMenuI(pos: i32, string: Text, fg: Color, bg: Color) -> i32 = 1;
 
-        /// Sets a line of a list menu, from 0, which is a key, such as KEY_LIST1, when touched, and shows the list; null ends the
-        /// list before that line. LCDList stands on it; not of RoBIOS. Returns how many lines there is room for, 0 if there is
-        /// no such line.
+        /// Sets a line of a list menu, from 0, and shows the list; null ends the list before that line. A touch of the line is a key such
+        /// as KEY_LIST1. Used by LCDList, not part of RoBIOS. Returns the number of lines that fit, 0 if there is no such line.
         fn LCDListLine(line: i32, key: i32, text: Text, fg: Color, bg: Color) -> i32 = 0;
 
         /// Size of the display in pixels. Returns 0.
         fn LCDGetSize(x: Out<i32>, y: Out<i32>) -> i32 = 1;
 
-        /// Draws one pixel; x to the right, y down, from the upper left corner. Returns 0, here and in all that draw: what lies
-        /// outside of the display is left out.
+        /// Draws one pixel; x to the right, y down, from the upper left corner. Returns 0. All drawing functions clip at the edges of
+        /// the display.
         fn LCDPixel(x: i32, y: i32, col: Color) -> i32 = 1;
 
         /// Colour of one pixel; 0 outside of the display.
@@ -98,7 +97,7 @@ function_table! {
         /// Shows a binary image, 1 byte a pixel: 0 is white, everything else black. Returns 0.
         fn LCDImageBinary(width_px: i32, height_px: i32, b: Bytes) -> i32 = 1, c "int LCDImageBinary(BYTE *b)";
 
-        /// Shows what has been drawn, where LCD_NOAUTOREFRESH is set. Returns 0.
+        /// Shows the drawings made while LCD_NOAUTOREFRESH is set. Returns 0.
         fn LCDRefresh() -> i32 = 1;
     }
 
@@ -109,10 +108,10 @@ function_table! {
         /// The key that was pressed; NOKEY if none was. Does not wait.
         fn KEYRead() -> i32 = 0;
 
-        /// Waits for one key, or with ANYKEY for whichever. Returns the key, KEY_INVALID if there is no such key.
+        /// Waits for one key, or with ANYKEY for any. Returns the key, KEY_INVALID if there is no such key.
         fn KEYWait(key: i32) -> i32 = KEY_INVALID;
 
-        /// Waits for a touch of the display, and tells its place in pixels. Returns 0.
+        /// Waits for a touch of the display and gives its place in pixels. Returns 0.
         fn KEYGetXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;
 
         /// The place of a touch of the display. Does not wait. Returns 0 if there was one, else 1.
@@ -138,7 +137,7 @@ function_table! {
         /// Returns 0, 1 for another number.
         fn IPSetSize(resolution: i32) -> i32 = 1, c "int IPSetSize(int resolution)";
 
-        /// Reads a PNM file: P1 to P6; a size other than the images' is cut, or filled up with black. Grey files become grey
+        /// Reads a PNM file, P1 to P6, cropped or padded with black to the size of the images. Grey files become grey
         /// images, colour files colour images. Returns the digit of P1 to P6, -1 if it cannot be read.
         fn IPReadFile(filename: Text, width_px: i32, height_px: i32, img: OutBytes) -> i32 = -1,
             c "int IPReadFile(const char *filename, BYTE *img)";
@@ -159,24 +158,24 @@ function_table! {
         fn IPSobel(width_px: i32, height_px: i32, gray_in: Bytes, gray_out: OutBytes) -> () = (),
             c "void IPSobel(BYTE *grayIn, BYTE *grayOut)";
 
-        /// Grey of a colour image.
+        /// Converts a colour image to grey.
         fn IPCol2Gray(img_in: Bytes, gray_out: OutBytes) -> () = (), c "void IPCol2Gray(BYTE *imgIn, BYTE *grayOut)";
 
-        /// A colour image that looks like a grey one.
+        /// Converts a grey image to a colour image.
         fn IPGray2Col(gray_in: Bytes, col_out: OutBytes) -> () = (), c "void IPGray2Col(BYTE *imgIn, BYTE *colOut)";
 
-        /// A colour image of its three channels.
+        /// Joins three channels to a colour image.
         fn IPRGB2Col(r: Bytes, g: Bytes, b: Bytes, img_out: OutBytes) -> () = (),
             c "void IPRGB2Col(BYTE *r, BYTE *g, BYTE *b, BYTE *imgOut)";
 
-        /// Hue, saturation and intensity of a colour image, a channel each.
+        /// Hue, saturation and intensity of a colour image, as one channel each.
         fn IPCol2HSI(img: Bytes, h: OutBytes, s: OutBytes, i: OutBytes) -> () = (),
             c "void IPCol2HSI(BYTE *img, BYTE *h, BYTE *s, BYTE *i)";
 
-        /// The second colour image over the first, where it is not black.
+        /// Lays the second colour image over the first where the second is not black.
         fn IPOverlay(c1: Bytes, c2: Bytes, c_out: OutBytes) -> () = (), c "void IPOverlay(BYTE *c1, BYTE *c2, BYTE *cOut)";
 
-        /// The second grey image over the first, in a colour, where it is not 0.
+        /// Lays the second grey image over the first, in a colour, where the second is not 0.
         fn IPOverlayGray(g1: Bytes, g2: Bytes, col: Color, c_out: OutBytes) -> () = (),
             c "void IPOverlayGray(BYTE *g1, BYTE *g2, COLOR col, BYTE *cOut)";
 
@@ -197,7 +196,7 @@ function_table! {
     }
 
     family OS "the machine, time and timers", source "RoBIOS-7 library, system functions and timer" {
-        /// Runs a command of the machine that simulates, where that is allowed; its output goes to out, at most 4095 bytes.
+        /// Runs a shell command on the computer that runs the simulator, if allowed; its output goes to out, at most 4095 bytes.
         /// Returns 0, 1 if it is not allowed or has failed.
         fn OSExecute(command: Text, out: OutBytes) -> i32 = 1, c "int OSExecute(const char *command, char *out)";
 
@@ -226,13 +225,13 @@ function_table! {
         /// Waits n milliseconds. Returns 0.
         fn OSWait(n: i32) -> i32 = 1;
 
-        /// Calls a function every `scale` milliseconds. It may not wait. Returns the timer, 0 if there is no room for it.
+        /// Calls a function every `scale` milliseconds. It must not wait. Returns the timer, 0 if there are too many timers.
         fn OSAttachTimer(scale: i32, fct: Callback) -> Timer = 0;
 
         /// Ends a timer. Returns 0, 1 if there is none of that number.
         fn OSDetachTimer(t: Timer) -> i32 = 1;
 
-        /// Sets the robot's clock. Returns 0, 1 for no time of a day.
+        /// Sets the robot's clock. Returns 0, 1 for an invalid time.
         fn OSSetTime(hrs: i32, mins: i32, secs: i32) -> i32 = 1;
 
         /// Reads the robot's clock; ticks: milliseconds. Returns 0.
@@ -258,13 +257,13 @@ function_table! {
         /// Waits for a character. Returns it, 0 if the interface is not open.
         fn SERReceiveChar(interface: i32) -> Char = 0;
 
-        /// What has come in, at most 255 bytes and a final 0. Does not wait. Returns how many, 0 if the interface is not open.
+        /// Received bytes, at most 255, and a final 0. Does not wait. Returns their number, 0 if the interface is not open.
         fn SERReceive(interface: i32, buf: OutBytes) -> i32 = 0, c "int SERReceive(int interface, unsigned char *buf)";
 
-        /// Whether something has come in.
+        /// 1 if bytes have been received, else 0.
         fn SERCheck(interface: i32) -> Flag = 0;
 
-        /// Forgets what has come in. Returns 0, 1 if the interface is not open.
+        /// Discards received bytes. Returns 0, 1 if the interface is not open.
         fn SERFlush(interface: i32) -> i32 = 1;
 
         /// Closes an interface. Returns 0, 1 if it is not open.
@@ -275,10 +274,10 @@ function_table! {
         /// Beeps. Returns 0.
         fn AUBeep() -> i32 = 1;
 
-        /// Plays a sound file of this name, or the WAV file that is in memory there. Does not wait. Returns 0, 1 if it is none.
+        /// Plays a sound file by its name, or a WAV file in memory. Does not wait. Returns 0, 1 if it is not a sound.
         fn AUPlay(sample: Bytes) -> i32 = 1, c "int AUPlay(const void *sample)";
 
-        /// Whether the sound is over: 1, else 0.
+        /// 1 if the sound is over, else 0.
         fn AUDone() -> i32 = 1;
 
         /// A value of the microphone, 0 to 255.
@@ -287,30 +286,30 @@ function_table! {
         /// Plays a tone. Does not wait. Returns 0, 1 for a frequency that cannot be played.
         fn AUTone(freq_hz: i32, time_ms: i32) -> i32 = 1;
 
-        /// Whether the tone is over: 1, else 0.
+        /// 1 if the tone is over, else 0.
         fn AUCheckTone() -> i32 = 1;
 
-        /// Whether the sound is over: 1, else 0.
+        /// 1 if the sound is over, else 0.
         fn AUCheckPlay() -> i32 = 1;
 
         /// Records the microphone into memory. Does not wait. Returns 0, 1 for no room or no rate.
         fn AURecord(buf: OutBytes, freq_hz: i64) -> i32 = 1, c "int AURecord(BYTE *buf, int time, long freq)";
 
-        /// Whether the recording is over: 1, else 0.
+        /// 1 if the recording is over, else 0.
         fn AUCheckRecord() -> i32 = 1;
     }
 
     family PSD "distance sensors", source "RoBIOS-7 library, distance sensors" {
-        /// Distance of sensor 1 to 6 in millimetres, now; 9999 if there is nothing near, 0 if there is no such sensor.
+        /// Current distance of sensor 1 to 6 in millimetres; 9999 if out of range, 0 if there is no such sensor.
         fn PSDGet(psd: i32) -> i32 = 0;
 
-        /// The same as the sensor's own number; 0 if there is no such sensor.
+        /// Current raw value of a sensor; 0 if there is no such sensor.
         fn PSDGetRaw(psd: i32) -> i32 = 0;
     }
 
     family LIDAR "the laser scanner", source "RoBIOS-7 library, LIDAR" {
-        /// Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 for nothing.
-        /// Room for as many as LIDARSet has set, at first 360. Returns 0, 1 if there is no scanner.
+        /// Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 if out of range.
+        /// As many as LIDARSet has set, initially 360. Returns 0, 1 if there is no scanner.
         fn LIDARGet(distance: OutInts) -> i32 = 1, c "int LIDARGet(int distance[])";
 
         /// Sets angle in degrees, 1 to 360, the scanner's tilt in degrees, and the number of points.
@@ -321,10 +320,10 @@ function_table! {
         /// Turns servo 1 to 14 to a position of 0 to 255. Returns 0, 1 if there is no such servo or position.
         fn SERVOSet(servo: i32, angle: i32) -> i32 = 1;
 
-        /// The same as the servo's own number, past its range. Returns 0, 1 if there is no such servo.
+        /// Sets the raw position of a servo, ignoring its range. Returns 0, 1 if there is no such servo.
         fn SERVOSetRaw(servo: i32, angle: i32) -> i32 = 1;
 
-        /// Sets what positions 0 and 255 mean, in the servo's own numbers. Returns 0, 1 if there is no such servo.
+        /// Sets the raw positions of a servo for 0 and 255. Returns 0, 1 if there is no such servo.
         fn SERVORange(servo: i32, low: i32, high: i32) -> i32 = 1;
     }
 
@@ -332,13 +331,13 @@ function_table! {
         /// Drives motor 1 to 4 with -100 to 100 percent. Returns 0, 1 if there is no such motor.
         fn MOTORDrive(motor: i32, speed: i32) -> i32 = 1;
 
-        /// The same as the motor's own number, -127 to 127. Returns 0, 1 if there is no such motor.
+        /// Drives a motor with a raw value, -127 to 127. Returns 0, 1 if there is no such motor.
         fn MOTORDriveRaw(motor: i32, speed: i32) -> i32 = 1;
 
         /// Sets the controller of a motor, each 1 to 255. Returns 0, 1 if there is no such motor.
         fn MOTORPID(motor: i32, p: i32, i: i32, d: i32) -> i32 = 1;
 
-        /// Takes a motor's controller away. Returns 0, 1 if there is no such motor.
+        /// Stops a motor's controller. Returns 0, 1 if there is no such motor.
         fn MOTORPIDOff(motor: i32) -> i32 = 1;
 
         /// Drives a motor with a speed in encoder ticks a second. Returns 0, 1 if there is no such motor.
@@ -378,7 +377,7 @@ function_table! {
         /// Starts to drive in an arc to the place dx mm ahead and dy mm to the left. Returns 0, 1 on failure.
         fn VWDrive(dx: i32, dy: i32, lin_speed: i32) -> i32 = 1;
 
-        /// What is left of the drive: mm, of a turn degrees; 0 when it is done.
+        /// Remainder of the drive: mm, for a turn degrees; 0 when it is done.
         fn VWRemain() -> i32 = 0;
 
         /// 1 when the drive is done or there was none, 0 while it goes on, -1 on failure.
@@ -387,7 +386,7 @@ function_table! {
         /// Waits for the drive's end. Returns 0, -1 on failure.
         fn VWWait() -> i32 = -1;
 
-        /// Which wheel stalls: 0 none, 1 the left, 2 the right, 3 both.
+        /// Stalled wheels: 0 none, 1 the left, 2 the right, 3 both.
         fn VWStalled() -> i32 = 0;
 
         /// Starts the controllers of speed and turning speed, with parameters in tenths and hundredths as 70 30 70 10.
@@ -422,7 +421,7 @@ function_table! {
         /// Starts to record a channel at 1 kHz. Does not wait. Returns 0, 1 if there is no such channel or it records.
         fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = 1;
 
-        /// Moves the recording to a buffer, as long as it is. Returns how many bytes, 0 while it goes on.
+        /// Moves the whole recording to a buffer. Returns the number of bytes, 0 while the recording goes on.
         fn ANALOGTransfer(buffer: OutBytes) -> i32 = 0, c "int ANALOGTransfer(BYTE *buffer)";
     }
 
@@ -433,10 +432,10 @@ function_table! {
         /// A key of the remote control that was pressed, 0 if none was. Does not wait.
         fn IRTVRead() -> i32 = 0;
 
-        /// Forgets the keys that were pressed. Returns 0.
+        /// Discards the keys that were pressed. Returns 0.
         fn IRTVFlush() -> i32 = 1;
 
-        /// Whether there is a receiver: 1, else 0.
+        /// 1 if there is a receiver, else 0.
         fn IRTVGetStatus() -> i32 = 0;
     }
 
@@ -447,38 +446,38 @@ function_table! {
         /// The robot's address: its number.
         fn RADIOGetID() -> i32 = 0;
 
-        /// Sends text of up to 1023 bytes; does not wait until it is sent, nor learns whether it arrives.
-        /// id: the receiver, 0 for everybody.
+        /// Sends text of up to 1023 bytes, without waiting for the transmission and without acknowledgement.
+        /// id: the receiver, 0 for all robots.
         /// Returns 0, or 1 if the radio is off, buf is NULL or too long, id is negative, or 1024 bytes wait to be sent already.
         fn RADIOSend(id: i32, buf: Text) -> i32 = 1;
 
         /// Waits for a message, which may be damaged: there is no checksum.
-        /// id: its sender; may be NULL. size: room in buf for the text up to its first 0, cut to what fits, and a final 0.
+        /// id: its sender; may be NULL. size: capacity of buf for the text up to its first 0, cut to fit, and a final 0.
         /// Returns 0, or 1 at once if the radio is off, buf is NULL or has no room.
         fn RADIOReceive(id: Out<i32>, buf: OutBytes) -> i32 = 1, c "int RADIOReceive(int *id, char *buf, int size)";
 
         /// Number of messages that wait; 0 if the radio is off.
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck(EYESIM_ANY)";
 
-        /// Addresses of the robots whose radios are on, the own one included, in order of the robots; room for 256.
-        /// Returns their number, 0 if the own radio is off or IDlist is NULL.
+        /// Addresses of the robots whose radios are on, including this one, in order of the robots; at most 256.
+        /// Returns their number, 0 if the radio of this robot is off or IDlist is NULL.
         fn RADIOStatus(IDlist: OutInts) -> i32 = 0, c "int RADIOStatus(int IDlist[])";
 
-        /// Switches the radio off: messages that wait or are on their way are lost. Returns 0, 1 if it is off.
+        /// Switches the radio off: messages that wait or are in transit are lost. Returns 0, 1 if it is off.
         fn RADIORelease() -> i32 = 1;
     }
 
     family SIM "ground truth, in simulation only", source "EyeSim VR, simulation functions" {
-        /// True pose of a robot, 0 for the own one: mm, mm, mm, degrees.
+        /// True pose of a robot, 0 for this one: mm, mm, mm, degrees.
         fn SIMGetRobot(id: i32, x: Out<i32>, y: Out<i32>, z: Out<i32>, phi: Out<i32>) -> () = ();
 
-        /// Puts a robot, 0 for the own one, at a pose.
+        /// Moves a robot, 0 for this one, to a pose.
         fn SIMSetRobot(id: i32, x: i32, y: i32, z: i32, phi: i32) -> () = ();
 
-        /// True pose of an object; objects are numbered on from the robots.
+        /// True pose of an object; objects are numbered after the robots.
         fn SIMGetObject(id: i32, x: Out<i32>, y: Out<i32>, z: Out<i32>, phi: Out<i32>) -> () = ();
 
-        /// Puts an object at a pose.
+        /// Moves an object to a pose.
         fn SIMSetObject(id: i32, x: i32, y: i32, z: i32, phi: i32) -> () = ();
 
         /// Number of robots.
@@ -488,62 +487,62 @@ function_table! {
         fn SIMGetObjectCount() -> i32 = 0;
     }
     family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {
-        /// What the distance of a PSD sensor is made of: the signal of a reflectance sensor, in 1/m; the energy of a sonar's
-        /// echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
+        /// Signal underlying the distance of a sensor: that of a reflectance sensor, in 1/m; the echo energy of a sonar, 1 for
+        /// a perfect reflector 1 m ahead; for other sensors 1 with an echo, 0 without.
         /// Returns -1 if there is no such sensor.
         fn PSDGetSignal(psd: i32) -> f32 = -1.0;
     }
     family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
-        /// How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
-        /// mm: CAMPIXELS numbers, row 0 on top, without errors. Returns 0, 1 if mm is 0 or no image has been taken.
+        /// Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
+        /// mm: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if mm is 0 or no image has been taken.
         fn CAMGetDepth(mm: OutFloats) -> i32 = 1, c "int CAMGetDepth(float *mm)";
 
-        /// What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
-        /// SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+        /// Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
+        /// SIMGetRobot and SIMGetObject: robots from 1, then the objects.
         /// labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
         fn CAMGetLabels(labels: OutInts) -> i32 = 1, c "int CAMGetLabels(int *labels)";
     }
     family LEG "legs", source "our choice: RoBIOS has none" {
-        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, as the robi has them.
+        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, in the order of the robi file.
         fn LEGCount() -> i32 = 0;
 
-        /// Walks in another gait from now on: each leg when it is lifted next.
+        /// Switches to another gait; each leg changes when it is next lifted.
         /// gait: from 1. Returns 0, -1 if there are no legs or no such gait.
         fn LEGSetGait(gait: i32) -> i32 = -1;
 
-        /// Walks with this speed until further notice, sideways too; 0, 0, 0 stops.
-        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond what the
-        /// legs can do is slowed down as a whole. Returns 0, -1 if there are no legs.
+        /// Walks at this speed until the next command, sideways too; 0, 0, 0 stops.
+        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond the
+        /// capability of the legs is scaled down as a whole. Returns 0, -1 if there are no legs.
         fn LEGSetSpeed(vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> i32 = -1;
 
-        /// Sets how high feet are lifted, each from its next step on.
-        /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or more than they can do.
+        /// Sets the height to which feet are lifted; each leg applies it from its next step on.
+        /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or beyond the legs.
         fn LEGSetStep(height_mm: i32) -> i32 = -1;
 
-        /// The angle of a joint, now: as its encoder tells it, without errors.
-        /// joint: from 1 at the body. degrees: the sign is that of the robi: yaw to the left, roll, thigh forward, knee
+        /// Current angle of a joint from its encoder, without noise.
+        /// joint: from 1 at the body. degrees: positive as in the robi file: yaw to the left, roll, thigh forward, knee
         /// bent, toes up. Returns 0, -1 if there is no such leg or joint or degrees is 0.
         fn LEGGetJoint(leg: i32, joint: i32, degrees: Out<f32>) -> i32 = -1;
 
-        /// Where a link of a leg is, now, in the frame of the body, by the joints' angles.
+        /// Current pose of a link of a leg in the frame of the body, computed from the joint angles.
         /// link: from 1, the thigh. pose: 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees.
         /// Returns 0, -1 if there is no such leg or link or pose is 0.
         fn LEGGetLink(leg: i32, link: i32, pose: OutFloats) -> i32 = -1, c "int LEGGetLink(int leg, int link, float pose[6])";
 
-        /// How high the body's frame is above the world's floor, now, as the legs tell it: 0 upright on the floor.
+        /// Current height of the body frame above the world's floor, computed from the legs: 0 upright on the floor.
         /// mm: up. Returns 0, -1 if there are no legs or mm is 0.
         fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
 
-        /// Whether a foot is on the ground, now: 1, 0 in the air, -1 if there is no such leg.
+        /// 1 if a foot is on the ground, 0 if it is in the air, -1 if there is no such leg.
         fn LEGGetFoot(leg: i32) -> i32 = -1;
 
-        /// Moves where a leg treads: from the next instant at which its foot is in the air on, until it is called again.
-        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: how much higher the foot is lifted.
-        /// Returns 0, -1 if there is no such leg or it cannot reach so far.
+        /// Corrects the steps of a leg, from the next instant at which its foot is in the air until the next correction.
+        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: additional lift of the foot.
+        /// Returns 0, -1 if there is no such leg or the foothold is out of its reach.
         fn LEGCorrect(leg: i32, dx_mm: i32, dy_mm: i32, dz_mm: i32) -> i32 = -1;
     }
     family OLDER "functions of older libraries", source "eye.py of EyeSim X" {
-        /// Position of a servo, 0 to 255, as it was set last; the middle where nothing was. Returns -1 if there is no such servo.
+        /// Last position set for a servo, 0 to 255; initially the middle. Returns -1 if there is no such servo.
         fn SERVOGet(servo: i32) -> i32 = -1;
     }
 }

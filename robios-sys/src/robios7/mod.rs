@@ -1,4 +1,4 @@
-//! RoBIOS-7, as EyeBot 7 and EyeSim VR have it: types, constants, functions.
+//! RoBIOS-7 of EyeBot 7 and EyeSim VR: types, constants, functions.
 //!
 //! Units are millimetres, degrees and milliseconds; devices are numbered from 1, nothing has a handle.
 
@@ -27,15 +27,15 @@ pub const RESOLUTIONS: &[(&str, i32, usize, usize)] = &[
     ("CAM5MP", CAM5MP, 2592, 1944),
 ];
 
-/// Most points that a scan of the LIDAR can have.
+/// Maximum number of points of a LIDAR scan.
 pub const MAX_LIDAR_POINTS: usize = 65_536;
-/// Bytes that `OSVersion` and the like write at most, the final 0 included.
+/// Maximum number of bytes written by `OSVersion` and the like, including the final 0.
 pub const MAX_NAME: usize = 32;
-/// Bytes that `OSExecute` writes at most, the final 0 included.
+/// Maximum number of bytes written by `OSExecute`, including the final 0.
 pub const MAX_OUTPUT: usize = 4_096;
-/// Bytes that `SERReceive` writes at most, the final 0 included.
+/// Maximum number of bytes written by `SERReceive`, including the final 0.
 pub const MAX_SERIAL: usize = 256;
-/// Most ids that `RADIOStatus` writes.
+/// Maximum number of ids written by `RADIOStatus`.
 pub const MAX_RADIO_IDS: usize = 256;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Builds C programs with the system's compiler and runs them in a small host that notes what they do.
+//! Builds C programs with the system's compiler and runs them in a small host that records their calls.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
@@ -18,7 +18,7 @@ use robios_sys::{
     Stop, Support, SupportTable, support,
 };
 
-/// Whether there is a C compiler; prints why a test is skipped if not.
+/// Returns true if there is a C compiler; otherwise prints why the test is skipped.
 pub fn has_compiler() -> bool {
     static HAS: OnceLock<bool> = OnceLock::new();
     let has = *HAS.get_or_init(|| Command::new("cc").arg("--version").output().is_ok_and(|out| out.status.success()));
@@ -28,12 +28,12 @@ pub fn has_compiler() -> bool {
     has
 }
 
-/// A folder with the C side's files for RoBIOS 6 in it.
+/// A folder with the files of the C side for RoBIOS 6.
 pub fn folder() -> tempfile::TempDir {
     folder_with(&c::HEADERS6)
 }
 
-/// A folder with these headers and the shim in it.
+/// A folder with these headers and the shim.
 pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("the temporary folder is writable");
     for file in headers.iter().chain(&*c::SHIM) {
@@ -47,7 +47,7 @@ pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
 /// Runs the compiler in a folder.
 ///
 /// # Panics
-/// If it fails or warns, with what it said.
+/// If the compiler fails or warns, with its messages.
 pub fn compile(folder: &Path, arguments: &[&str]) {
     let compiler = if arguments.iter().any(|argument| argument.starts_with("-std=c++")) { "c++" } else { "cc" };
     let output = Command::new(compiler).current_dir(folder).args(arguments).output().expect("the compiler can be run");
@@ -55,7 +55,7 @@ pub fn compile(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success() && said.is_empty(), "{compiler} {}:\n{said}", arguments.join(" "));
 }
 
-/// The shim's object file for the flags: compiled once in each test process, by whoever asks first.
+/// The shim's object file for the flags, compiled once in each test process.
 fn shim(flags: &[&str]) -> String {
     static COMPILED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
     let mut compiled = COMPILED.lock().expect("nobody panics while compiling the shim");
@@ -98,7 +98,7 @@ impl Built {
         let number = COPIES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let copy = self.folder.path().join(format!("copy{number}.so"));
         std::fs::copy(&self.library, &copy).expect("the temporary folder is writable");
-        // SAFETY: what the library runs when it is loaded is the shim's constructor and the program's own.
+        // SAFETY: loading the library runs only the constructors of the shim and of the program.
         let library = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) }.expect("the program can be loaded");
         // SAFETY: the shim defines the symbol with this type.
         let program = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL.as_bytes()) }.expect("the symbol exists");
@@ -135,7 +135,7 @@ pub struct Robot {
     /// Standard output and error: one entry a call of `console`.
     pub out: RefCell<Vec<String>>,
     pub err: RefCell<Vec<String>>,
-    /// What `failed` was told.
+    /// Arguments of `failed`.
     pub failures: RefCell<Vec<(i32, String)>>,
     pub now_us: Cell<i64>,
     /// Stops the program at the first call at or after this time; 0: never.
@@ -151,7 +151,7 @@ impl Robot {
         Self { number, ..Self::default() }
     }
 
-    /// All that was printed on standard output.
+    /// Text printed on standard output.
     pub fn printed(&self) -> String {
         self.out.borrow().concat()
     }

@@ -1,4 +1,4 @@
-//! From specs to the things that are simulated, and to what cameras see of them.
+//! Builds the simulated world from specs: walls, bodies, sensors, and the scenery that cameras see.
 
 mod scenery;
 
@@ -24,7 +24,7 @@ pub use scenery::{
     MARKER_RADIUS, MeshSource, Newcomer, NoMeshes, ROBOT_COLOURS, Visuals, WALL_COLOUR, scenery, wheel_places,
 };
 
-/// Friction of an object against walls, robots and other objects. Source: our choice.
+/// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
 
 /// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
@@ -33,13 +33,14 @@ pub fn walls(world: &WorldSpec) -> Arc<Walls> {
     Arc::new(Walls::new(segments).with_heights(heights))
 }
 
-/// All of a scene that never moves: the walls of its world, then the outlines of its fixed objects.
+/// All static walls of a scene: the walls of its world, then the outlines of its fixed objects.
 ///
-/// Each outline is as high as the object's part. In place of a circle stands a regular polygon of 64 sides around it, see [`Shape::outline`].
+/// Each outline is as high as its collider. A circle becomes a circumscribed regular polygon of 64 sides, see
+/// [`Shape::outline`].
 pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
     let (mut segments, mut heights) = segments(&scene.world);
     for object in scene.objects.iter().filter(|object| object.kind.is_fixed) {
-        // An object without a shape has one part all the same.
+        // An object without colliders still has one part.
         let tops = object.kind.colliders.iter().map(Collider::top).chain([f64::INFINITY]);
         for (corners, top) in properties(object).outlines(&object.pose).into_iter().zip(tops) {
             let next = corners.iter().cycle().skip(1);
@@ -50,23 +51,23 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
     Arc::new(Walls::new(segments).with_heights(heights))
 }
 
-/// The heights of a world's terrain: what its scene has made of an image, a function or steps; `None` for the plane z = 0, and where
-/// the terrain is a mesh file.
+/// Height field of a world's terrain, built from an image, random relief or steps; `None` for the plane z = 0, and for
+/// a terrain that is a mesh file.
 ///
-/// A pure function of the text of the scene and its images: [`HeightField::height`] is the truth about the ground.
+/// A pure function of the text of the scene and its images: [`HeightField::height`] is the ground truth of the terrain.
 pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {
     world.terrain.as_ref()?.field.as_ref()
 }
 
-/// What legged robots walk on in a world: its [`height_field`], or the plane z = 0.
+/// Ground of the legged robots in a world: its [`height_field`], or the plane z = 0.
 pub fn ground(world: &WorldSpec) -> Arc<Ground> {
     Arc::new(height_field(world).map_or(Ground::Flat, |field| Ground::Field(Arc::clone(field))))
 }
 
-/// What rays in space tell apart in a scene whose [`obstacles`] and [`movable`] objects are in the world: shapes of bodies
-/// and upper faces of walls.
+/// Geometry of a scene that only rays in space distinguish, in addition to its [`obstacles`] and [`movable`] objects:
+/// shapes of bodies and upper faces of walls.
 ///
-/// Robots are upright cylinders of their diameter, as high as the highest part of their shape where the file gives one.
+/// Robots are upright cylinders of their diameter, as high as the highest part of their shape if the file gives one.
 pub fn space(scene: &SceneSpec) -> Space {
     let world = &scene.world;
     let mut surfaces = Vec::new();
@@ -85,7 +86,7 @@ pub fn space(scene: &SceneSpec) -> Space {
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
     let mut objects = Vec::new();
-    // Objects and robots of one type share their figures; the maps are never walked.
+    // Objects and robots of one type share their figures; the maps are never iterated.
     let (mut of_types, mut of_robis) = (BTreeMap::new(), BTreeMap::new());
     for object in &scene.objects {
         let figure = of_types.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
@@ -110,9 +111,9 @@ pub fn space(scene: &SceneSpec) -> Space {
     }
 }
 
-/// What the ground is made of of which a world says nothing. Floors, stairs and meshes are smooth: a rough floor would be all that a
-/// low sonar hears. Hills are rough: of a mirror with facets hardly any echo returns, for no facet need face the sensor. Our
-/// choice.
+/// Default surface of the ground. Floors, stairs and meshes are smooth: echoes of a rough floor would mask all others
+/// for a low sonar. Hills are rough: a specular surface of facets would return hardly any echo, because no facet need
+/// face the sensor. Our choice.
 fn usual_ground(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
         Some(TerrainShape::Image(_) | TerrainShape::Relief(_)) => Surface::ROUGH,
@@ -126,8 +127,8 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
     Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
-/// The shape in space of an object's type: that of its colliders, or of its mesh where that is solid; without any, that of
-/// its footprint.
+/// The shape in space of an object's type: its colliders, or its mesh if that is solid; with neither, its
+/// footprint.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
         spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
@@ -140,7 +141,7 @@ pub fn figure(kind: &ObjectType) -> Figure {
     Figure { solids, surface: kind.surface }
 }
 
-/// The faces of a mesh for rays.
+/// Ray index over the faces of a mesh.
 fn index(mesh: &Mesh) -> Arc<MeshIndex> {
     let corners: Vec<_> = mesh.triangles.iter().map(|triangle| mesh.corners(triangle)).collect();
     Arc::new(MeshIndex::new(&corners))
@@ -168,15 +169,15 @@ fn solid(collider: &Collider) -> Solid {
     }
 }
 
-/// The objects of a scene that can be moved: their numbers count from 1 on in this order.
+/// The movable objects of a scene; their ids count from 1 in this order.
 pub fn movable(scene: &SceneSpec) -> impl Iterator<Item = &ObjectSpec> {
     scene.objects.iter().filter(|object| !object.kind.is_fixed)
 }
 
 /// The mass, the footprint and the friction of an object.
 ///
-/// A sphere and a standing capsule or cylinder are discs, a lying capsule is its silhouette. An object without a shape is
-/// a disc of 1 mm.
+/// Footprints: spheres and upright capsules or cylinders are discs, a lying capsule is its silhouette. An object
+/// without colliders is a disc of 1 mm.
 pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
     let kind = &object.kind;
     let mut parts: Vec<Part> = kind.colliders.iter().map(part).collect();
@@ -215,8 +216,8 @@ fn part(collider: &Collider) -> Part {
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
 }
 
-/// The links of a robot type, each behind the one that bears it: those of its legs, leg by leg, then its own. The angles that
-/// turn them are those of its servos, then those of the joints of its legs.
+/// The links of a robot type, parents before children: those of its legs, leg by leg, then those of the file. Their
+/// joint angles are those of the servos, then those of the legs.
 pub fn links(robi: &RobiSpec) -> Vec<Link> {
     let legs = legs(robi);
     let order = link_order(robi);
@@ -237,7 +238,7 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
     of_legs.into_iter().chain(order.iter().map(link)).collect()
 }
 
-/// The range sensors of a robot type, the PSDs first. Their links are those of [`links`].
+/// The range sensors of a robot type, PSDs first. Their link indices refer to [`links`].
 pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     let places = link_places(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
@@ -253,23 +254,23 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     psds.chain(others).collect()
 }
 
-/// The pose of a laser scanner and the link that bears it, by its place in [`links`].
+/// Pose of a laser scanner on its parent link, and the index of that link in [`links`]; `None` for the body.
 pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
     let places = link_places(robi, &link_order(robi));
     (pose(&lidar.mount), bearer(lidar.mount.on.as_ref(), &places))
 }
 
-/// A pose on what bears it.
+/// Pose on the parent.
 fn pose(mount: &MountSpec) -> Pose3 {
     Pose3::from_angles(mount.position, mount.roll, mount.pitch, mount.yaw)
 }
 
-/// The place of the link of a name.
+/// Index of the parent link of this name; `None` for the body.
 fn bearer(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option<usize> {
     on.and_then(|on| places.get(on.text.as_str()).copied())
 }
 
-/// Places of the links in [`links`] by their names; the first of one name counts.
+/// Indices of the links in [`links`] by name; of several with the same name, the first counts.
 fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut places = BTreeMap::new();
     let mut first = 0;
@@ -283,7 +284,7 @@ fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     places
 }
 
-/// The links of the file in an order in which each comes after the one that bears it.
+/// Indices of the links of the file, ordered so that parents come before children.
 fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut names: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, link) in robi.links.iter().enumerate() {
@@ -293,7 +294,7 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut is_placed = vec![false; robi.links.len()];
     let mut order = Vec::with_capacity(robi.links.len());
     for index in 0..robi.links.len() {
-        // Up to what is placed already, then down again.
+        // Up to the first link already in the order, then down again.
         let mut chain = Vec::new();
         let mut at = Some(index);
         while let Some(link) = at.filter(|link| !is_placed[*link]) {
@@ -306,7 +307,7 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     order
 }
 
-/// The walls of a world, and the height of each.
+/// The walls of a world and their heights.
 fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
     let mut segments = Vec::with_capacity(world.walls.len());
     let mut heights = Vec::with_capacity(world.walls.len());
@@ -321,7 +322,7 @@ fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
     (segments, heights)
 }
 
-/// The legs of a robot type, if it walks.
+/// The legs of a robot type; `None` if it has none.
 pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
     let LegsSpec { step_height, radius, gaits, legs } = robi.legs.as_ref().filter(|legs| !legs.legs.is_empty())?;
     let legs: Vec<Leg> = legs.iter().map(leg).collect();
@@ -329,7 +330,7 @@ pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
         || GaitSpec { name: "walk".to_owned(), period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..GaitSpec::default() };
     let usual = gaits.is_empty().then(usual);
     let gaits = gaits.iter().chain(&usual).map(|spec| gait(spec, legs.len())).collect();
-    // A body without a shape of its own sits on its hips.
+    // Without colliders, the underside of the body is at the height of the hips.
     let hips = legs.iter().map(|leg| leg.hip.z).fold(f64::INFINITY, f64::min);
     let belly = robi.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or(hips);
     Some(Arc::new(Legs { legs, gaits, step_height: *step_height, radius: *radius, belly }))
@@ -359,7 +360,8 @@ fn gait(spec: &GaitSpec, legs: usize) -> Gait {
     }
 }
 
-/// The drive and the body of a robot type. One that walks has the limits of its legs where they are the lower ones.
+/// Drive and body model of a robot type. For a legged robot, the limits of speed and turn are lowered to those of its
+/// gaits.
 pub fn model(robi: &RobiSpec) -> Model {
     let mut model = model_of_file(robi);
     if let Some(legs) = legs(robi).filter(|_| robi.drive.kind == DriveKind::Legged) {

@@ -1,4 +1,4 @@
-//! Which faces may be seen in which tile of the image.
+//! Binning of faces into tiles of the image.
 
 use glam::DVec3;
 
@@ -8,18 +8,18 @@ use super::rays::{RayTable, Window};
 use super::{Label, Still, View};
 use crate::RobotId;
 
-/// The faces that a camera may see, and by tile those that may be seen there.
+/// The faces that may be visible, in total and by tile.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
     pub faces: Vec<Face>,
-    /// By tile numbers of faces, in their order.
+    /// By tile, the numbers of its faces in ascending order.
     pub tiles: Vec<Vec<u32>>,
     /// Corners of a cluster in lens space, with their landmarks.
     corners: Vec<(DVec3, DVec3)>,
 }
 
 impl Bins {
-    /// Puts all faces in the view into tiles; the body of `by` is left out.
+    /// Bins all faces in the view; the body of `by` is left out.
     pub fn fill(&mut self, still: &Still, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
         let [columns, rows] = optics.tiles().map(|count| count as usize);
         self.faces.clear();
@@ -95,7 +95,7 @@ impl Bins {
     }
 }
 
-/// Whether a ray of the tile may meet the face.
+/// Returns true if a ray of the tile may hit the face.
 #[inline(always)]
 fn may_meet<const FLAT: bool>(face: &Face, window: &Window) -> bool {
     face.edges.iter().all(|edge| {

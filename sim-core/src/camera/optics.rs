@@ -1,8 +1,9 @@
-//! A view made ready for faces and tiles.
+//! Projection of a view for faces and tiles.
 //!
-//! Faces are put into *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple: for a pinhole the
-//! ray through the place (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image: Olano and Greer, Triangle scan
-//! conversion using 2D homogeneous coordinates, 1997); for a fisheye lens space is the camera's frame, and rays come from a table.
+//! Faces are transformed to *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple:
+//! for a pinhole, the ray through the point (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image:
+//! Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997); for a fisheye, lens space is the
+//! camera's frame, and rays come from a table.
 
 use std::f64::consts::FRAC_PI_3;
 
@@ -11,13 +12,13 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{Lens, View};
 use crate::math;
 
-/// Pixels on either side of a tile.
+/// Width and height of a tile in pixels.
 pub const TILE: u32 = 8;
 
-/// A view's lens space, and what of the world can be in the image.
+/// Lens space and field of view of a view.
 #[derive(Clone, Debug)]
 pub struct Optics {
-    /// Whether straight lines are straight in the image: a pinhole.
+    /// Straight lines are straight in the image: a pinhole.
     pub is_flat: bool,
     pub lens_from_camera: DMat3,
     pub camera_from_lens: DMat3,
@@ -27,23 +28,23 @@ pub struct Optics {
     field: Field,
 }
 
-/// What of the camera's frame can be in the image.
+/// Field of view: the part of the camera's frame that can be in the image.
 #[derive(Clone, Debug)]
 enum Field {
-    /// Between four planes through the camera; their normals, of length 1, inwards.
+    /// Between four planes through the camera; their inward unit normals.
     Sides([DVec3; 4]),
     /// Within this angle of the axis.
     Cone(f64),
 }
 
-/// Pixels from the first to the last, both included, by axis.
+/// A rectangle of pixels, first and last pixel included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
     pub first: [u32; 2],
     pub last: [u32; 2],
 }
 
-/// By as much as an area is wider than what is seen in it, in pixels: far above rounding.
+/// Margin of an area around its visible content, in pixels: far above rounding.
 const MARGIN: f64 = 0.0625;
 
 impl Optics {
@@ -88,7 +89,7 @@ impl Optics {
         self.size.map(|side| side.div_ceil(TILE))
     }
 
-    /// Whether something of a sphere may be in the image; `centre` in the camera's frame.
+    /// Returns true if part of a sphere may be in the image; `centre` is in the camera's frame.
     pub fn may_show(&self, centre: DVec3, radius: f64) -> bool {
         match &self.field {
             Field::Sides(sides) => sides.iter().all(|side| side.dot(centre) >= -radius),
@@ -104,19 +105,19 @@ impl Optics {
         }
     }
 
-    /// What a corner in lens space is for [`area`](Self::area): a place in the image, or the direction to it.
+    /// Position in the image, or direction, of a corner in lens space: the argument of [`area`](Self::area).
     pub fn landmark(&self, corner: DVec3) -> DVec3 {
         if !self.is_flat {
             corner.normalize_or_zero()
         } else if corner.z > 0.0 {
             DVec3::new(corner.x / corner.z, corner.y / corner.z, 1.0)
         } else {
-            // Not ahead: kept as it is.
+            // Not ahead of the camera: unchanged.
             DVec3::new(corner.x, corner.y, corner.z.min(0.0))
         }
     }
 
-    /// The pixels that may show something of a face with these landmarks; `None` for none of the image.
+    /// The pixels that may show part of a face with these landmarks; `None` for a face outside the image.
     pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<Area> {
         if !self.is_flat {
             return self.curved_area([a, b, c]);
@@ -125,7 +126,7 @@ impl Optics {
             let (low, high) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
             return self.within(low, high);
         }
-        // Across the camera's plane: out of sight only if all of it is beyond one border.
+        // Across the camera's plane: out of sight only if all corners are beyond one border.
         let all = |is_beyond: fn(DVec3, DVec2) -> bool| {
             let size = DVec2::from(self.size.map(f64::from));
             is_beyond(a, size) && is_beyond(b, size) && is_beyond(c, size)
@@ -142,13 +143,13 @@ impl Optics {
         Area { first: [0; 2], last: self.size.map(|side| side - 1) }
     }
 
-    /// Pixels with their middles between these places.
+    /// Pixels whose middles lie between these positions.
     fn within(&self, low: DVec2, high: DVec2) -> Option<Area> {
         let low = (low - 0.5 - MARGIN).ceil().max(DVec2::ZERO);
         let high = (high - 0.5 + MARGIN).floor();
         let side = |low: f64, high: f64, size: u32| {
             let last = high.min(f64::from(size - 1));
-            // False for what is not a number.
+            // False for NaN.
             (low <= last).then_some([low as u32, last as u32])
         };
         let [left, right] = side(low.x, high.x, self.size[0])?;
@@ -156,14 +157,14 @@ impl Optics {
         Some(Area { first: [left, top], last: [right, bottom] })
     }
 
-    /// For a fisheye: a circle about the face's middle, as far as the lens stretches anything within it at most.
+    /// Area for a fisheye: a circle about the face's middle, with the greatest magnification of the lens within it.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<Area> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);
         if !(middle != DVec3::ZERO && chord <= 1.0) {
             return Some(self.everything());
         }
-        // The angle of a chord up to 1 is less than pi / 3 times as much.
+        // The angle of a chord up to 1 is less than pi / 3 times the chord.
         let width = 1.0001 * FRAC_PI_3 * chord + 1e-9;
         let across = math::hypot(middle.y, middle.z);
         let off_axis = math::atan2(across, middle.x);
@@ -171,7 +172,7 @@ impl Optics {
         if farthest > 3.0 {
             return Some(self.everything());
         }
-        // About the axis, a fisheye stretches by angle / sin(angle), and never less along the radius.
+        // Across the radius, a fisheye magnifies by angle / sin(angle); along it by no more.
         let reach = self.focal * width / math::sinc(farthest) + 1.0;
         let scale = if across > 0.0 { self.focal * off_axis / across } else { 0.0 };
         let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);

@@ -9,7 +9,7 @@ impl<T> Picture<T> {
     /// The picture of `size` (width and height) with these pixels, row by row from the top, each from the left.
     ///
     /// # Panics
-    /// If there are not that many pixels.
+    /// If the number of pixels differs from the product of width and height.
     pub fn new(size: [u32; 2], pixels: Vec<T>) -> Self {
         assert_eq!(size[0] as usize * size[1] as usize, pixels.len(), "a pixel for each place");
         Self { size, pixels }
@@ -25,7 +25,7 @@ impl<T> Picture<T> {
         &self.pixels
     }
 
-    /// The same, to be changed.
+    /// The pixels, mutable.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
@@ -35,7 +35,7 @@ impl<T> Picture<T> {
         self.pixels.chunks_exact(self.size[0].max(1) as usize)
     }
 
-    /// The rows from the top, to be changed.
+    /// The rows from the top, mutable.
     pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [T]> {
         self.pixels.chunks_exact_mut(self.size[0].max(1) as usize)
     }
@@ -43,7 +43,7 @@ impl<T> Picture<T> {
     /// The pixel in `column` from the left and `row` from the top.
     ///
     /// # Panics
-    /// If it lies outside the picture.
+    /// If the pixel lies outside the picture.
     pub fn pixel(&self, column: u32, row: u32) -> &T {
         assert!(column < self.size[0] && row < self.size[1], "a pixel of the picture");
         &self.pixels[row as usize * self.size[0] as usize + column as usize]

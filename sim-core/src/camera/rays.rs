@@ -1,4 +1,4 @@
-//! The rays of a tile's pixels, by lens.
+//! Rays of a tile's pixels, for each lens.
 
 use fearless_simd::Simd;
 use std::f64::consts::PI;
@@ -9,22 +9,22 @@ use glam::{DVec2, DVec3};
 use super::optics::TILE;
 use super::{Lens, View};
 
-/// Pixels of a tile.
+/// Number of pixels of a tile.
 pub const PIXELS: usize = (TILE * TILE) as usize;
 
-/// A fisheye's rays, and cones around those of each tile. Kept as long as lens and size stay the same.
+/// Cache of a fisheye's rays and of the cones around those of each tile, valid for one lens and size.
 #[derive(Clone, Debug, Default)]
 pub struct RayTable {
     made_for: Option<(Lens, [u32; 2])>,
-    /// By axis; row by row, with one more around the tiles' pixels on all sides.
+    /// Ray components by axis, row by row, with a border of one ray around the pixels of the tiles.
     axes: [Vec<f32>; 3],
-    /// Which of them are in the image: others are there for the changes from pixel to pixel.
+    /// Flags of the rays that are in the image; the others serve the differences between pixels.
     is_shown: Vec<bool>,
     stride: usize,
     cones: Vec<Cone>,
 }
 
-/// All rays of a tile lie no farther than `radius` from `middle`.
+/// Bounding sphere of the rays of a tile, taken as points.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cone {
     pub middle: DVec3,
@@ -32,7 +32,7 @@ pub struct Cone {
 }
 
 impl RayTable {
-    /// Makes it that of `view`.
+    /// Fills the table for `view`; no-op if it is valid, and for a pinhole.
     pub fn prepare(&mut self, view: &View, tiles: [u32; 2]) {
         let made_for = Some((view.lens(), view.size()));
         if self.made_for == made_for || matches!(view.lens(), Lens::Pinhole { .. }) {
@@ -73,7 +73,7 @@ impl RayTable {
         (row as usize + 1) * self.stride + column as usize + 1
     }
 
-    /// The ray of a pixel; 0 where the lens shows nothing.
+    /// The ray of a pixel; 0 outside the lens's image.
     pub fn ray(&self, pixel: [u32; 2]) -> DVec3 {
         let place = self.place(pixel);
         if !self.is_shown[place] {
@@ -91,21 +91,21 @@ impl RayTable {
 
 /// The rays of a tile's pixels in lens space, row by row.
 ///
-/// For a pinhole (`FLAT`) they are counted from the tile's middle, of which linear forms are taken in `f64` (see
-/// [`Window::local`]): x and y are pixels from there.
+/// For a pinhole (`FLAT`), x and y are pixels relative to the tile's middle, at which linear forms are evaluated in
+/// `f64` (see [`Window::local`]).
 #[derive(Clone, Debug)]
 pub struct Rays {
     axes: [[f32; PIXELS]; 3],
-    /// Their changes to the next column and the next row; of a fisheye only.
+    /// Differences to the next column and the next row; only for a fisheye.
     steps: [[[f32; PIXELS]; 3]; 2],
 }
 
-/// Where a tile lies, for what is linear in the ray.
+/// Middle and extent of a tile's rays, for linear forms.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// For a pinhole the middle of the tile in lens space, else the middle of its rays.
+    /// For a pinhole, the middle of the tile in lens space; otherwise the middle of its rays.
     middle: DVec3,
-    /// Greatest distance of a ray from the middle: for a pinhole on either axis.
+    /// Greatest distance of a ray from the middle; for a pinhole, on each axis.
     radius: f64,
 }
 
@@ -119,7 +119,7 @@ impl Window {
         Self { middle: cone.middle, radius: cone.radius }
     }
 
-    /// Value of a linear form on the middle, and by how much other rays of the tile have more or less at most.
+    /// Value of a linear form at the middle, and the bound of its deviation at other rays of the tile.
     #[inline(always)]
     pub fn range<const FLAT: bool>(&self, form: DVec3) -> (f64, f64) {
         let middle = form.dot(self.middle);
@@ -127,14 +127,14 @@ impl Window {
         (middle, size * self.radius)
     }
 
-    /// By how much less than 0 an edge may have on a ray that meets its face: 1e-4 pixels, or 2e-6 rad of a fisheye. Wider than
+    /// Tolerance below 0 for an edge of a face that a ray hits: 1e-4 pixels, or 2e-6 rad for a fisheye. Above
     /// the rounding of `f32`, so that nothing shows through between faces that share an edge or a corner.
     #[inline(always)]
     pub fn slack<const FLAT: bool>(&self, edge: DVec3) -> f64 {
         if FLAT { 1e-4 * (edge.x.abs() + edge.y.abs()) } else { 2e-6 * edge.length() }
     }
 
-    /// The form for [`Rays::value`].
+    /// A linear form in the tile's coordinates, for [`Rays::value`].
     #[inline(always)]
     pub fn local<const FLAT: bool>(&self, form: DVec3) -> [f32; 3] {
         let last = if FLAT { form.dot(self.middle) } else { form.z };
@@ -143,7 +143,7 @@ impl Window {
 }
 
 impl Rays {
-    /// Those of any tile of a pinhole.
+    /// Rays of any tile of a pinhole.
     pub fn flat() -> Self {
         let from_middle = |place: usize| place as f32 - 0.5 * (TILE - 1) as f32;
         let side = TILE as usize;
@@ -152,7 +152,7 @@ impl Rays {
         Self { axes: [x, y, [1.0; PIXELS]], steps: [[[0.0; PIXELS]; 3]; 2] }
     }
 
-    /// Makes them those of a fisheye's tile.
+    /// Replaces the rays by those of a tile of a fisheye.
     pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
         let start = table.place(tile.map(|place| place * TILE));
         let side = TILE as usize;
@@ -172,7 +172,7 @@ impl Rays {
         }
     }
 
-    /// Values of a [local](Window::local) form on as many rays as there are lanes, from `first` on.
+    /// Values of a [local](Window::local) form on one vector of rays, from `first` on.
     #[inline(always)]
     pub fn value<S: Simd, const FLAT: bool>(&self, simd: S, [x, y, z]: [f32; 3], first: usize) -> S::f32s {
         let at = first..first + S::f32s::LEN;
@@ -181,7 +181,7 @@ impl Rays {
         if FLAT { (across + z) + down } else { (across + down) + S::f32s::from_slice(simd, &self.axes[2][at]) * z }
     }
 
-    /// How the values change to the next column (`axis` 0) or the next row (1).
+    /// Changes of the values to the next column (`axis` 0) or the next row (1).
     #[inline(always)]
     pub fn step<S: Simd, const FLAT: bool>(&self, simd: S, form: [f32; 3], first: usize, axis: usize) -> S::f32s {
         if FLAT {

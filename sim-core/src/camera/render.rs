@@ -1,4 +1,4 @@
-//! From a still to a picture, tile by tile.
+//! Renders a still into a picture, tile by tile.
 
 use fearless_simd::Level;
 use glam::{DVec2, DVec3};
@@ -13,15 +13,15 @@ use super::tile::{GROUND, SKY, Tile, look};
 use super::{Label, Picture, Place, Still, View};
 use crate::RobotId;
 
-/// Renders pictures; keeps its memory from one to the next.
+/// Renders pictures and reuses its buffers from one to the next.
 #[derive(Clone, Debug)]
 pub struct Camera {
     level: Level,
     bins: Bins,
     rays: RayTable,
-    /// What moves, in the sun's way.
+    /// Moving shadow casters.
     moving: ShadowGrid,
-    /// By pixel the sum of its samples.
+    /// Sum of the samples of each pixel.
     sums: Vec<[f32; 3]>,
 }
 
@@ -31,7 +31,7 @@ impl Default for Camera {
     }
 }
 
-/// All that tiles are rendered from.
+/// Inputs of the rendering of tiles.
 struct Frame<'a> {
     looks: Looks<'a>,
     optics: &'a Optics,
@@ -51,8 +51,9 @@ impl Camera {
         }
     }
 
-    /// What a camera with this view sees: red, green, blue. The body of `by` is left out. Each pixel is the mean of `samples` x
-    /// `samples` pixels of a larger picture, rounded; as many as [`View`] allows, at least 1.
+    /// Colour picture of this view: red, green, blue. The body of `by` is left out. Each pixel is the rounded mean of
+    /// `samples` x `samples` pixels of a larger picture; `samples` is reduced to the size limit of [`View`], and is at
+    /// least 1.
     pub fn colour(&mut self, still: &Still, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
         let (samples, fine) =
             (1..=samples.max(1)).rev().find_map(|n| Some((n, view.enlarged(n).ok()?))).unwrap_or((1, *view));
@@ -99,14 +100,14 @@ impl Camera {
             });
             let share = 1.0 / (samples * samples) as f32;
             for (pixel, sum) in pixels.iter_mut().zip(sums) {
-                // A conversion to an integer saturates.
+                // The cast saturates.
                 *pixel = sum.map(|channel| (channel * share + 0.5) as u8);
             }
         }
         Picture::new(view.size(), pixels)
     }
 
-    /// How far it is along each pixel's line of sight, m; infinite for the sky.
+    /// Distance along each pixel's line of sight, m; infinite for the sky.
     pub fn depth(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<f32> {
         let depth = |frame: &Frame, number, at: [u32; 2]| {
             let plane = match number {
@@ -121,7 +122,7 @@ impl Camera {
         self.each(still, view, by, f32::INFINITY, depth)
     }
 
-    /// What each pixel shows.
+    /// Label of the object shown in each pixel.
     pub fn labels(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<Label> {
         let label = |frame: &Frame, number, _| match number {
             SKY => Label::Sky,
@@ -131,7 +132,7 @@ impl Camera {
         self.each(still, view, by, Label::Sky, label)
     }
 
-    /// The picture of what `value` says of each pixel: of what it shows, and where it is.
+    /// Picture of the results of `value`, called with the face number and position of each pixel.
     fn each<T: Copy>(
         &mut self,
         still: &Still,
@@ -166,7 +167,7 @@ impl Camera {
 }
 
 impl Frame<'_> {
-    /// Columns and rows of a tile that are within the image.
+    /// Number of columns and rows of a tile that lie within the image.
     fn inside(&self, origin: [u32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
     }
@@ -177,7 +178,7 @@ impl Frame<'_> {
         if self.optics.is_flat { at.extend(1.0) } else { self.view.ray(at).unwrap_or_default() }
     }
 
-    /// Hands `visit` each tile in its colours.
+    /// Calls `visit` with each tile and its colours.
     fn paint(&self, level: Level, mut visit: impl FnMut(&Tile, &Colours)) {
         let mut colours = [[0.0; PIXELS]; 3];
         let shading = Shading { looks: &self.looks, faces: &self.bins.faces, is_flat: self.optics.is_flat };
@@ -189,7 +190,7 @@ impl Frame<'_> {
         });
     }
 
-    /// The pixels of a tile that are within the image, bit by bit. Those where a fisheye shows nothing become black.
+    /// Bit mask of the pixels of a tile within the image. Pixels outside a fisheye's image are set to black.
     fn wanted(&self, tile: &Tile, colours: &mut Colours) -> u64 {
         let [across, down] = self.inside(tile.origin);
         if self.optics.is_flat && [across, down] == [TILE as usize; 2] {
@@ -209,7 +210,7 @@ impl Frame<'_> {
         wanted
     }
 
-    /// Hands `visit` what is shown in each tile.
+    /// Calls `visit` with each tile, after finding the face shown by each pixel.
     fn survey(&self, level: Level, mut visit: impl FnMut(&Tile, &Rays, &Window)) {
         let [columns, rows] = self.optics.tiles();
         let is_flat = self.optics.is_flat;

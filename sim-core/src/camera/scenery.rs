@@ -1,4 +1,4 @@
-//! All that cameras can see of a scene, and where it stands at an instant.
+//! Scenery: all that cameras can see of a scene, and the poses of its parts at an instant.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -14,16 +14,16 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// What a pixel shows.
+/// Class and id of the object that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Label {
-    /// Nothing.
+    /// The sky: no surface.
     Sky,
-    /// The plane z = 0, with all that is painted on it; or the terrain in its place.
+    /// The plane z = 0 with everything painted on it, or the terrain in its place.
     Ground,
-    /// A wall, by its place in the world file, from 0.
+    /// A wall, by its index in the world file, from 0.
     Wall(u32),
-    /// An object that nothing moves, by its place among all objects of the scene, from 0.
+    /// A fixed object, by its index among all objects of the scene, from 0.
     Fixed(u32),
     /// A movable object.
     Object(ObjectId),
@@ -31,104 +31,105 @@ pub enum Label {
     Robot(RobotId),
 }
 
-/// Where a part stands: the part's frame in that of the world.
+/// Attachment of a part: the frame in which its mesh is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// Always at this pose.
+    /// Fixed at this pose in the world.
     Fixed(Pose3),
-    /// Where the movable object stands.
+    /// Attached to a movable object.
     Object(ObjectId),
-    /// Where the robot stands.
+    /// Attached to a robot's body.
     Robot(RobotId),
-    /// Where a part of the robot's legs is, by its place among them.
+    /// Attached to a part of a robot's legs, by index.
     Leg(RobotId, usize),
 }
 
-/// A part of what can be seen. Parts that look alike share their mesh.
+/// A visible part of a scene. Parts that look alike share their mesh.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Its surface, seen from both sides.
+    /// Its surface, visible from both sides.
     pub mesh: Arc<Mesh>,
-    /// What it is.
+    /// Its label in label pictures.
     pub label: Label,
-    /// Where it stands.
+    /// Its attachment.
     pub place: Place,
 }
 
-/// A light infinitely far away, the sun, and what comes from everywhere. The three shares should add up to 1: then white in
-/// full light is white.
+/// Directional light of the sun, infinitely far away, and ambient light. The three shares should add up to 1, so that
+/// white in full light is white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector towards the sun, world frame.
     pub towards: DVec3,
-    /// Share of light that reaches every surface alike.
+    /// Share of light that reaches every surface equally.
     pub ambient: f64,
-    /// Share that comes, without shadows, from the side opposite to the sun, so that surfaces in the shade differ, too.
+    /// Share that comes, without shadows, from the side opposite to the sun, so that surfaces in the shade differ as
+    /// well.
     pub fill: f64,
-    /// Share of the sun on a surface that looks straight at it.
+    /// Share of the sun on a surface that faces it directly.
     pub diffuse: f64,
-    /// Whether what stands between the sun and a surface takes away the sun's share.
+    /// Surfaces in the shade do not receive the sun's share.
     pub shadows: bool,
 }
 
-/// Colours of the sky; between horizon and zenith they change with the sine of the elevation.
+/// Colours of the sky, interpolated between horizon and zenith with the sine of the elevation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Red, green, blue at the horizon and below it.
     pub horizon: [u8; 3],
-    /// Straight above.
+    /// Red, green, blue at the zenith.
     pub zenith: [u8; 3],
 }
 
-/// The plane z = 0, seen from above.
+/// The plane z = 0, visible from above.
 #[derive(Clone, Debug)]
 pub struct Ground {
-    /// Red, green, blue around the floor, as far as the horizon.
+    /// Red, green, blue outside the floor, as far as the horizon.
     pub colour: [u8; 3],
     /// The world's floor.
     pub floor: Option<Floor>,
-    /// What is painted on it; later ones cover earlier ones.
+    /// Discs painted on the ground; later ones cover earlier ones.
     pub spots: Vec<Spot>,
 }
 
-/// A rectangle on the ground with one corner in the origin.
+/// A rectangle on the ground with one corner at the origin.
 #[derive(Clone, Debug)]
 pub struct Floor {
     /// Its width (along x) and height (along y), m.
     pub size: DVec2,
-    /// Red, green, blue where it has no image.
+    /// Red, green, blue where no image covers it.
     pub colour: [u8; 3],
-    /// Image stretched over it: its lower left corner is the origin.
+    /// Image stretched over the floor, with its lower left corner at the origin.
     pub texture: Option<Arc<Texture>>,
 }
 
 /// A disc painted on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Its middle, m.
+    /// Centre, m.
     pub centre: DVec2,
-    /// Its radius, m.
+    /// Radius, m.
     pub radius: f64,
     /// Red, green, blue and opacity.
     pub colour: [u8; 4],
 }
 
-/// All that cameras can see of a scene: immutable, and the same for all of them.
+/// All that cameras can see of a scene: immutable, and shared by all cameras.
 #[derive(Clone, Debug)]
 pub struct Scenery {
     parts: Vec<Part>,
-    /// By part the place of its mesh in `forms`.
+    /// By part, the index of its mesh in `forms`.
     form: Vec<usize>,
     forms: Vec<Arc<Form>>,
     ground: Option<Ground>,
     floor: Option<Arc<Pyramid>>,
     light: Light,
     sky: Sky,
-    /// What stands always in the sun's way; made when it is asked for.
+    /// Shadow casters that never move; lazily initialised.
     shadows: Arc<OnceLock<ShadowGrid>>,
 }
 
-/// A mesh made ready.
+/// A mesh prepared for rendering.
 #[derive(Clone, Debug)]
 struct Form {
     shape: Shape,
@@ -136,7 +137,7 @@ struct Form {
     looks: Vec<Look>,
 }
 
-/// A material with its image made ready.
+/// A material prepared for rendering.
 #[derive(Clone, Debug)]
 pub(super) struct Look {
     /// Red, green, blue, 0 to 255.
@@ -146,7 +147,7 @@ pub(super) struct Look {
 }
 
 impl Scenery {
-    /// The scenery of these parts over `ground` (`None`: there is none) in this light.
+    /// The scenery of these parts over `ground` (`None` without ground) in this light.
     pub fn new(parts: Vec<Part>, ground: Option<Ground>, light: Light, sky: Sky) -> Self {
         let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
         let floor = image.map(|image| Arc::new(Pyramid::new(image, Wrap::Clamp)));
@@ -155,8 +156,8 @@ impl Scenery {
         nothing.with_parts(parts)
     }
 
-    /// This scenery with more parts behind its own; all that is made ready is shared. Parts that always stand are to be given to
-    /// [`Scenery::new`]: others throw no shadows.
+    /// Appends parts to the scenery and shares all prepared data with it. Fixed parts must be given to
+    /// [`Scenery::new`], because appended ones cast no shadows.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
         let known = self.parts.iter().zip(&self.form).map(|(part, form)| (Arc::as_ptr(&part.mesh), *form));
@@ -177,7 +178,7 @@ impl Scenery {
         &self.parts
     }
 
-    /// The ground; `None` where a part is the ground, or there is none.
+    /// The ground; `None` if a part is the ground, or there is none.
     pub fn ground(&self) -> Option<&Ground> {
         self.ground.as_ref()
     }
@@ -197,12 +198,12 @@ impl Scenery {
         self.floor.as_deref()
     }
 
-    /// The looks of a part's materials.
+    /// A prepared material of a part.
     pub(super) fn look(&self, part: usize, material: u32) -> &Look {
         &self.forms[self.form[part]].looks[material as usize]
     }
 
-    /// The faces that stand always, in the way of the sun.
+    /// Shadow casters that never move.
     pub(super) fn fixed_shadows(&self) -> &ShadowGrid {
         self.shadows.get_or_init(|| {
             let mut grid = ShadowGrid::default();
@@ -211,12 +212,12 @@ impl Scenery {
         })
     }
 
-    /// A part's faces.
+    /// The prepared faces of a part.
     pub(super) fn shape(&self, part: usize) -> &Shape {
         &self.forms[self.form[part]].shape
     }
 
-    /// Where all parts stand that are there at `at`, as it was public then: not more than 100 ms before the world's present slot.
+    /// Published poses of all parts present at `at`, which is at most 100 ms before the world's present slot.
     pub fn still(&self, world: &World, at: Time) -> Still<'_> {
         let pose = |part: &Part| match part.place {
             Place::Fixed(pose) => Some(pose),
@@ -229,10 +230,11 @@ impl Scenery {
         self.standing(self.parts.iter().map(pose).collect())
     }
 
-    /// The parts at these poses, in their order, `None` for what is not there: those that another [`Still`] of this scenery had.
+    /// A still with these poses of the parts, in their order, `None` for an absent part; for example from another
+    /// [`Still`] of this scenery.
     ///
     /// # Panics
-    /// If there is not a pose for each part.
+    /// If the number of poses differs from that of the parts.
     pub fn standing(&self, poses: Vec<Option<Pose3>>) -> Still<'_> {
         assert_eq!(poses.len(), self.parts.len(), "a pose for each part");
         Still { scenery: self, poses }
@@ -247,17 +249,17 @@ pub struct Still<'s> {
 }
 
 impl<'s> Still<'s> {
-    /// What can be seen.
+    /// The scenery.
     pub fn scenery(&self) -> &'s Scenery {
         self.scenery
     }
 
-    /// Poses of the parts, in their order: the part's frame in that of the world. `None` for what is not there.
+    /// Poses of the parts in the world frame, in the order of the parts; `None` for an absent part.
     pub fn poses(&self) -> &[Option<Pose3>] {
         &self.poses
     }
 
-    /// The parts that are there, each with its place among all and its pose.
+    /// The parts present, each with its index among all parts and its pose.
     pub fn parts(&self) -> impl Iterator<Item = (usize, &'s Part, &Pose3)> {
         let parts = self.scenery.parts.iter().zip(&self.poses).enumerate();
         parts.filter_map(|(number, (part, pose))| Some((number, part, pose.as_ref()?)))

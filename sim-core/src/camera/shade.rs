@@ -1,4 +1,4 @@
-//! The colours of a tile's pixels.
+//! Colours of a tile's pixels.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -15,7 +15,7 @@ pub type Colours = [[f32; PIXELS]; 3];
 
 type Rgb<S> = [<S as Simd>::f32s; 3];
 
-/// An [`Attribute`] in a tile: what it is at one of the pixels, and how it differs elsewhere.
+/// An [`Attribute`] in a tile: its value at one of the pixels, and a form for the difference at others.
 #[derive(Clone, Copy)]
 struct Local {
     here: f64,
@@ -31,14 +31,14 @@ impl Local {
     }
 }
 
-/// What the colours of a tile are made from.
+/// Inputs of the colours of a tile.
 pub struct Shading<'a> {
     pub looks: &'a Looks<'a>,
     pub faces: &'a [Face],
     pub is_flat: bool,
 }
 
-/// Colours the `wanted` pixels of a tile, bit by bit; `ray_of` gives their rays in lens space.
+/// Colours the pixels of a tile in the bit mask `wanted`; `ray_of` gives their rays in lens space.
 pub fn shade(
     level: Level,
     shading: &Shading,
@@ -99,7 +99,7 @@ fn shade_at<S: Simd, const FLAT: bool>(
     }
 }
 
-/// Rounds the colours of a tile to whole numbers: red is the lowest byte, then green and blue.
+/// Rounds the colours of a tile to integers; red is the lowest byte, then green and blue.
 pub fn rounded(level: Level, colours: &Colours) -> [u32; PIXELS] {
     dispatch!(level, simd => rounded_at(simd, colours))
 }
@@ -110,7 +110,7 @@ fn rounded_at<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
     let mut first = 0;
     while first < PIXELS {
         let at = first..first + S::f32s::LEN;
-        // None is below 0, or above 255.
+        // All values are between 0 and 255.
         let red: S::u32s = (S::f32s::from_slice(simd, &colours[0][at.clone()]) + 0.5).to_int();
         let green: S::u32s = (S::f32s::from_slice(simd, &colours[1][at.clone()]) + 0.5).to_int();
         let blue: S::u32s = (S::f32s::from_slice(simd, &colours[2][at.clone()]) + 0.5).to_int();
@@ -120,7 +120,7 @@ fn rounded_at<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
     pixels
 }
 
-/// Colours pixels that show one surface; the sun reaches those that are `lit`, if it does not look away from it.
+/// Colours pixels that show one surface. The sun reaches the pixels in the bit mask `lit`, if the surface faces it.
 #[inline(always)]
 fn paint<S: Simd, const FLAT: bool>(
     simd: S,
@@ -201,7 +201,7 @@ fn paint<S: Simd, const FLAT: bool>(
     }
 }
 
-/// Which lanes show the world's floor.
+/// Bit mask of the lanes that show the world's floor.
 #[inline(always)]
 fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]) -> u64 {
     let Some(floor) = &painted.ground.floor else { return 0 };
@@ -212,7 +212,7 @@ fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s;
     (x & y).to_bitmask()
 }
 
-/// Paints the spots over what is beneath them.
+/// Paints the spots over the colour beneath them.
 #[inline(always)]
 fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2], under: Rgb<S>) -> Rgb<S> {
     let mut colour = under;
@@ -229,7 +229,7 @@ fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]
     colour
 }
 
-/// Shares of light, dim and sun, where the normal changes over the surface.
+/// Shares of light, dim and sun, for a normal that varies over the surface.
 #[inline(always)]
 fn smooth<S: Simd, const FLAT: bool>(
     simd: S,
@@ -288,7 +288,7 @@ fn sky<S: Simd, const FLAT: bool>(
     }
 }
 
-/// Of these pixels those that are computed together, from `first` on.
+/// Bit mask of the pixels of the vector that starts at `first`.
 #[inline(always)]
 fn lanes_of<S: Simd>(pixels: u64, first: usize) -> u64 {
     pixels >> first & ((1 << S::f32s::LEN) - 1)
@@ -299,7 +299,7 @@ fn rgb<S: Simd>(simd: S, [red, green, blue]: [f32; 3]) -> Rgb<S> {
     [S::f32s::splat(simd, red), S::f32s::splat(simd, green), S::f32s::splat(simd, blue)]
 }
 
-/// A colour with an opacity, 0 to 1, over another.
+/// Blends a colour over another with an opacity of 0 to 1.
 #[inline(always)]
 fn over<S: Simd>(_: S, upper: Rgb<S>, opacity: S::f32s, under: Rgb<S>) -> Rgb<S> {
     [
@@ -314,7 +314,7 @@ fn select<S: Simd>(_: S, mask: S::mask32s, upper: Rgb<S>, under: Rgb<S>) -> Rgb<
     [mask.select(upper[0], under[0]), mask.select(upper[1], under[1]), mask.select(upper[2], under[2])]
 }
 
-/// Stores colours, from 0 to 255, in these lanes.
+/// Stores colours, clamped to 0 to 255, in these lanes.
 #[inline(always)]
 fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colour: Rgb<S>) {
     let mask = S::mask32s::from_bitmask(simd, lanes);
@@ -323,7 +323,7 @@ fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colo
     while channel < 3 {
         let place = &mut colours[channel][first..first + S::f32s::LEN];
         let before = S::f32s::from_slice(simd, place);
-        // Also black for what is no number.
+        // Black also for NaN.
         let within = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
         mask.select(within, before).store_slice(place);
         channel += 1;

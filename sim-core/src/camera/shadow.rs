@@ -1,46 +1,47 @@
-//! Where the sun reaches: a grid across the sun's direction with the faces that are in its way.
+//! Shadows: a grid across the sun's direction with the faces that cast shadows.
 //!
-//! The shadows are hard and exact, without a shadow map: a place is in the shade if, seen from it, a face covers the sun that is
-//! farther than [`AWAY`] and not the one on which the place lies. All that is seen throws shadows, a camera's own robot too; the
-//! ground throws none. Our choice.
+//! The shadows are hard and exact, without a shadow map: a place is in the shade if, seen from it, the sun is covered
+//! by a face other than its own and farther than [`AWAY`]. Everything visible casts shadows, a camera's own robot too;
+//! the ground casts none. Our choice.
 
 use glam::{DVec2, DVec3};
 
 use super::{Part, Place, Scenery, Still};
 
-/// What is nearer than this, in metres, throws no shadow: faces that touch each other are one within rounding.
+/// Distance in metres below which a face casts no shadow, because touching faces are equal within rounding.
 pub const AWAY: f64 = 1e-6;
 
-/// As much is a face wider on all sides, in metres, so that no light comes through between two.
+/// Enlargement of a face on all sides, in metres, so that no light passes between two faces.
 const SLACK: f64 = 1e-9;
 
-/// Coordinates in which the sun is at infinity along the third.
+/// Axes of a frame in which the sun is at infinity on the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([DVec3; 3]);
 
-/// Faces by the cells of a grid across the sun's direction.
+/// Shadow casters, binned in a grid across the sun's direction.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowGrid {
     low: DVec2,
     per_cell: f64,
     size: [usize; 2],
-    /// By cell where its faces begin in `members`, and where the last one's end.
+    /// By cell, index of its first entry in `members`; the last element is the end of the list.
     starts: Vec<u32>,
-    /// Numbers of faces; in each cell those first that reach farthest towards the sun.
+    /// Numbers of faces; in each cell, those that reach farthest towards the sun come first.
     members: Vec<u32>,
     faces: Vec<Caster>,
 }
 
-/// A face in the way of the sun.
+/// A face that casts a shadow.
 #[derive(Clone, Debug)]
 struct Caster {
-    /// By edge a linear function of the place across: metres from it, to the inside.
+    /// By edge, distance from it in metres, positive inside, as a linear function of the position across the sun's
+    /// direction.
     edges: [[f64; 3]; 3],
-    /// How far the face is towards the sun, as such a function.
+    /// Coordinate of the face towards the sun, as such a function.
     height: [f64; 3],
-    /// How far it reaches towards the sun.
+    /// Greatest coordinate towards the sun.
     highest: f64,
-    /// Lowest and highest corner of the box around it.
+    /// Lowest and highest corner of its bounding rectangle.
     low: DVec2,
     high: DVec2,
     part: u32,
@@ -53,7 +54,7 @@ fn value([x, y, one]: [f64; 3], at: DVec2) -> f64 {
 }
 
 impl Axes {
-    /// Those for a sun in the direction `towards`, of length 1.
+    /// Axes for a sun in the direction `towards`, of length 1.
     pub fn new(towards: DVec3) -> Self {
         let (first, second) = towards.any_orthonormal_pair();
         Self([first, second, towards])
@@ -70,14 +71,15 @@ impl Axes {
 }
 
 impl Caster {
-    /// `None` for a face of which the sun sees the edge, or which is hidden behind another of its closed surface.
+    /// `None` for a face edge-on to the sun, and for one of a closed surface that points away from the sun: others cast
+    /// its shadow.
     fn new((part, triangle): (u32, u32), corners: [DVec3; 3], is_closed: bool) -> Option<Self> {
         let [a, b, c] = corners.map(DVec3::truncate);
         let area = (b - a).perp_dot(c - a);
         let longest = (b - a).length_squared().max((c - a).length_squared());
-        // A ray leaves a closed surface through a face that looks along it, and enters through others.
+        // A ray towards the sun leaves a closed surface through a face that points to the sun.
         let is_hidden = is_closed && area < 0.0;
-        // False for what is not a number.
+        // False for NaN.
         let is_wide = area.abs() > 1e-9 * longest && longest < 1e30;
         if is_hidden || !is_wide {
             return None;
@@ -100,7 +102,7 @@ impl Caster {
         })
     }
 
-    /// Whether it covers a place.
+    /// Returns true if the face covers the sun at a place.
     #[inline(always)]
     fn covers(&self, at: DVec2, height: f64) -> bool {
         self.edges.iter().all(|edge| value(*edge, at) >= -SLACK) && value(self.height, at) > height + AWAY
@@ -108,7 +110,7 @@ impl Caster {
 }
 
 impl ShadowGrid {
-    /// Makes it that of all parts whose places `counts`.
+    /// Fills the grid with the faces of all parts for which `counts` returns true.
     pub fn fill(&mut self, scenery: &Scenery, still: Option<&Still>, axes: &Axes, counts: impl Fn(&Part) -> bool) {
         self.faces.clear();
         let mut corners = Vec::new();
@@ -133,7 +135,7 @@ impl ShadowGrid {
         self.sort_in();
     }
 
-    /// Puts the faces into cells, about as many as faces.
+    /// Bins the faces into a grid of about four cells per face.
     fn sort_in(&mut self) {
         let low = self.faces.iter().fold(DVec2::INFINITY, |low, face| low.min(face.low)) - 2.0 * SLACK;
         let high = self.faces.iter().fold(DVec2::NEG_INFINITY, |high, face| high.max(face.high)) + 2.0 * SLACK;
@@ -174,7 +176,7 @@ impl ShadowGrid {
         (self.starts, self.members) = (starts, members);
     }
 
-    /// The cells that a face touches.
+    /// Visits the cells that a face overlaps.
     fn cells(&self, face: &Caster, mut visit: impl FnMut(usize)) {
         let [columns, rows] = self.size;
         let place = |at: DVec2| ((at - self.low) * self.per_cell).max(DVec2::ZERO);
@@ -194,13 +196,13 @@ impl ShadowGrid {
         }
     }
 
-    /// Whether one of the faces is between the sun and a place on the face `own`; `last` is the one that was last.
+    /// Returns true if a face lies between the sun and a place on the face `own`; `last` caches the last such face.
     #[inline]
     pub fn shades(&self, place: DVec3, own: (u32, u32), last: &mut usize) -> bool {
         let at = place.truncate();
         let cell = (at - self.low) * self.per_cell;
         let [columns, rows] = self.size;
-        // False for what is not a number.
+        // False for NaN.
         let is_inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns as f64 && cell.y < rows as f64;
         if !is_inside {
             return false;

@@ -1,4 +1,4 @@
-//! A mesh made ready for cameras: its faces in clusters that are seen, or not, together.
+//! Meshes prepared for rendering: faces in clusters that are culled together.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,39 +7,41 @@ use glam::DVec3;
 
 use crate::scene::Mesh;
 
-/// Faces of a cluster at most.
+/// Maximum number of faces of a cluster.
 const CLUSTER: usize = 64;
 
-/// The faces of a mesh that can be seen, in their order.
+/// The visible faces of a mesh, in their order.
 #[derive(Clone, Debug)]
 pub struct Shape {
     pub bounds: Sphere,
     pub clusters: Vec<Cluster>,
-    /// By cluster its corners, each once for the cluster.
+    /// Corners by cluster, each once per cluster.
     pub corners: Vec<DVec3>,
     pub faces: Vec<ShapeFace>,
-    /// By triangle of the mesh its normal, of length 1, on the side from which the corners are counter-clockwise; 0 without area.
+    /// By triangle of the mesh, its unit normal on the side from which the corners are counter-clockwise; 0 without
+    /// area.
     pub normals: Vec<DVec3>,
 }
 
-/// A sphere around something, in the mesh's frame.
+/// A bounding sphere in the mesh's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
     pub centre: DVec3,
     pub radius: f64,
 }
 
-/// Some faces that follow each other.
+/// A run of consecutive faces.
 #[derive(Clone, Debug)]
 pub struct Cluster {
     pub bounds: Sphere,
     pub corners: Range<usize>,
     pub faces: Range<usize>,
-    /// The box around the closed surface that the faces belong to: from outside it, nobody sees its faces from behind.
+    /// Bounding box of the closed surface that the faces belong to: from outside the box, their back sides are never
+    /// visible.
     pub closed: Option<(DVec3, DVec3)>,
 }
 
-/// A face by its corners' places in the cluster.
+/// A face, with its corners as indices into the cluster.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeFace {
     pub triangle: u32,
@@ -47,7 +49,7 @@ pub struct ShapeFace {
 }
 
 impl Shape {
-    /// The faces of `mesh` whose materials are seen.
+    /// The faces of `mesh` whose materials are visible.
     pub fn new(mesh: &Mesh, is_seen: impl Fn(u32) -> bool) -> Self {
         let seen: Vec<usize> =
             (0..mesh.triangles.len()).filter(|&number| is_seen(mesh.triangles[number].material)).collect();
@@ -81,7 +83,7 @@ impl Shape {
             let corners = triangle.corners.map(|corner| {
                 *places.entry(corner).or_insert_with(|| {
                     self.corners.push(mesh.positions[corner as usize]);
-                    // No more than three for each face.
+                    // At most three corners per face.
                     (self.corners.len() - 1 - first_corner) as u8
                 })
             });
@@ -106,8 +108,8 @@ impl Sphere {
     }
 }
 
-/// Which faces hang together by their corners: by place in `triangles` the number of the surface, and by surface the box around
-/// it if it is closed with its faces looking outwards.
+/// Connected surfaces of a mesh, joined at corners: by index in `triangles`, the number of the surface; and by surface,
+/// its bounding box if it is closed with its faces pointing outwards.
 fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3, DVec3)>>) {
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     for &number in triangles {
@@ -134,7 +136,7 @@ fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3,
         let [a, b, c] = triangle.corners;
         edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to, surface)));
     }
-    // Closed: each edge is there once in either direction.
+    // A surface is closed if each edge occurs once in either direction.
     edges.sort_unstable();
     let mut is_closed: Vec<bool> = volumes.iter().map(|(_, volume)| *volume > 0.0).collect();
     for of_edge in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {

@@ -1,4 +1,4 @@
-//! What a face or the ground looks like, before it is known to which pixels: linear forms on rays, and shares of light.
+//! Appearance of a face or the ground, common to all its pixels: linear forms on rays, and shares of light.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -8,24 +8,25 @@ use super::shadow::{Axes, ShadowGrid};
 use super::texture::Pyramid;
 use super::{Ground, Light, Scenery, Still, View};
 
-/// A number that on a surface is `base` and the product of `form` with the ray, over that of the surface's plane.
+/// A value that varies over a surface: `base` plus the ratio of the dot product of `form` with the ray to that of the
+/// surface's plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Attribute {
     pub base: f64,
     pub form: DVec3,
 }
 
-/// What is the same for all pixels that show a surface.
+/// Properties of a surface, common to all pixels that show it.
 pub struct Surface<'a> {
-    /// Its product with a ray is 1 over the multiple of the ray that lies on the surface.
+    /// Its dot product with a ray is the reciprocal of the ray's parameter at the surface.
     pub plane: DVec3,
-    /// Red, green, blue, 0 to 255, where there is no image.
+    /// Red, green, blue, 0 to 255, without an image.
     pub colour: [f32; 3],
-    /// Share of the image's colours.
+    /// Factors on the image's colours.
     pub tint: [f32; 3],
     pub image: Option<Image<'a>>,
     pub light: Lighting,
-    /// Part and triangle; of the ground none that there is.
+    /// Part and triangle; numbers that do not exist for the ground.
     pub name: (u32, u32),
     pub painted: Option<Painted<'a>>,
 }
@@ -33,41 +34,42 @@ pub struct Surface<'a> {
 /// An image on a surface.
 pub struct Image<'a> {
     pub pyramid: &'a Pyramid,
-    /// To the right and downwards from the upper left corner, 1 being the whole image.
+    /// Image coordinates to the right and downwards from the upper left corner; 1 is the whole image.
     pub place: [Attribute; 2],
 }
 
-/// Light on a surface: what reaches it anyway, and what comes from the sun.
+/// Light on a surface: indirect light, and light of the sun.
 pub enum Lighting {
     Flat(Shares),
-    /// By the normal, whose direction (world frame, on the side that is seen) these forms have; with the flat one.
+    /// Varies with the normal, whose components (world frame, on the visible side, not normalised) these forms give;
+    /// the shares of the flat face serve where the normal vanishes.
     Smooth([DVec3; 3], Shares),
 }
 
-/// Shares of light.
+/// Shares of light: indirect (`dim`) and of the sun.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {
     pub dim: f32,
     pub sun: f32,
 }
 
-/// What is painted on the ground.
+/// The painted ground.
 pub struct Painted<'a> {
     pub ground: &'a Ground,
-    /// x and y of the world.
+    /// World coordinates x and y.
     pub at: [Attribute; 2],
 }
 
-/// Which places the sun reaches.
+/// Shadow test: finds the places that the sun reaches.
 pub struct Sun<'a> {
-    /// Of the faces that stand always, and of the others.
+    /// Shadow casters that never move, and the moving ones.
     pub grids: [&'a ShadowGrid; 2],
-    /// Coordinates across the sun's direction, and towards it.
+    /// Coordinates across the sun's direction and towards the sun.
     at: [Attribute; 3],
 }
 
 impl Sun<'_> {
-    /// Of the pixels, bit by bit, that show the face `own`, those in the sun; `ray_of` gives their rays in lens space.
+    /// Subset in the sun of the bit mask `pixels`, which show the face `own`; `ray_of` gives their rays in lens space.
     pub fn reaches(&self, plane: DVec3, own: (u32, u32), pixels: u64, ray_of: &dyn Fn(usize) -> DVec3) -> u64 {
         let mut lit = pixels;
         let mut last = [usize::MAX; 2];
@@ -92,21 +94,21 @@ impl Sun<'_> {
     }
 }
 
-/// What all surfaces of a still in a view need.
+/// Data common to all surfaces of a still in a view.
 pub struct Looks<'a> {
     pub still: &'a Still<'a>,
     pub scenery: &'a Scenery,
-    /// The camera's place.
+    /// Position of the camera.
     pub eye: DVec3,
     pub world_from_lens: DMat3,
-    /// The ground's plane in lens space; 0 where there is none, or the camera is not above it.
+    /// The ground's plane in lens space; 0 without ground, and for a camera that is not above it.
     pub ground: DVec3,
-    /// `None` where nothing throws shadows.
+    /// `None` if shadows are off.
     pub sun: Option<Sun<'a>>,
 }
 
 impl<'a> Looks<'a> {
-    /// `moving` are the faces in the sun's way that do not stand always.
+    /// `moving` holds the moving shadow casters; `None` turns shadows off.
     pub fn new(still: &'a Still<'a>, view: &View, camera_from_lens: DMat3, moving: Option<&'a ShadowGrid>) -> Self {
         let scenery = still.scenery();
         let camera = view.world_from_camera();
@@ -183,7 +185,7 @@ pub fn fill_from(light: &Light) -> DVec3 {
     DVec3::new(-light.towards.x, -light.towards.y, light.towards.z)
 }
 
-/// Light on a surface with this normal on the side that is seen.
+/// Shares of light on a surface with this normal on its visible side.
 fn shares(light: &Light, normal: DVec3) -> Shares {
     let fill = 0.5 * (1.0 + normal.dot(fill_from(light)));
     let sun = normal.dot(light.towards).max(0.0);

@@ -1,45 +1,44 @@
-//! Filtered images on surfaces.
+//! Texture filtering with mip maps.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use crate::scene::Texture;
 
-/// What is beyond an image's border.
+/// Texture wrap mode: the colour beyond an image's border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// The image repeats.
     Repeat,
-    /// The pixel at the border.
+    /// The nearest pixel at the border.
     Clamp,
 }
 
-/// An image in all its smaller versions, each half as wide and high as the one before (mip map: Williams, Pyramidal
+/// A mip map: an image in all its levels, each half as wide and high as the one before (Williams, Pyramidal
 /// parametrics, 1983).
 ///
-/// A texel of a version is the mean of the two by two below it, or of the one or two that there are, rounded half up; a last odd
-/// row or column is left out.
+/// A texel of a level is the mean of the two by two below it, or of the one or two that exist, rounded half up; a last
+/// odd row or column is left out.
 ///
 /// # Filter
-/// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from the
-/// derivatives of u and v at the pixel's middle (for a fisheye half the difference of the rays of the pixels beside it). It is
-/// taken as long as the longer of them, L, and as wide as the shorter, S. It is seen by n = |L| / max(3 |S|, 1) probes, 1 to 2,
-/// each L / n long: so up to three times as long as wide it takes one, and none that is shorter than a texel. Two probes are at
-/// the distances (1 - 1/n) / 2 of L on either side of the middle. The colour is the mean of the probes, and changes
-/// continuously with the footprint.
+/// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
+/// the derivatives of u and v at the pixel's middle (for a fisheye, half the difference of the rays of the neighbouring
+/// pixels). The footprint counts as long as the longer axis, L, and as wide as the shorter, S. It is sampled with n =
+/// |L| / max(3 |S|, 1) probes, limited to 1 to 2, each L / n long: a footprint up to three times as long as wide takes
+/// one probe, and no probe is shorter than a texel. Two probes lie at the distances (1 - 1/n) / 2 of L on either side
+/// of the middle. The colour is the mean of the probes, and changes continuously with the footprint.
 ///
-/// A probe of level = log2(|L| / n) sees the version of the nearest whole number, in which it blends the four nearest texels
-/// linearly; in the quarter of a level around the middle between two versions it goes over from one to the other, linearly in
-/// level. Level 0 is the image, and the first where the probe is smaller than a texel. Transparent texels show the material's
-/// colour.
+/// A probe of level = log2(|L| / n) samples the level of the nearest integer, in which it blends the four nearest
+/// texels linearly; in the quarter of a level around the middle between two levels it blends both, linearly in level.
+/// Level 0 is the image, also for probes smaller than a texel. Transparent texels show the material's colour.
 ///
-/// Our choice, after Feline (McCormack et al., 1999) for the probes; that two versions are blended on a part of the way alone is
-/// what graphics drivers do, and saves a third of the texels.
+/// Our choice, after Feline (McCormack et al., 1999) for the probes; blending two levels only on a part of the interval
+/// is common in graphics drivers, and saves a third of the texels.
 #[derive(Clone, Debug)]
 pub struct Pyramid {
     levels: Vec<Level>,
-    /// Of all levels, each with a border of one texel of what is beyond it: a texel and the one below it, so that the four around
-    /// a place are next to each other. Red is the lowest byte, opacity the highest.
+    /// Texels of all levels, each level with a border of one texel by wrap mode. An entry is a texel and the one below
+    /// it, so that the four texels around a position are adjacent. Red is the lowest byte, opacity the highest.
     texels: Vec<[i32; 2]>,
     wrap: Wrap,
     pub(super) is_opaque: bool,
@@ -48,7 +47,7 @@ pub struct Pyramid {
 #[derive(Clone, Copy, Debug)]
 struct Level {
     size: [u32; 2],
-    /// Place of the border's first texel.
+    /// Index of the border's first texel.
     start: usize,
 }
 
@@ -59,10 +58,10 @@ impl Level {
 }
 
 impl Pyramid {
-    /// Longest footprint, in probes.
+    /// Maximum number of probes of a footprint.
     pub(super) const PROBES: f32 = 2.0;
 
-    /// The versions of `image`.
+    /// The mip map of `image`.
     pub fn new(image: &Texture, wrap: Wrap) -> Self {
         let (width, height) = image.size();
         let mut pixels: Vec<[u8; 4]> =
@@ -98,14 +97,14 @@ impl Pyramid {
         self.levels[0].size
     }
 
-    /// What is beyond its border.
+    /// The wrap mode.
     pub fn wrap(&self) -> Wrap {
         self.wrap
     }
 
-    /// Red, green, blue and opacity, 0 to 255, at `place` (to the right and downwards from the upper left corner, 1 being the
-    /// whole image), where the next column's pixel is `axes[0]` away, and the next row's `axes[1]`, in texels. Of lanes that are
-    /// not in `wanted` they may be anything.
+    /// Filtered red, green, blue and opacity, 0 to 255, at `place` (to the right and downwards from the upper left
+    /// corner; 1 is the whole image). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in
+    /// texels. Lanes not in `wanted` are undefined.
     #[inline(always)]
     pub(super) fn sample<S: Simd>(
         &self,
@@ -119,7 +118,7 @@ impl Pyramid {
         let is_a = a2.simd_ge(b2);
         let (long, short) = (is_a.select(a2, b2), is_a.select(b2, a2));
         let widest = (short * 9.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
-        // Of a probe; all lengths are squared.
+        // Squared length of a probe; all lengths here are squared.
         let length = long.min(widest);
         let zero = S::f32s::splat(simd, 0.0);
         let level = (log2(simd, length) * 0.5).max(zero).min((self.levels.len() - 1) as f32);
@@ -146,7 +145,7 @@ impl Pyramid {
         [sum[0] * share, sum[1] * share, sum[2] * share, sum[3] * share]
     }
 
-    /// Blends two versions of the image.
+    /// Colour of a probe, blended from one or two levels.
     #[inline(always)]
     fn probe<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: S::f32s) -> [S::f32s; 4] {
         let place = [self.wrapped(simd, place[0]), self.wrapped(simd, place[1])];
@@ -163,7 +162,7 @@ impl Pyramid {
             let number = lower.as_slice()[lane];
             let same = lower.simd_eq(number).to_bitmask() & pending | 1 << lane;
             pending &= !same;
-            // A cast saturates.
+            // The cast saturates.
             let mut number = (number as usize).min(last);
             let versions = if share.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
             let mut part = one - share;
@@ -192,7 +191,7 @@ impl Pyramid {
         colour
     }
 
-    /// A coordinate within the image, from 0 to 1; 0 for what is no number.
+    /// A coordinate within the image, from 0 to 1, by wrap mode; 0 for NaN.
     #[inline(always)]
     fn wrapped<S: Simd>(&self, simd: S, part: S::f32s) -> S::f32s {
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
@@ -205,11 +204,11 @@ impl Pyramid {
         }
     }
 
-    /// Blends the four nearest texels of a version.
+    /// Blends the four nearest texels of a level.
     #[inline(always)]
     fn bilinear<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: Level) -> [S::f32s; 4] {
         let [width, height] = level.size.map(|side| side as f32);
-        // From the middle of the border's first texel.
+        // Measured from the middle of the border's first texel.
         let (x, y) = (place[0] * width + 0.5, place[1] * height + 0.5);
         let (left, top) = (x.floor(), y.floor());
         let (right_share, low_share) = (x - left, y - top);
@@ -235,7 +234,7 @@ impl Pyramid {
                 found[lane] = [four[0], four[1]];
             }
         }
-        // From four texels a lane to one vector a texel.
+        // Transposes four texels per lane to one vector per texel.
         let found = found.as_flattened().as_flattened();
         let lanes = S::i32s::LEN;
         let (even_low, odd_low) = S::i32s::from_slice(simd, &found[..lanes])
@@ -270,13 +269,13 @@ impl Pyramid {
     }
 }
 
-/// Part of the way from one version to the next on which both are seen.
+/// Part of the interval between two levels in which both are blended.
 const BLENDED: f32 = 0.25;
 
-/// Lanes of the widest vectors.
+/// Number of lanes of the widest vectors.
 const MOST_LANES: usize = 16;
 
-/// Logarithm to the base 2, within 5e-5; of what is 0 or less, or no number, anything.
+/// Logarithm to base 2, within 5e-5; undefined for NaN and values of 0 or less.
 #[inline(always)]
 fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let bits: S::u32s = x.bitcast();
@@ -285,7 +284,7 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let mantissa = (bits & S::u32s::splat(simd, 0x007f_ffff)) | S::u32s::splat(simd, 0x3f80_0000);
     let mantissa: S::f32s = mantissa.bitcast();
     let t = mantissa - 1.0;
-    // Through the values at 0, 1 and four places between them: continuous.
+    // Interpolates the values at 0, 1 and four places between them, so it is continuous.
     let curve = ((t * -0.044_873_955 + 0.150_533_2) * t - 0.269_578) * t + 0.442_418_58;
     exponent + t + t * (S::f32s::splat(simd, 1.0) - t) * curve
 }

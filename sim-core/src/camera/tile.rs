@@ -1,4 +1,4 @@
-//! What the pixels of a tile show.
+//! Visibility in a tile: the face shown by each pixel.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -8,30 +8,31 @@ use super::face::Face;
 use super::optics::TILE;
 use super::rays::{PIXELS, Rays, Window};
 
-/// What a pixel shows, as numbers that vectors hold: the number of a face, and beyond them these.
+/// Numbers beyond those of faces, for pixels that show the sky or the ground.
 pub const SKY: u32 = u32::MAX;
 pub const GROUND: u32 = u32::MAX - 1;
 
-/// What each pixel of a tile shows, row by row.
+/// Number of the face shown by each pixel of a tile, row by row.
 #[derive(Clone, Debug)]
 pub struct Tile {
-    /// Of which pixel is the first: column and row.
+    /// Column and row of the first pixel.
     pub origin: [u32; 2],
     pub shown: [u32; PIXELS],
 }
 
 impl Tile {
-    /// The column and row of one of its pixels.
+    /// Column and row in the image of a pixel of the tile.
     pub fn pixel(&self, pixel: usize) -> [u32; 2] {
         [self.origin[0] + pixel as u32 % TILE, self.origin[1] + pixel as u32 / TILE]
     }
 }
 
-/// By how much a face must be nearer to cover one that comes before it: this times the nearest that a ray of the tile could find
-/// it. So of faces in one plane the first is seen. It moves the line where two faces cut each other by less than 1e-5 pixels.
+/// Margin by which a face must be nearer to cover an earlier one, relative to the greatest reciprocal distance of the
+/// face in the tile, so that of coplanar faces the first is seen. It shifts the line where two faces intersect by less
+/// than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
-/// Finds what the pixels of a tile show: of the faces in `list` and the ground, whose plane is `ground`.
+/// Finds the face shown by each pixel of a tile: one of the listed `faces`, or the ground, whose plane is `ground`.
 pub fn look(
     level: Level,
     is_flat: bool,
@@ -47,8 +48,8 @@ pub fn look(
     }
 }
 
-// What has to do with vectors is written without closures: only functions that are inlined always are compiled for the
-// processor that is dispatched to. Vectors have as many lanes as the processor likes.
+// Vector code has no closures: only functions that are always inlined are compiled for the processor
+// that is dispatched to. The number of lanes depends on the processor.
 #[inline(always)]
 fn nearest<S: Simd, const FLAT: bool>(
     simd: S,
@@ -61,7 +62,7 @@ fn nearest<S: Simd, const FLAT: bool>(
     let lanes = S::f32s::LEN;
     let mut nearest = [0.0_f32; PIXELS];
     *shown = [SKY; PIXELS];
-    // All pixels show what is nearer than this.
+    // Every pixel's nearest hit has at least this reciprocal distance.
     let mut all_nearer = 0.0;
     let (middle, more) = window.range::<FLAT>(ground);
     if middle + more > 0.0 {
@@ -120,7 +121,7 @@ fn nearest<S: Simd, const FLAT: bool>(
     }
 }
 
-/// Whether all rays of the tile meet the face.
+/// Returns true if all rays of the tile hit the face.
 #[inline(always)]
 fn fills<const FLAT: bool>(face: &Face, window: &Window) -> bool {
     let is_beyond = |edge: DVec3| {

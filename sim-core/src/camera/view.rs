@@ -1,4 +1,4 @@
-//! Where a camera is, how its lens maps directions to places in the image, and the way back.
+//! Camera pose and lens: projection of points into the image, and rays through its pixels.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 use crate::math;
 use crate::pose::Pose3;
 
-/// How a lens maps directions to places in the image. Both have the middle of the image on the optical axis.
+/// Projection of a lens from directions to positions in the image. The optical axis passes through the middle of the
+/// image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// Straight lines stay straight: the distance from the middle is proportional to the tangent of the angle off the axis.
@@ -40,7 +41,7 @@ pub struct View {
     focal: f64,
 }
 
-/// No view: what a camera cannot be.
+/// Reason why a view is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ViewError {
     /// The size of the image.
@@ -54,14 +55,14 @@ pub enum ViewError {
     Pose,
 }
 
-/// Most pixels on either side of an image.
+/// Maximum number of pixels on either side of an image.
 pub const MAX_SIDE: u32 = 8192;
 
 impl View {
     /// The view of a camera at `world_from_camera` through `lens`, `size` (width, height) pixels large.
     ///
     /// # Errors
-    /// [`ViewError`] for what no camera can be.
+    /// [`ViewError`] for a pose, lens or size that is out of range.
     pub fn new(world_from_camera: Pose3, lens: Lens, size: [u32; 2]) -> Result<Self, ViewError> {
         let [width, height] = size;
         if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
@@ -103,22 +104,23 @@ impl View {
         self.focal
     }
 
-    /// This view with `factor` times as many pixels on either side.
+    /// This view at `factor` times the resolution.
     ///
     /// # Errors
-    /// [`ViewError::Size`] if these are too many, or none.
+    /// [`ViewError::Size`] if the pixels are too many, or none.
     pub fn enlarged(&self, factor: u32) -> Result<Self, ViewError> {
         Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
     }
 
-    /// The ray through the place `at` (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
-    /// pinhole, of length 1 for a fisheye; `None` where a fisheye's image ends, pi off the axis.
+    /// The ray through the position `at` (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
+    /// pinhole, of length 1 for a fisheye; `None` beyond the end of a fisheye's image, pi off the axis.
     pub fn ray(&self, at: DVec2) -> Option<DVec3> {
         let (angle, ray) = self.continued_ray(at);
         (angle <= PI).then_some(ray)
     }
 
-    /// The ray, and the angle of a fisheye, also where its image ends: there the ray goes on beyond pi.
+    /// The ray and, for a fisheye, its angle off the axis; continued beyond the end of the image, where the angle
+    /// exceeds pi.
     pub(super) fn continued_ray(&self, at: DVec2) -> (f64, DVec3) {
         let [width, height] = self.size.map(f64::from);
         let (y, z) = ((0.5 * width - at.x) / self.focal, (0.5 * height - at.y) / self.focal);
@@ -132,12 +134,13 @@ impl View {
         }
     }
 
-    /// The unit vector, in the world frame, in which the place `at` of the image is seen; `None` where it shows nothing.
+    /// Unit vector, in the world frame, of the line of sight through the position `at` of the image; `None` beyond the
+    /// image of a fisheye.
     pub fn direction(&self, at: DVec2) -> Option<DVec3> {
         self.ray(at).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
     }
 
-    /// The place in the image, or beyond its border, of a point of the world; `None` for one that the lens maps nowhere:
+    /// Position in the image, or beyond its border, of a point in the world; `None` for a point without a projection:
     /// beside or behind a pinhole, straight behind a fisheye, or in the camera itself.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let DVec3 { x, y, z } = self.world_from_camera.inverse_transform_point(point);
@@ -152,8 +155,9 @@ impl View {
         Some(DVec2::new(0.5 * width - self.focal * y * scale, 0.5 * height - self.focal * z * scale))
     }
 
-    /// The pose of a camera at `from` that looks at `to`, upright: the image's vertical lies in the plane of z. Straight up or
-    /// down, the image's top is towards y. `None` for one point twice or what is not finite.
+    /// The pose of a camera at `from` that looks at `to`, upright: the image's vertical lies in the vertical plane.
+    /// Straight up or down, the top of the image is towards y. `None` if both points are equal or a coordinate is not
+    /// finite.
     pub fn looking(from: DVec3, to: DVec3) -> Option<Pose3> {
         let DVec3 { x, y, z } = to - from;
         let level = math::hypot(x, y);

@@ -1,7 +1,7 @@
-//! The camera: how it is set, when and from where an image is exposed, and what lens and sensor make of it.
+//! Camera of a robot: settings, instant and pose of each exposure, errors of lens and sensor.
 //!
-//! An image is exposed [`READ_OUT`] before it is there, from where the robot and the servos of the camera stand then; other bodies
-//! stand as they were public then. Source: Koestler & Bräunl, section 4.1; the time of exposure is our choice.
+//! An image is exposed [`READ_OUT`] before it is available, at the pose that the robot and the camera's servos have at that instant;
+//! other bodies have their published poses of that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure is our choice.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -18,37 +18,37 @@ use crate::pose::Pose3;
 use crate::spec::{CameraSpec, JointSpec, RobiSpec};
 use crate::time::Time;
 
-/// How long after its exposure an image is there: what a sensor of 60 images a second takes to hand one over. World and servos
-/// remember for longer.
+/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. Shorter than the history that world and
+/// servos keep.
 pub const READ_OUT: Time = Time(16_667);
 
-/// Width and height of images, in pixels, where nobody has set any.
+/// Default width and height of images, in pixels.
 pub const DEFAULT_SIZE: [u32; 2] = [320, 240];
 
 /// The camera of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Camera {
-    /// While it is switched on.
+    /// `None` while the camera is switched off.
     pub setting: Option<Setting>,
-    /// `None` where images are exact.
+    /// `None` if images are exact.
     errors: Option<Box<ImageErrors>>,
     /// Images taken so far.
     taken: u64,
-    /// When those were exposed that were taken lately, in order.
+    /// Exposure times of the latest images, in order.
     exposed: VecDeque<Time>,
-    /// The last one since it was switched on.
+    /// Last exposure since the camera was switched on.
     last: Option<Arc<Exposure>>,
     workspace: Workspace,
 }
 
-/// How a camera is set that is switched on.
+/// Settings of a camera that is switched on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Width and height of its images in pixels.
+    /// Width and height of the images in pixels.
     pub size: [u32; 2],
-    /// How much larger things are in the image than through the lens that the robi describes.
+    /// Magnification relative to the lens that the robi describes.
     pub zoom: f64,
-    /// What becomes of the levels of its pixels.
+    /// Brightness, hue and the like, applied to the levels of the pixels.
     pub levels: Levels,
 }
 
@@ -58,42 +58,42 @@ impl Default for Setting {
     }
 }
 
-/// When and from where an image was exposed, and where all else stood.
+/// One exposure: its instant, its view, and the poses of all bodies.
 #[derive(Clone, Debug)]
 pub struct Exposure {
-    /// Number of the image among those of its camera, from 1.
+    /// Number of the image, counted per camera from 1.
     pub number: u64,
-    /// When it was exposed.
+    /// Instant of the exposure.
     pub at: Time,
-    /// From where, with the size that the camera was set to.
+    /// Pose and lens of the camera, with the image size that was set.
     pub view: View,
     pub(crate) scenery: Arc<Scenery>,
     pub(crate) poses: Vec<Option<Pose3>>,
-    /// The camera was switched off by an intervention: the image is black, and nothing of it is known.
+    /// The camera was switched off by an intervention: the image is black, depths are infinite and labels are sky.
     pub(crate) is_dark: bool,
 }
 
-/// Why there is no image.
+/// Reason why there is no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
-    /// The type of the robot, which this file describes, has no camera.
+    /// The robot's type, described by this file, has no camera.
     #[error("`{0}` has no camera")]
     Absent(String),
-    /// It is not switched on.
+    /// The camera is not switched on.
     #[error("the camera is switched off")]
     Off,
     /// No image has been taken to which depths and labels could belong.
     #[error("no image has been taken since the camera was switched on")]
     NotTaken,
-    /// Nobody has said what cameras see.
+    /// The simulation has no scenery.
     #[error("the simulation has no scenery: `Simulation::set_visuals` gives it one")]
     NoScenery,
-    /// No camera can look from there.
+    /// The renderer does not accept the view.
     #[error(transparent)]
     View(#[from] ViewError),
 }
 
-/// Memory of the renderer, which is no part of the state: a copy begins without any.
+/// Buffers of the renderer. They are no part of the state: a clone starts without them.
 #[derive(Debug, Default)]
 struct Workspace(Option<Box<Renderer>>);
 
@@ -104,48 +104,48 @@ impl Clone for Workspace {
 }
 
 impl Camera {
-    /// Gives it the errors of `model` on `robot`, in a run with `seed`.
+    /// Sets the noise model of the camera of `robot`, in a run with `seed`.
     pub fn set_errors(&mut self, model: Image, seed: u64, robot: RobotId) {
         let errors = || Box::new(ImageErrors::new(model, seed, robot, super::switch::CAMERA));
         self.errors = (model != Image::default()).then(errors);
     }
 
-    /// Switches it on, or sets it anew.
+    /// Switches the camera on, or replaces its settings.
     pub fn switch_on(&mut self, setting: Setting) {
         self.setting = Some(setting);
         self.last = None;
     }
 
-    /// Switches it off; false if it was off.
+    /// Switches the camera off; returns false if it was off.
     pub fn switch_off(&mut self) -> bool {
         self.last = None;
         self.setting.take().is_some()
     }
 
-    /// The last exposure since it was switched on.
+    /// Last exposure since the camera was switched on.
     pub fn last(&self) -> Option<&Exposure> {
         self.last.as_deref()
     }
 
-    /// Number of an image that is exposed at `at`.
+    /// Number of an image exposed at `at`.
     pub fn number_at(&self, at: Time) -> u64 {
         self.taken + 1 - self.exposed.iter().filter(|exposed| **exposed >= at).count() as u64
     }
 
-    /// What lens and sensor make of a picture as image `number`: blur and noise.
+    /// Adds blur and noise of image `number` to a picture.
     pub(crate) fn err<const CHANNELS: usize>(&self, number: u64, picture: &mut Picture<[u8; CHANNELS]>) {
         if let Some(errors) = &self.errors {
             errors.expose(number, picture.size()[0] as usize, picture.pixels_mut());
         }
     }
 
-    /// Makes of what it sees image `number`: levels as they are set, blur and noise.
+    /// Turns a rendered picture into image `number`: applies the level settings, then blur and noise.
     pub fn develop(&self, number: u64, picture: &mut Picture<[u8; 3]>) {
         self.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
         self.err(number, picture);
     }
 
-    /// Lets an automatic brightness follow an image with these levels.
+    /// Adapts the automatic brightness to an image with these levels.
     pub(crate) fn follow(&mut self, levels: &[u8]) {
         if let Some(setting) = &mut self.setting {
             let sum: u64 = levels.iter().map(|level| u64::from(*level)).sum();
@@ -153,7 +153,7 @@ impl Camera {
         }
     }
 
-    /// Counts an image that has been taken.
+    /// Counts an image that has been taken and keeps its exposure as the last one.
     pub(crate) fn keep(&mut self, exposure: Exposure) {
         self.taken = exposure.number;
         while self.exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {
@@ -163,12 +163,12 @@ impl Camera {
         self.last = Some(Arc::new(exposure));
     }
 
-    /// Its renderer.
+    /// The camera's renderer, created on first use.
     pub(crate) fn renderer(&mut self) -> &mut Renderer {
         self.workspace.0.get_or_insert_default()
     }
 
-    /// What `render` makes of the last exposure; `nothing` everywhere where the camera was dark.
+    /// Renders the last exposure with `render`; every pixel is `nothing` if the camera was dark.
     ///
     /// # Errors
     /// [`CameraError::NotTaken`].
@@ -192,7 +192,7 @@ pub fn grey(rgb: [u8; 3]) -> u8 {
     (rgb.into_iter().map(u32::from).sum::<u32>() / 3) as u8
 }
 
-/// Pose of the camera of a robot of this type in the robot's frame, as its servos hold it just before `at`.
+/// Pose of the camera in the robot's frame, with the servo angles just before `at`.
 pub fn mount(spec: &RobiSpec, camera: &CameraSpec, servos: &Servos, at: Time) -> Pose3 {
     let [pan, tilt] = [&camera.pan, &camera.tilt].map(|joint| angle(joint, spec, servos, at));
     Pose3::from_angles(camera.position, 0.0, tilt, pan)
@@ -210,7 +210,7 @@ fn angle(joint: &JointSpec, spec: &RobiSpec, servos: &Servos, at: Time) -> f64 {
     }
 }
 
-/// A lens of the same kind in whose image things are `zoom` times as large.
+/// Lens of the same kind that magnifies `zoom` times as much.
 pub(crate) fn zoomed(lens: Lens, zoom: f64) -> Lens {
     match lens {
         Lens::Pinhole { fov } if zoom != 1.0 => Lens::Pinhole { fov: 2.0 * math::atan(math::tan(0.5 * fov) / zoom) },

@@ -1,7 +1,7 @@
 //! The compass: the direction clockwise from north, measured in cycles of 100 ms.
 //!
-//! Source: RoBIOS 6 library, compass; the length of a cycle and the direction of north (along the world's y axis where the
-//! robi's companion does not say) are our choice, the sense of rotation is that of every compass.
+//! Source: RoBIOS 6 library, compass; the length of a cycle and the default direction of north (the world's y axis, if the
+//! robi's companion file does not give one) are our choice, the sense of rotation is that of every compass.
 
 use super::cycle::Cycle;
 use crate::drive::Motion;
@@ -20,12 +20,12 @@ pub struct Compass {
     taken: Option<Time>,
     /// Angle measured at `taken`, once computed.
     angle: Option<f64>,
-    /// `None` where it is exact.
+    /// `None` if the compass is exact.
     pub errors: Option<AngleErrors>,
 }
 
 impl Compass {
-    /// Starts measuring at `now`, once or in cycles without end; false if it is already measuring.
+    /// Starts measuring at `now`, for one cycle or continuously; returns false if the compass is already measuring.
     pub fn start(&mut self, is_continuous: bool, now: Time) -> bool {
         self.advance(now);
         let can_start = self.cycle.is_none();
@@ -36,7 +36,7 @@ impl Compass {
         can_start
     }
 
-    /// Ends the measurement with the cycle in progress.
+    /// Stops measuring at the end of the cycle in progress.
     pub fn stop(&mut self, now: Time) {
         self.advance(now);
         if let Some(cycle) = &mut self.cycle {
@@ -44,7 +44,7 @@ impl Compass {
         }
     }
 
-    /// True if a cycle has been completed since the last start.
+    /// Returns true if a cycle has been completed since the last start.
     pub fn is_valid(&mut self, now: Time) -> bool {
         self.advance(now);
         self.taken.is_some()
@@ -57,12 +57,12 @@ impl Compass {
         Some(*self.angle.get_or_insert_with(|| measure(taken)))
     }
 
-    /// When the measurement ends that is not without end, see [`super::psd::Psds::due`].
+    /// End of a measurement that is not continuous, see [`super::psd::Psds::due`]; else [`Time::NEVER`].
     pub fn due(&self) -> Time {
         self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
     }
 
-    /// Forgets measurements and values; errors stay.
+    /// Discards measurements and values and keeps the errors.
     pub fn reset(&mut self) {
         *self = Self { errors: self.errors.take(), ..Self::default() };
     }
@@ -79,7 +79,7 @@ impl Compass {
     }
 }
 
-/// What the compass measures at `at`, rad clockwise from north; 0 for a robot without one.
+/// Reading of the compass at `at`, rad clockwise from north; 0 for a robot without a compass.
 pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&AngleErrors>) -> f64 {
     let Some(compass) = compass else { return 0.0 };
     let exact = angle_from_heading(motion.pose(at).heading, compass.north);

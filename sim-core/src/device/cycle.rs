@@ -1,4 +1,4 @@
-//! Periodic measurements: sensors whose value exists only once a cycle is complete.
+//! Periodic measurements: the value of a sensor exists only after a complete cycle.
 
 use crate::time::Time;
 
@@ -12,38 +12,38 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// A measurement that starts at `start`: one cycle, or one after the other until it is stopped.
+    /// A measurement that starts at `start` and takes one cycle, or runs continuously until stopped.
     pub fn new(start: Time, period: Time, is_continuous: bool) -> Self {
         Self { start, period, last: if is_continuous { i64::MAX } else { 1 } }
     }
 
-    /// How many cycles are complete at `now`.
+    /// Number of cycles that are complete at `now`.
     pub fn completed(&self, now: Time) -> i64 {
         ((now - self.start).0.max(0) / self.period.0).min(self.last)
     }
 
-    /// When cycle `n` ends.
+    /// End of cycle `n`.
     pub fn end(&self, n: i64) -> Time {
         self.start + Time(self.period.0.saturating_mul(n))
     }
 
-    /// When the last cycle ends; [`Time::NEVER`] in continuous mode.
+    /// End of the last cycle; [`Time::NEVER`] in continuous mode.
     pub fn last_end(&self) -> Time {
         if self.last == i64::MAX { Time::NEVER } else { self.end(self.last) }
     }
 
-    /// When the latest complete cycle ended; `None` before the end of the first.
+    /// End of the latest complete cycle; `None` before the end of the first.
     pub fn latest(&self, now: Time) -> Option<Time> {
         let completed = self.completed(now);
         (completed > 0).then(|| self.end(completed))
     }
 
-    /// True when no cycle is in progress any more.
+    /// Returns true if no cycle is in progress any more.
     pub fn is_over(&self, now: Time) -> bool {
         self.completed(now) == self.last
     }
 
-    /// Lets the cycle in progress at `now` be the last one.
+    /// Makes the cycle in progress at `now` the last one.
     pub fn stop(&mut self, now: Time) {
         self.last = self.last.min(self.completed(now) + 1);
     }

@@ -1,23 +1,23 @@
-//! Encoders: ticks that the wheels have turned since a start.
+//! Encoders: ticks that the wheels have turned since a reset.
 
 use std::f64::consts::TAU;
 
 use crate::drive::Motion;
 use crate::time::Time;
 
-/// Part of a tick that may be missing for the tick to count: far more than rounding, far less than can be driven.
+/// Part of a tick that may be missing for the tick to count: far more than rounding errors, far less than any commanded motion.
 const EDGE: f64 = 1e-9;
 
-/// The encoders of a robot, by wheel. Each has two counters: of ticks, and of the distance.
+/// Encoders of a robot, by wheel. Each has two counters, one for ticks and one for distance.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encoders {
-    /// Wheel angles in radians at which the counts were set to 0.
+    /// Wheel angles at the last reset of the counts, rad.
     count_start: [f64; 4],
-    /// Wheel angles in radians at which the distances were set to 0.
+    /// Wheel angles at the last reset of the distances, rad.
     distance_start: [f64; 4],
-    /// Wheel angles in radians that encoders stay at which are switched off.
+    /// Frozen wheel angles of encoders that are switched off, rad.
     held: [Option<f64>; 4],
-    /// Radians that wheels turned while their encoders were switched off.
+    /// Angles that wheels turned while their encoders were switched off, rad.
     missed: [f64; 4],
 }
 
@@ -42,7 +42,7 @@ impl Encoders {
         self.ticks_since(self.distance_start[index], index, motion, at)
     }
 
-    /// Switches encoder `index` on or off at `at`: while it is off it counts nothing.
+    /// Switches encoder `index` on or off at `at`; the encoder does not count while it is off.
     pub fn switch(&mut self, index: usize, is_on: bool, motion: &mut Motion, at: Time) {
         let turned = motion.wheel_angles(at)[index];
         let Self { held, missed, .. } = self;
@@ -54,12 +54,12 @@ impl Encoders {
         }
     }
 
-    /// Angle of a wheel as its encoder knows it, rad.
+    /// Wheel angle measured by an encoder, rad.
     fn angle(&self, index: usize, motion: &mut Motion, at: Time) -> f64 {
         self.held[index].unwrap_or_else(|| motion.wheel_angles(at)[index] - self.missed[index])
     }
 
-    /// Whole ticks of a wheel's encoder since it stood at `start`, towards 0.
+    /// Whole ticks of a wheel's encoder since the angle `start`, rounded towards 0.
     fn ticks_since(&self, start: f64, index: usize, motion: &mut Motion, at: Time) -> i64 {
         let turned = self.angle(index, motion, at) - start;
         let ticks = turned / TAU * motion.model().ticks_per_turn;

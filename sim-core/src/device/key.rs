@@ -1,6 +1,6 @@
-//! Keys: those below the display, touches of the display, and those of a TV remote control.
+//! Keys: those below the display, touches of the display, and keys of a TV remote control.
 //!
-//! A press is kept until it is read, in the order of the presses: our choice, so that who presses need not know when a program looks.
+//! Presses are queued in order until the program reads them: our choice, so that input does not depend on when a program polls.
 
 use std::collections::VecDeque;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use crate::time::Time;
 /// Keys below the display.
 pub const KEYS: u8 = 4;
 
-/// Keys of a remote control by their names.
+/// Names of the keys of a remote control.
 pub const REMOTE_KEYS: [&str; 20] = [
     "IRTV_0",
     "IRTV_1",
@@ -37,18 +37,18 @@ pub const REMOTE_KEYS: [&str; 20] = [
 /// Greatest coordinate of a touch, in pixels: more than any display has.
 const MAX_PIXEL: i32 = 65_535;
 
-/// What a finger does. Its text is `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; read in letters of either case.
+/// A press of a key or a touch of the display. Its text is `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsed without regard to case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
-    /// It presses this key below the display: 1 to [`KEYS`], from the left.
+    /// Press of this key below the display: 1 to [`KEYS`], from the left.
     Key(u8),
-    /// It touches the display at this pixel: x from the left, y from the top.
+    /// Touch of the display at this pixel: x from the left, y from the top.
     Place([i32; 2]),
-    /// It presses the key of a remote control that has this place in [`REMOTE_KEYS`].
+    /// Press of the remote control's key with this index in [`REMOTE_KEYS`].
     Remote(u8),
 }
 
-/// Not the text of a [`Touch`].
+/// The text does not name a [`Touch`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
@@ -75,7 +75,7 @@ impl FromStr for Touch {
     }
 }
 
-/// The place of `TOUCH(120,40)`.
+/// Parses the pixel of `TOUCH(120,40)`.
 fn place(text: &str) -> Option<[i32; 2]> {
     let (word, place) = text.strip_suffix(')')?.split_once('(')?;
     let (x, y) = place.split_once(',')?;
@@ -83,9 +83,9 @@ fn place(text: &str) -> Option<[i32; 2]> {
     word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
 
-/// Presses to come and presses not yet read, in order of time; of equal times in the order given.
+/// Queue of presses that are to come or not yet read, ordered by time; equal times keep the order of insertion.
 ///
-/// Who reads them says by `key_of` which key a touch means to him; other touches stay.
+/// Readers pass `key_of`, which maps a touch to their key; touches for which it gives `None` stay in the queue.
 #[derive(Clone, Debug, Default)]
 pub struct Presses {
     presses: VecDeque<(Time, Touch)>,
@@ -105,12 +105,12 @@ impl Presses {
         key_of(touch)
     }
 
-    /// Takes the earliest touch that has happened by `now`, whatever it is.
+    /// Takes the earliest touch of any kind that has happened by `now`.
     pub fn take_any(&mut self, now: Time) -> Option<Touch> {
         self.take(now, Some)
     }
 
-    /// When something is touched next that `is_meant`; [`Time::NEVER`] if nothing is to come.
+    /// Time of the next touch for which `is_meant` returns true; [`Time::NEVER`] if there is none.
     pub fn next(&self, is_meant: impl Fn(Touch) -> bool) -> Time {
         self.presses.iter().find(|(_, touch)| is_meant(*touch)).map_or(Time::NEVER, |(at, _)| *at)
     }

@@ -1,7 +1,7 @@
-//! Settings of a camera that change the levels of its images.
+//! Camera settings that change the levels of images.
 //!
-//! Three numbers of 0 to 255, of which 128 changes nothing: of grey images brightness, offset and contrast, of colour images
-//! brightness, hue and saturation. Source: the camera of the EyeBot; what the numbers do is our choice.
+//! Three numbers from 0 to 255, where 128 is neutral: brightness, offset and contrast for grey images; brightness, hue and
+//! saturation for colour images. Source: the camera of the EyeBot; the effect of the numbers is our choice.
 
 use std::f64::consts::PI;
 
@@ -9,18 +9,18 @@ use glam::{DMat3, DVec3};
 
 use crate::math;
 
-/// The number that changes nothing.
+/// Neutral setting: the image is unchanged.
 pub const NEUTRAL: u8 = 128;
 
-/// The mean level that the brightness follows: the middle.
+/// Mean level that the automatic brightness aims at: the middle of the range.
 const MIDDLE: f64 = 128.0;
 
-/// How an image is made brighter, darker or more colourful than what the camera sees.
+/// Level settings of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     /// Brightness; offset or hue; contrast or saturation.
     pub numbers: [u8; 3],
-    /// The brightness follows the scene.
+    /// The brightness adapts to the scene.
     pub is_automatic: bool,
 }
 
@@ -31,8 +31,8 @@ impl Default for Levels {
 }
 
 impl Levels {
-    /// Changes the pixels of a colour image: times brightness / 128; turned about grey by (hue - 128) / 128 of half a turn, from red
-    /// towards green; as far from grey as before times saturation / 128.
+    /// Changes the pixels of a colour image: multiplies by brightness / 128; turns the hue about the grey axis by (hue - 128) / 128 of
+    /// half a turn, from red towards green; multiplies the distance from grey by saturation / 128.
     pub fn colour(&self, pixels: &mut [[u8; 3]]) {
         if self.numbers == [NEUTRAL; 3] {
             return;
@@ -46,7 +46,7 @@ impl Levels {
         }
     }
 
-    /// Changes the pixels of a grey image: times brightness / 128; plus offset - 128; as far from 128 as before times
+    /// Changes the pixels of a grey image: multiplies by brightness / 128; adds offset - 128; multiplies the distance from 128 by
     /// contrast / 128.
     pub fn grey(&self, pixels: &mut [[u8; 1]]) {
         if self.numbers == [NEUTRAL; 3] {
@@ -59,8 +59,8 @@ impl Levels {
         }
     }
 
-    /// After an image whose mean level was `mean`: an automatic brightness goes half of the way to where the mean would be
-    /// 128, within 1 to 255.
+    /// Adapts an automatic brightness after an image whose mean level was `mean`: moves it half of the way to the value that gives a
+    /// mean of 128, within 1 to 255.
     pub fn follow(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);
@@ -69,13 +69,13 @@ impl Levels {
         }
     }
 
-    /// The numbers as multiples of what changes nothing.
+    /// Settings as multiples of the neutral one.
     fn shares(&self) -> [f64; 3] {
         self.numbers.map(|number| f64::from(number) / f64::from(NEUTRAL))
     }
 }
 
-/// The columns of the turn about the axis of greys by `angle`, from red towards green.
+/// Columns of the rotation about the grey axis by `angle`, from red towards green.
 fn turned_about_grey(angle: f64) -> [[f64; 3]; 3] {
     let (along, across) = ((1.0 - math::cos(angle)) / 3.0, math::sin(angle) / 3.0_f64.sqrt());
     let same = math::cos(angle) + along;

@@ -1,9 +1,9 @@
-//! What a robot carries and a program would touch, apart from the drive: models of its devices.
+//! Device models of a robot, apart from the drive: sensors, servos, camera, keys.
 //!
-//! A device is state that can be copied. It touches itself and nothing else: it reads the world as published, asks its robot's motion and
-//! servos at an instant (mutable only because asking computes), and errs by the noise model that it was given. What it did is recorded
-//! by [`Robot`](crate::simulation::Robot).
-//! How a program asks for a device, in which numbers and with which handles, is not known here.
+//! A device is state that can be copied, and changes only itself. It reads the published world, queries its robot's motion and
+//! servos at an instant (`&mut` only because a query may compute), and adds the errors of its noise model. It records nothing:
+//! [`Robot`](crate::simulation::Robot) does.
+//! How a program addresses a device (handles, numbers, units) is not known here.
 
 pub mod camera;
 pub mod compass;
@@ -28,9 +28,9 @@ pub struct Devices {
     pub ranges: range::Ranges,
     /// The driver that measures with range sensors in cycles.
     pub psds: psd::Psds,
-    /// The scanner, once its fan has been set; else it is as the robi describes it.
+    /// The scanner, once a program has set its fan; until then it is as the robi describes it.
     pub scanner: Option<range::Scanner>,
-    /// Percentages of the motors' greatest rate.
+    /// Motor commands, in percent of the motors' greatest rate.
     pub motor_percent: [i32; 4],
     /// Encoders of the wheels.
     pub encoders: encoder::Encoders,
@@ -40,11 +40,11 @@ pub struct Devices {
     pub compass: compass::Compass,
     /// The camera.
     pub camera: camera::Camera,
-    /// The keys below the display, and touches of it.
+    /// Presses of the keys below the display and touches of the display.
     pub keys: key::Presses,
-    /// The keys of a remote control.
+    /// Presses of the keys of a remote control.
     pub remote: key::Presses,
-    /// Which sensors are off.
+    /// Sensors that are switched off.
     pub switches: switch::Switches,
 }
 
@@ -54,7 +54,7 @@ impl Devices {
         Self { ranges: range::Ranges::new(spec), ..Self::default() }
     }
 
-    /// Gives them the errors of `profile` on `robot`, in a run with `seed`, in place of those that they have.
+    /// Replaces the noise models of the devices of `robot` by those of `profile`, in a run with `seed`.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         self.ranges.set_errors(spec, profile, seed, robot);
         self.camera.set_errors(profile.camera, seed, robot);
@@ -62,13 +62,13 @@ impl Devices {
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
     }
 
-    /// Somebody presses a key, touches the display or uses a remote control at `at`.
+    /// Queues a press of a key, a touch of the display or a press on the remote control at `at`.
     pub fn press(&mut self, at: Time, touch: key::Touch) {
         let presses = if matches!(touch, key::Touch::Remote(_)) { &mut self.remote } else { &mut self.keys };
         presses.press(at, touch);
     }
 
-    /// When a measurement is to be computed next that the world would forget; [`Time::NEVER`] if there is none.
+    /// Time by which a finished measurement must be computed, before the world's history is dropped; [`Time::NEVER`] if there is none.
     pub fn due(&self) -> Time {
         self.psds.due().min(self.compass.due())
     }

@@ -1,7 +1,7 @@
-//! The driver of range sensors: measures a chosen set of them in cycles of 60 ms.
+//! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
-//! first asked for; [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6 library, position sensing devices.
+//! A value exists only at the end of a complete cycle. It is a function of the world at that instant and computed lazily;
+//! [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6 library, position sensing devices.
 
 use super::cycle::Cycle;
 use crate::sensor::Reading;
@@ -17,7 +17,7 @@ pub type SensorSet = u32;
 #[derive(Clone, Debug, Default)]
 pub struct Psds {
     measurement: Option<Measurement>,
-    /// By sensor, in the order of the robi, as far as any has ever measured.
+    /// Latest measurements by sensor, in the order of the robi, up to the last sensor that has ever measured.
     readings: Vec<Latest>,
     stamp: Option<Time>,
 }
@@ -32,24 +32,24 @@ struct Measurement {
 #[derive(Clone, Copy, Debug, Default)]
 struct Latest {
     taken: Option<Time>,
-    /// What it gave, once computed.
+    /// The reading, once computed.
     value: Option<Reading>,
 }
 
 /// A measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// When it was measured.
+    /// Instant of the measurement.
     pub taken: Time,
-    /// What was read.
+    /// The reading.
     pub reading: Reading,
 }
 
 impl Psds {
-    /// Starts measuring with `sensors` at `now`, once or in cycles without end; false while another measurement is in progress,
-    /// which goes on.
+    /// Starts measuring with `sensors` at `now`, for one cycle or continuously. Returns false if a measurement is in progress; that
+    /// measurement goes on.
     ///
-    /// No value counts as valid until the first cycle is complete; the sensors keep their older values until then.
+    /// No value counts as valid before the first cycle is complete; until then the sensors keep their older values.
     pub fn start(&mut self, sensors: SensorSet, is_continuous: bool, now: Time) -> bool {
         self.advance(now);
         if self.measurement.is_some() {
@@ -64,7 +64,7 @@ impl Psds {
         true
     }
 
-    /// Ends the measurement with the cycle in progress.
+    /// Stops measuring at the end of the cycle in progress.
     pub fn stop(&mut self, now: Time) {
         self.advance(now);
         if let Some(measurement) = &mut self.measurement {
@@ -72,13 +72,13 @@ impl Psds {
         }
     }
 
-    /// End of the latest cycle completed since the last start; `None` while there is none.
+    /// End of the latest cycle completed since the last start; `None` if there is none.
     pub fn stamp(&mut self, now: Time) -> Option<Time> {
         self.advance(now);
         self.stamp
     }
 
-    /// The latest value of sensor `index`; `None` if it has never completed a cycle. `measure` gives what the sensor reads at
+    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` gives the sensor's reading at
     /// an instant.
     pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
         self.advance(now);
@@ -88,8 +88,8 @@ impl Psds {
         Some(Measured { taken, reading })
     }
 
-    /// When the measurement ends that is not without end: then [`settle`](Self::settle) must be called, since the world does
-    /// not remember for long what the sensors saw. [`Time::NEVER`] if there is none.
+    /// End of a measurement that is not continuous; [`Time::NEVER`] if there is none. [`settle`](Self::settle) must be called then,
+    /// because the world keeps only a short history.
     pub fn due(&self) -> Time {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
     }
@@ -106,7 +106,7 @@ impl Psds {
         }
     }
 
-    /// Takes over the cycles that have been completed by `now`.
+    /// Takes over the cycles completed by `now`.
     fn advance(&mut self, now: Time) {
         let Some(Measurement { sensors, cycle }) = self.measurement else { return };
         let Some(taken) = cycle.latest(now) else { return };

@@ -1,6 +1,6 @@
-//! Range sensors: what each of them measures at an instant.
+//! Range sensors: their readings at an instant.
 //!
-//! PSDs come first, then the sensors of the other kinds. [`Ranges::read`] is the one place where the world becomes a reading.
+//! PSDs come first, then the sensors of the other kinds. Only [`Ranges::read`] turns the world into a reading with errors.
 
 use crate::RobotId;
 use crate::build;
@@ -16,52 +16,52 @@ use crate::world::World;
 use super::psd::CYCLE;
 use super::servo::Servos;
 
-/// The range sensors of a robot and the links that they sit on: those of its legs, then its own.
+/// Range sensors of a robot and the links that carry them: those of its legs first, then the links of the robi.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     sensors: Vec<RangeSensor>,
     links: Vec<Link>,
-    /// By servo its angles at positions 0 and 255, rad.
+    /// Angles of each servo at positions 0 and 255, rad.
     swings: Vec<[f64; 2]>,
-    /// `None` where all readings are exact.
+    /// `None` if all readings are exact.
     errors: Option<Box<Errors>>,
 }
 
-/// The errors of the sensors of a robot.
+/// Errors of the range sensors of a robot.
 #[derive(Clone, Debug)]
 struct Errors {
-    /// By sensor, with sigma and mean of the noise that its type has.
+    /// By sensor; with sigma and mean of the noise of the sensor's type.
     sensors: Vec<(RangeErrors, [f64; 2])>,
     lidar: RangeErrors,
 }
 
-/// What is read where there is no sensor.
+/// Reading of a sensor that does not exist.
 const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
 
-/// A laser scanner measures when it is told to.
+/// Event period of a laser scanner: one microsecond, since a scan is made on request and not in cycles.
 const SCAN: Time = Time(1);
 
-/// What a sensor looks at.
+/// Pose, range and exact distance of a sensor at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// Its pose: x is where it looks.
+    /// Pose of the sensor; its x axis is the viewing direction.
     pub world_from_sensor: Pose3,
-    /// How far it sees, m.
+    /// Greatest distance that the sensor measures, m.
     pub reach: f64,
-    /// The distance that it would read, m; `None` for nothing.
+    /// Distance without errors, m; `None` if out of range.
     pub distance: Option<f64>,
 }
 
 /// A laser scanner of a robot.
 #[derive(Clone, Debug)]
 pub enum Scanner {
-    /// On the body and level but for its tilt.
+    /// On the body, level except for its tilt.
     Level(Scan),
     /// At any pose, on the body or on a link.
     InSpace {
         /// Its rays.
         scan: Scan,
-        /// Its frame in that of what bears it.
+        /// Pose of the scanner's frame in the frame of the body or link that carries it.
         mount: Pose3,
         /// The link, `None` for the body.
         link: Option<usize>,
@@ -79,7 +79,7 @@ impl Ranges {
         }
     }
 
-    /// Gives these sensors, which `spec` describes, the errors of `profile` on `robot` in a run with `seed`.
+    /// Sets the noise models of these sensors, which `spec` describes, from `profile`, for `robot` in a run with `seed`.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         let errors_of = |kind, name: &str| RangeErrors::new(profile.range(kind, name), seed, robot, name);
         let psds = spec.psds.iter().map(|psd| (errors_of(RangeKind::Psd, &psd.name), [0.0; 2]));
@@ -90,12 +90,12 @@ impl Ranges {
         self.errors = Some(Box::new(errors));
     }
 
-    /// What sensor `index` reads while it is switched off.
+    /// Reading of sensor `index` while it is switched off.
     pub fn nothing(&self, index: usize) -> Reading {
         self.sensors.get(index).map_or(NOTHING, |sensor| sensor.model.nothing())
     }
 
-    /// What sensor `index` reads at `at`, nothing if there is no such sensor. Its servos stand as they did just before.
+    /// Reading of sensor `index` at `at`, with the servo angles just before; no return if there is no such sensor.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
         let world_from_robot = motion.pose(at);
         let event = Events::index(at, CYCLE);
@@ -108,7 +108,7 @@ impl Ranges {
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
 
-    /// Where each sensor looks from at `at`, in the world, and what it would read without errors.
+    /// Pose of each sensor in the world at `at`, and its distance without errors.
     pub fn sights(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<Sight> {
         let stance = motion.stance(at);
         let angles = self.all_angles(servos, &stance.joints, at);
@@ -122,7 +122,7 @@ impl Ranges {
         self.sensors.iter().map(sight).collect()
     }
 
-    /// Where the scanner looks from at `at`, in the world, and what each of its rays would measure without errors.
+    /// Pose of the scanner in the world at `at`, and the distance along each of its rays without errors.
     pub fn exact_scan(
         &self,
         scanner: &Scanner,
@@ -148,8 +148,8 @@ impl Ranges {
         }
     }
 
-    /// Where the scanner looks from at `at`, in the world, and what its rays measure, in metres from left to right; `None` for
-    /// nothing within range.
+    /// Pose of the scanner in the world at `at`, and the readings of its rays in metres from left to right; `None` for a ray without
+    /// a return within range.
     pub fn scan(
         &self,
         scanner: &Scanner,
@@ -164,7 +164,7 @@ impl Ranges {
         (world_from_scanner, exact.into_iter().map(|point| erring.point(point)).collect())
     }
 
-    /// Angles of all joints at `at`, rad, none where nothing asks for them; and the height of the robot's frame, m.
+    /// Angles of all joints at `at`, rad, empty for a sensor on the body; and the height of the robot's frame, m.
     fn angles(&self, link: Option<usize>, servos: &Servos, motion: &mut Motion, at: Time) -> (Vec<f64>, f64) {
         let Stance { joints, lift, .. } = motion.stance(at);
         (if link.is_some() { self.all_angles(servos, &joints, at) } else { Vec::new() }, lift)
@@ -182,7 +182,7 @@ impl Scanner {
     pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
         let LidarSpec { mount, range, .. } = lidar;
         let fan = Fan { sweep, points, tilt, height: mount.position.z, range: *range };
-        // A body that walks goes up and down.
+        // A walking body moves up and down.
         if mount.is_level() && spec.legs.is_none() {
             return Self::Level(Scan::new(Mount::new(mount.position.x, mount.position.y, mount.yaw), fan));
         }
@@ -190,7 +190,7 @@ impl Scanner {
         Self::InSpace { scan: Scan::new(Mount::default(), fan), mount, link }
     }
 
-    /// Its fan: how many rays, and where each looks.
+    /// Fan of the scanner: number and directions of its rays.
     pub fn fan(&self) -> &Scan {
         match self {
             Self::Level(scan) | Self::InSpace { scan, .. } => scan,

@@ -1,6 +1,6 @@
-//! Servos: they hold the position that they were set to.
+//! Servos: they hold the commanded position.
 //!
-//! A servo turns at once. Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
+//! A servo turns instantly. Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
 use std::collections::VecDeque;
 
@@ -10,18 +10,18 @@ use crate::time::Time;
 /// The servos of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
-    /// Positions 0 to 255 by servo; the middle as long as nothing was set.
+    /// Positions 0 to 255 by servo; [`MIDDLE`] if never set.
     positions: Vec<u8>,
     /// The latest changes, in order.
     changes: VecDeque<Change>,
 }
 
-/// A servo is turned.
+/// One change of a servo's position.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     at: Time,
     servo: usize,
-    /// Where it stood before.
+    /// Position before the change.
     from: u8,
 }
 
@@ -34,7 +34,7 @@ impl Servos {
         self.positions.get(index).copied().unwrap_or(MIDDLE)
     }
 
-    /// Angle (rad) of servo `index` just before `at`, with the angles of `swing` at positions 0 and 255. A servo turns at once.
+    /// Angle of servo `index` just before `at`, rad; `swing` gives the angles at positions 0 and 255.
     pub fn angle_before(&self, index: usize, swing: [f64; 2], at: Time) -> f64 {
         let since = self.changes.partition_point(|change| change.at < at);
         let next = self.changes.iter().skip(since).find(|change| change.servo == index);
@@ -46,7 +46,7 @@ impl Servos {
     /// Turns servo `index` at `now`.
     pub fn turn(&mut self, index: usize, position: u8, now: Time) {
         let change = Change { at: now, servo: index, from: self.position(index) };
-        // Sensors on servos are read as late as the world remembers what they saw.
+        // Sensors on servos may be read as late as the world's history reaches.
         while self.changes.front().is_some_and(|oldest| oldest.at + HISTORY < now) {
             self.changes.pop_front();
         }
@@ -56,9 +56,9 @@ impl Servos {
     }
 }
 
-/// Part of the greatest steering angle, left positive: 0 is 1, 127 and 128 are 0, 255 is -1.
+/// Steering position as a part of the greatest steering angle, left positive: 0 gives 1, 127 and 128 give 0, 255 gives -1.
 ///
-/// Source: RoBIOS 6 gives 127 as straight, EyeSim VR 128; so both are, and left and right are alike.
+/// Source: straight is 127 in RoBIOS 6 and 128 in EyeSim VR; here both are straight, so that left and right are symmetric.
 pub fn steering_from_position(position: u8) -> f64 {
     let position = f64::from(position);
     if position <= 127.0 { (127.0 - position) / 127.0 } else { (128.0 - position) / 127.0 }
@@ -78,7 +78,7 @@ mod tests {
         servos.turn(1, 255, Time(2_000));
         let angles = [1_000, 1_001, 2_000, 2_001, 90_000].map(|at| angle(&servos, at));
         assert_eq!(angles, [1.0, -1.0, -1.0, 3.0, 3.0]);
-        // What is out of memory is dropped when the servo is turned again.
+        // Changes older than the history are dropped at the next turn of a servo.
         servos.turn(1, 128, Time(1_000_000));
         assert_eq!((servos.changes.len(), angle(&servos, 1_000_000), angle(&servos, 1_000_001)), (1, 3.0, 1.0));
     }

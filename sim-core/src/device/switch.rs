@@ -1,6 +1,6 @@
-//! Sensors that somebody has switched off: they see nothing until they are switched on again.
+//! Switches of the sensors: a sensor that a user has switched off sees nothing until it is switched on again.
 //!
-//! What each then tells its program is in `docs/window.md`; that it is so is our choice.
+//! The value that each sensor then returns to its program is listed in `docs/window.md`; our choice.
 
 use std::collections::BTreeSet;
 
@@ -9,10 +9,10 @@ use crate::spec::{LIDAR, RobiSpec};
 /// Name of a robot's camera among its sensors.
 pub const CAMERA: &str = "CAMERA";
 
-/// A sensor of a robot: which of its kind, in the order of the robi.
+/// A sensor of a robot: its kind, and its index within the kind in the order of the robi.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sensor {
-    /// A PSD, or a range sensor of another kind: these come after the PSDs.
+    /// A PSD or another range sensor; the PSDs come first.
     Range(usize),
     /// An infrared proximity sensor.
     Infrared(usize),
@@ -28,7 +28,7 @@ pub enum Sensor {
     Camera,
 }
 
-/// Which sensors of a robot are off; at the start none.
+/// Set of a robot's sensors that are off; empty at the start.
 #[derive(Clone, Debug, Default)]
 pub struct Switches {
     off: BTreeSet<Sensor>,
@@ -50,7 +50,7 @@ impl Switches {
     }
 }
 
-/// The sensors of a robot of this type with their names, by kinds.
+/// Sensors of a robot of this type with their names, grouped by kind.
 pub fn sensors(spec: &RobiSpec) -> impl Iterator<Item = (&str, Sensor)> {
     let ranges = spec.psds.iter().map(|psd| &*psd.name).chain(spec.ranges.iter().map(|range| &*range.name));
     let ranges = ranges.enumerate().map(|(index, name)| (name, Sensor::Range(index)));

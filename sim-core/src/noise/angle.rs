@@ -4,7 +4,7 @@ use super::range::stepped;
 use super::{Events, Purpose};
 use crate::RobotId;
 
-/// How the readings of a compass differ from the truth. The default: not at all.
+/// Noise model of a compass. The default has no errors.
 ///
 /// An angle a becomes a + `bias` + B + `sigma` G, rounded to a multiple of `step`: G standard normal for each reading, B
 /// normal with the standard deviation `bias_sigma`, drawn once for each compass. Source: our choice.
@@ -14,7 +14,7 @@ pub struct Angle {
     pub sigma: f64,
     /// Error of all readings of all compasses, rad.
     pub bias: f64,
-    /// Standard deviation between compasses of an error that all readings of one have, rad.
+    /// Standard deviation between compasses of the constant error of each, rad.
     pub bias_sigma: f64,
     /// Step of the readings, rad; 0 for none.
     pub step: f64,
@@ -25,7 +25,7 @@ pub struct Angle {
 pub struct AngleErrors {
     model: Angle,
     readings: Events,
-    /// Error of all its readings, rad.
+    /// Constant error of this compass, rad.
     offset: f64,
 }
 
@@ -37,8 +37,8 @@ impl AngleErrors {
         Self { model, readings: Events::new(seed, robot, Purpose::Compass, device), offset }
     }
 
-    /// What the compass reads in radians where `exact` is true, not wrapped; a function of that and of the reading's
-    /// [index](Events::index).
+    /// Reading of the compass in radians for the true angle `exact`, not wrapped; a function of `exact` and of the
+    /// [index](Events::index) of the reading.
     pub fn reading(&self, index: u64, exact: f64) -> f64 {
         if self.model == Angle::default() {
             return exact;

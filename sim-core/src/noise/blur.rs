@@ -1,18 +1,18 @@
-//! The blur of a lens.
+//! Blur of a lens.
 
-/// Below this, in pixels, no level changes.
+/// Standard deviation below which no level changes, in pixels.
 const LEAST: f64 = 1e-3;
 
-/// The weights of a row of pixels, from the middle to one side, such that both sides together sum to 1.
+/// Filter weights of a row of pixels, from the middle to one side; both sides together sum to 1.
 ///
 /// The discrete analogue of the Gaussian, exp(-t) I_n(t) with t = `sigma`^2: its variance is `sigma`^2 to the last digit
-/// for any `sigma`, and blurring twice adds variances, neither of which a sampled Gaussian does below one pixel. Beyond
-/// four standard deviations and a pixel nothing is left. Source: Lindeberg 1990, "Scale-space for discrete signals"; the modified
+/// for any `sigma`, and blurring twice adds variances; a sampled Gaussian has neither property below one pixel. The weights are cut
+/// off beyond four standard deviations and a pixel. Source: Lindeberg 1990, "Scale-space for discrete signals"; the modified
 /// Bessel functions I_n by Miller's backward recurrence.
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;
-    // From where on the recurrence has forgotten how it began.
+    // Far enough out that the arbitrary start values of the recurrence have no influence.
     let first = 2 * radius + 10;
     let mut bessel = vec![0.0; first + 2];
     bessel[first] = 1.0;
@@ -27,13 +27,13 @@ fn weights(sigma: f64) -> Vec<f32> {
     bessel.into_iter().map(|value| (value / sum) as f32).collect()
 }
 
-/// Blurs a picture of rows of `width` pixels as a lens does whose point spread is a Gaussian with the standard deviation
-/// `sigma` in pixels; at its border the picture goes on as in a mirror.
+/// Blurs a picture of rows of `width` pixels with a Gaussian point spread function of standard deviation `sigma` in pixels;
+/// the picture is mirrored at its borders.
 ///
-/// Rows, then columns, in single precision; rounded to levels at the end. A picture of one colour stays as it is.
+/// Filters rows, then columns, in single precision, and rounds to levels at the end. A picture of one colour is unchanged.
 ///
 /// # Panics
-/// If the pixels are no whole rows.
+/// If the number of pixels is not a multiple of `width`.
 pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; CHANNELS]]) {
     if sigma < LEAST || pixels.is_empty() {
         return;
@@ -57,7 +57,7 @@ pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; 
     }
 }
 
-/// The weighted sum of the levels around the place `at`; `level` counts from the margin on.
+/// Weighted sum of the levels around the pixel `at`; the argument of `level` counts from the start of the margin.
 fn spread<const CHANNELS: usize>(
     weights: &[f32],
     at: usize,
@@ -74,10 +74,10 @@ fn spread<const CHANNELS: usize>(
     sum
 }
 
-/// Places 0 to `size` - 1 with a margin of mirrored ones at both ends: ... 1 0 | 0 1 2 | 2 1 ...
+/// Indices 0 to `size` - 1 with a mirrored margin at both ends: ... 1 0 | 0 1 2 | 2 1 ...
 fn mirrored(size: usize, margin: usize) -> Vec<usize> {
     let place = |at: usize| {
-        // `margin` places are before the first; whole periods more keep it positive.
+        // The first index is `margin` before 0; adding whole periods keeps the dividend positive.
         let at = (at + 2 * size * margin - margin) % (2 * size);
         at.min(2 * size - 1 - at)
     };
@@ -96,7 +96,7 @@ mod tests {
             assert!((sum + f64::from(weights[0]) - 1.0).abs() < 1e-6, "{sigma}: {weights:?}");
             let variance: f64 =
                 weights.iter().enumerate().map(|(n, weight)| 2.0 * (n * n) as f64 * f64::from(*weight)).sum();
-            // What is cut off beyond four standard deviations.
+            // The tolerance covers the tails beyond four standard deviations.
             assert!((variance / (sigma * sigma) - 1.0).abs() < 2e-3, "{sigma}: {variance}");
         }
     }

@@ -3,7 +3,7 @@
 use super::{Events, Purpose, blur};
 use crate::RobotId;
 
-/// How the images of a camera differ from what it sees. The default: not at all.
+/// Noise model of a camera's images. The default has no errors.
 ///
 /// First the whole picture is blurred with `blur`; then, in this order, to each pixel:
 ///
@@ -17,13 +17,13 @@ use crate::RobotId;
 pub struct Image {
     /// Standard deviation of the lens's point spread, in pixels; see [`blur`].
     pub blur: f64,
-    /// Standard deviation, in levels of the 255.
+    /// Standard deviation of the added noise, in levels of 0 to 255.
     pub sigma: f64,
-    /// Probability of a pixel that is white or black.
+    /// Probability that a pixel becomes white or black.
     pub salt_and_pepper: f64,
-    /// Share of white among those.
+    /// Share of white pixels among those.
     pub salt: f64,
-    /// Probability of a pixel of random colour.
+    /// Probability that a pixel gets a random colour.
     pub hundreds_and_thousands: f64,
 }
 
@@ -46,11 +46,11 @@ impl ImageErrors {
         Self { model, rows: Events::new(seed, robot, Purpose::Image, device) }
     }
 
-    /// Makes of what the camera sees, in rows of `width` pixels from the top, its frame `frame`: blurred, then with the errors of
+    /// Turns an exact picture, in rows of `width` pixels from the top, into image `frame`: blurs it, then adds the errors of
     /// each row.
     ///
     /// # Panics
-    /// If the pixels are no whole rows, or more than 65536 of them.
+    /// If the number of pixels is not a multiple of `width`, or there are more than 65536 rows.
     pub fn expose<const CHANNELS: usize>(&self, frame: u64, width: usize, pixels: &mut [[u8; CHANNELS]]) {
         blur(self.model.blur, width, pixels);
         for (row, pixels) in pixels.chunks_exact_mut(width.max(1)).enumerate() {
@@ -60,7 +60,7 @@ impl ImageErrors {
 
     /// Adds the errors to row `row` of frame `frame`, whose pixels have `CHANNELS` bytes each.
     ///
-    /// What is drawn is a function of frame and row, so rows may be done in any order, and by several threads.
+    /// The errors are a function of frame and row, so rows may be processed in any order and by several threads.
     pub fn apply<const CHANNELS: usize>(&self, frame: u64, row: u16, pixels: &mut [[u8; CHANNELS]]) {
         let Image { sigma, salt_and_pepper, salt, hundreds_and_thousands, .. } = self.model;
         if sigma > 0.0 {
@@ -91,7 +91,7 @@ impl ImageErrors {
     }
 }
 
-/// The index of what is done to a row: it is a number of its own for each of the three kinds of errors.
+/// Event index of one kind of error in one row; unique for frame, row and kind.
 fn index(frame: u64, row: u16, kind: u64) -> u64 {
     frame << 18 | u64::from(row) << 2 | kind
 }
@@ -134,7 +134,7 @@ mod tests {
             assert_eq!(frame, blurred, "row {row}");
             hits += frame.iter().filter(|pixel| hit(**pixel)).count();
         }
-        // Salt and pepper of a frame that was blurred behind them would be grey.
+        // If salt and pepper were added before the blur, their pixels would be grey.
         assert!((180..300).contains(&hits), "{hits} of 1200");
     }
 

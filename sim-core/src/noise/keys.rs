@@ -5,24 +5,24 @@ use crate::unit::Quantity;
 
 /// A key of a section and the number of the model that it sets.
 pub struct Key<M: 'static> {
-    /// Its name.
+    /// Name of the key.
     pub name: &'static str,
-    /// What its number stands for.
+    /// Physical quantity, unit and range of the number.
     pub quantity: Quantity,
-    /// The number in the model.
+    /// Accessor of the number in the model.
     pub place: Place<M>,
 }
 
-/// The keys of a section, in the order of a profile.
+/// Keys of a section, in the order of a profile.
 pub type Keys<M> = &'static [Key<M>];
 
 const fn key<M>(name: &'static str, quantity: Quantity, place: Place<M>) -> Key<M> {
     Key { name, quantity, place }
 }
 
-/// Greatest error of a distance, mm: more than any sensor sees.
+/// Greatest error of a distance, mm: more than the range of any sensor.
 const FAR: f64 = 1e6;
-/// Fastest that a drive errs, mm/s and degrees/s.
+/// Greatest error of a drive's speed, mm/s and degrees/s.
 const FAST: f64 = 1e5;
 
 const fn spread(name: &'static str) -> Quantity {
@@ -45,7 +45,7 @@ const fn turn(name: &'static str, low: f64) -> Quantity {
     Quantity::angle(name).within(low, 360.0)
 }
 
-/// Of all sensors of distance.
+/// Keys of all distance sensors.
 pub const RANGE: Keys<Range> = &[
     key("sigma_mm", spread("standard deviation"), |range| &mut range.sigma),
     key("sigma_percent", share("standard deviation"), |range| &mut range.sigma_share),
@@ -58,11 +58,11 @@ pub const RANGE: Keys<Range> = &[
     key("drift_s", Quantity::seconds("time of the drift").within(1e-3, 1e9), |range| &mut range.drift_time),
 ];
 
-/// Of those whose own model has noise.
+/// Additional keys of distance sensors whose own model has noise.
 pub const OWN: Keys<Range> =
     &[key("device", Quantity::number("share of the device's own noise", 0.0, 1000.0), |range| &mut range.device)];
 
-/// Of the compass.
+/// Keys of the compass.
 pub const COMPASS: Keys<Angle> = &[
     key("sigma_deg", turn("standard deviation", 0.0), |angle| &mut angle.sigma),
     key("bias_deg", turn("bias", -360.0), |angle| &mut angle.bias),
@@ -70,7 +70,7 @@ pub const COMPASS: Keys<Angle> = &[
     key("step_deg", turn("step", 0.0), |angle| &mut angle.step),
 ];
 
-/// Of the camera.
+/// Keys of the camera.
 pub const CAMERA: Keys<Image> = &[
     key("blur", Quantity::number("blur", 0.0, 20.0), |image| &mut image.blur),
     key("sigma", Quantity::number("standard deviation", 0.0, 255.0), |image| &mut image.sigma),
@@ -81,7 +81,7 @@ pub const CAMERA: Keys<Image> = &[
     }),
 ];
 
-/// Between command and motion.
+/// Keys of the errors between command and motion.
 pub const DRIVE: Keys<Motion> = &[
     key("left_percent", Quantity::percent("error of the left wheels", -50.0, 100.0), |motion| &mut motion.left),
     key("right_percent", Quantity::percent("error of the right wheels", -50.0, 100.0), |motion| &mut motion.right),
@@ -100,7 +100,7 @@ pub const DRIVE: Keys<Motion> = &[
     }),
 ];
 
-/// Between motion and odometry.
+/// Keys of the errors between motion and odometry.
 pub const ODOMETRY: Keys<Motion> = &[
     key("v_sigma_mm_s", SPEED, |motion| &mut motion.odometry.speed),
     key("v_sigma_percent", share("standard deviation of the speed"), |motion| &mut motion.odometry.speed_share),
@@ -112,7 +112,7 @@ pub const ODOMETRY: Keys<Motion> = &[
     key("step_deg", turn("step", 0.0), |motion| &mut motion.resolution.angle),
 ];
 
-/// Of what the radio receives.
+/// Keys of the radio's reception.
 pub const RADIO: Keys<Radio> = &[
     key("bit_error_rate", probability("bit error rate"), |radio| &mut radio.bit_error_rate),
     key("packet_loss", probability("probability of a lost message"), |radio| &mut radio.packet_loss),

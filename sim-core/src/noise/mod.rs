@@ -1,5 +1,5 @@
-//! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, distributions, and the errors that a
-//! profile describes, as far as they are numbers alone; what they do to drives and to readings of sensors is theirs.
+//! Randomness: distributions, random streams keyed so that no reader, robot or device changes the numbers of another, and the noise
+//! models of a profile. Models that act on numbers alone are applied here; `drive` and `device` apply the others.
 
 mod angle;
 mod blur;

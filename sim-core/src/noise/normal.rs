@@ -2,10 +2,10 @@
 
 use crate::math;
 
-/// Half width of the middle, in probability, for which [`MIDDLE`] stands.
+/// Half width, in probability, of the middle interval in which [`MIDDLE`] is valid.
 const MIDDLE_HALF: f64 = 0.425;
 
-/// Where the quantile's rational functions change, in sqrt(-ln(tail probability)).
+/// Boundary between the rational functions of the tail, in sqrt(-ln(tail probability)).
 const FAR: f64 = 5.0;
 
 /// Numerator and denominator of a rational function, from the constant term upwards.
@@ -85,10 +85,10 @@ fn rational([numerator, denominator]: &Rational, x: f64) -> f64 {
     at(numerator) / at(denominator)
 }
 
-/// The number below which a standard normal number lies with `probability`: the inverse of its distribution function.
+/// Quantile of the standard normal distribution: the inverse of its distribution function.
 ///
-/// Relative error below 1e-15; infinite at 0 and 1. One uniform number gives one normal number, so what comes after it in a
-/// stream does not depend on its value. Source: Wichura, algorithm AS 241 (PPND16), Applied Statistics 37 (1988).
+/// Relative error below 1e-15; infinite at 0 and 1. One uniform number gives one normal number, so the numbers that follow in a
+/// stream do not depend on its value. Source: Wichura, algorithm AS 241 (PPND16), Applied Statistics 37 (1988).
 pub fn normal_quantile(probability: f64) -> f64 {
     let from_middle = probability - 0.5;
     if from_middle.abs() <= MIDDLE_HALF {

@@ -1,4 +1,4 @@
-//! The numbers of a profile one by one, by the names of their tables and keys.
+//! Access to the numbers of a profile by table and key.
 
 use super::keys::{CAMERA, COMPASS, DRIVE, Key, Keys, ODOMETRY, OWN, RADIO, RANGE};
 use super::{Profile, RangeKind};
@@ -12,13 +12,13 @@ pub struct Parameter {
     pub table: &'static str,
     /// Its key, such as `sigma_mm`.
     pub key: &'static str,
-    /// What it is, in a few words.
+    /// Description in a few words.
     pub what: &'static str,
     /// Its value, in its unit.
     pub value: f64,
     /// Least and greatest value, in its unit.
     pub range: [f64; 2],
-    /// Such as `mm`; empty for a pure number.
+    /// Unit such as `mm`; empty for a pure number.
     pub unit: &'static str,
 }
 
@@ -29,31 +29,31 @@ impl Parameter {
     }
 }
 
-/// Why a number of a profile cannot be set.
+/// Reason why a number of a profile cannot be set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
-    /// There is none of that name.
+    /// No number has that name.
     #[error("a noise profile has no number `{name}`{}", nearest.as_ref().map(|it| format!(": `{it}`?")).unwrap_or_default())]
     Unknown {
         /// The name.
         name: String,
-        /// The one that is most like it.
+        /// Most similar known name.
         nearest: Option<String>,
     },
-    /// It cannot have that value.
+    /// The value is out of range.
     #[error("`{name}` cannot be {value}: expected {expected}")]
     Range {
         /// The name.
         name: String,
         /// The value.
         value: f64,
-        /// What it can be.
+        /// Allowed values.
         expected: String,
     },
 }
 
 impl Profile {
-    /// All its numbers but those of single sensors, in the order of `docs/noise.md`.
+    /// All numbers except those of single sensors, in the order of `docs/noise.md`.
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
         for_each(&mut self.clone(), &mut |table, key, quantity, value| {
@@ -73,7 +73,7 @@ impl Profile {
     /// Sets the number `name`, such as `psd.sigma_mm`, to `value` in its unit.
     ///
     /// # Errors
-    /// [`ParameterError`]; nothing changes then.
+    /// [`ParameterError`]; the profile is unchanged then.
     pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
         let mut outcome = None;
         for_each(self, &mut |table, key, quantity, place| {
@@ -96,7 +96,7 @@ impl Profile {
     }
 }
 
-/// Visits each number of a profile with its table, key and meaning.
+/// Visits each number of a profile with its table, key and quantity.
 fn for_each(profile: &mut Profile, visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64)) {
     for kind in RangeKind::ALL {
         let own: Keys<_> = if kind.has_own_noise() { OWN } else { &[] };

@@ -1,4 +1,4 @@
-//! The errors of all devices of a robot.
+//! Noise profile: the noise models of all devices of a robot.
 
 use std::collections::BTreeMap;
 
@@ -25,12 +25,12 @@ impl RangeKind {
     /// All kinds, in the order of a profile.
     pub const ALL: [Self; 6] = [Self::Psd, Self::Laser, Self::Ultrasonic, Self::Reflectance, Self::Sonar, Self::Lidar];
 
-    /// True for those whose type gives them a noise N of their own, after France et al.
+    /// Returns true for kinds whose sensor model has a noise term N itself, after France et al.
     pub const fn has_own_noise(self) -> bool {
         !matches!(self, Self::Psd | Self::Lidar)
     }
 
-    /// Its section of a profile.
+    /// Section of this kind in a profile.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Psd => "psd",
@@ -43,15 +43,15 @@ impl RangeKind {
     }
 }
 
-/// Where the number that a key of a profile sets has its place in the model.
+/// Accessor of the number in a noise model that a key of a profile sets.
 pub type Place<M> = fn(&mut M) -> &mut f64;
 
-/// How far the devices of a robot are from perfect. The default: not at all.
+/// Noise models of the devices of a robot. The default has no errors.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
-    /// Sensors of distance by their kind, in the order of [`RangeKind::ALL`].
+    /// Models of distance sensors by kind, in the order of [`RangeKind::ALL`].
     pub ranges: [Range; RangeKind::ALL.len()],
-    /// What is different of single sensors of distance, by their names.
+    /// Overrides for single distance sensors, by name.
     pub sensors: BTreeMap<String, Vec<(Place<Range>, f64)>>,
     /// The compass.
     pub compass: Angle,
@@ -59,12 +59,12 @@ pub struct Profile {
     pub camera: Image,
     /// Drive and odometry.
     pub motion: Motion,
-    /// What the radio receives.
+    /// Reception of the radio.
     pub radio: Radio,
 }
 
 impl Profile {
-    /// The errors of the sensor of this kind and name.
+    /// Noise model of the sensor of this kind and name.
     pub fn range(&self, kind: RangeKind, name: &str) -> Range {
         let mut range = self.ranges[kind as usize];
         for (place, value) in self.sensors.get(name).into_iter().flatten() {

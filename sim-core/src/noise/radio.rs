@@ -1,9 +1,9 @@
-//! Errors of a radio.
+//! Noise model of a radio.
 
 use super::Stream;
 use crate::math::{ln, ln_1p};
 
-/// What the channel does to what a robot receives: what a noise profile says of it. The default: nothing.
+/// Noise model of the channel to one receiver, as a profile gives it. The default has no errors.
 ///
 /// Source: Koestler & Bräunl, section 5.1: the binary symmetric channel with a bit error rate, and whole packets that are lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,14 +15,14 @@ pub struct Radio {
 }
 
 impl Radio {
-    /// True where every message arrives as it was sent.
+    /// Returns true if every message arrives as it was sent.
     pub fn is_perfect(&self) -> bool {
         self.bit_error_rate <= 0.0 && self.packet_loss <= 0.0
     }
 
-    /// Does to `payload` what `stream` says: how many bits are inverted, `None` when the message is lost.
+    /// Inverts bits of `payload` drawn from `stream`; returns their number, or `None` if the message is lost.
     ///
-    /// The loss is drawn first and always, then the gaps between bit errors: so another P_p leaves the errors where they are.
+    /// The loss is drawn first and always, then the gaps between bit errors; so a change of P_p does not move the bit errors.
     pub fn garble(&self, stream: &mut Stream, payload: &mut [u8]) -> Option<u32> {
         if stream.unit() < self.packet_loss {
             return None;
@@ -41,7 +41,7 @@ impl Radio {
         Some(errors)
     }
 
-    /// -ln of the probability that a frame of so many bits is neither lost nor hit; infinite where that is 0.
+    /// -ln of the probability that a frame of `bits` bits arrives without loss and bit error; infinite if that probability is 0.
     pub fn hazard(&self, bits: u32) -> f64 {
         let hit = if self.bit_error_rate > 0.0 { f64::from(bits) * ln_1p(-self.bit_error_rate) } else { 0.0 };
         let lost = if self.packet_loss > 0.0 { ln_1p(-self.packet_loss) } else { 0.0 };
@@ -49,15 +49,15 @@ impl Radio {
     }
 }
 
-/// One of 2^52 equal cells of (0, 1).
+/// Draws one of 2^52 equal cells of (0, 1).
 fn cell(stream: &mut Stream) -> u64 {
     stream.bits() >> 12
 }
 
-/// Right bits before the next wrong one: at least k of them with probability (1 - P_b)^k, to 2^-52.
+/// Number of correct bits before the next bit error: at least k with probability (1 - P_b)^k, to 2^-52.
 ///
-/// The logarithm of the middle of a cell, by that of 1 - P_b: the inverse of the geometric distribution. Source: Devroye 1986,
-/// "Non-Uniform Random Variate Generation", X.2.
+/// The logarithm of the middle of a cell, divided by the logarithm of 1 - P_b: the inverse of the geometric distribution. Source:
+/// Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
 fn gap(cell: u64, ln_right: f64) -> u64 {
     // `as` rounds down, since neither logarithm is positive, and saturates.
     (ln((cell as f64 + 0.5) / CELLS) / ln_right) as u64
@@ -71,7 +71,7 @@ mod tests {
     use crate::RobotId;
     use crate::noise::Purpose;
 
-    /// Share of the cells with at least `count` right bits: gaps fall as cells rise, so their edge is found by halving.
+    /// Share of the cells that give at least `count` correct bits. Gaps decrease with the cell, so bisection finds the boundary.
     fn at_least(count: u64, ln_right: f64) -> f64 {
         let (mut low, mut high) = (0, 1_u64 << 52);
         while low < high {
@@ -88,7 +88,7 @@ mod tests {
             let mut expected = 1.0;
             for count in 0..64 {
                 let found = at_least(count, ln_right);
-                // The edge lies in one cell; logarithm, quotient and product are off by some units in the last place.
+                // The boundary lies within one cell; logarithm, quotient and product have rounding errors of some units in the last place.
                 assert!((found - expected).abs() < 64.0 / CELLS, "{count} right bits at {p}: {found} {expected}");
                 expected *= 1.0 - p;
             }
@@ -102,7 +102,7 @@ mod tests {
             let ln_right = ln_1p(-p);
             let exactly = |gap: u64| at_least(gap, ln_right) - at_least(gap + 1, ln_right);
             for pattern in 0_u64..1 << BITS {
-                // As skipping makes it: a gap before each error, and one that leads beyond the end.
+                // The algorithm that skips: a gap before each error, and a last one beyond the end.
                 let (mut skipping, mut next) = (1.0, 0);
                 for bit in (0..BITS).filter(|bit| pattern >> bit & 1 == 1) {
                     skipping *= exactly(bit - next);
@@ -128,7 +128,7 @@ mod tests {
             assert_eq!(garbled(0.0, 0.0, number), (Some(0), [0b1010_0110; 100]));
             assert_eq!(garbled(1.0, 0.0, number), (Some(800), [0b0101_1001; 100]));
             assert_eq!(garbled(0.3, 1.0, number).0, None);
-            // 2^-52 is as small as it gets: nothing in the life of anybody.
+            // The smallest cell is 2^-52, so such rates give no error in any run.
             for tiny in [1e-17, 1e-300, f64::MIN_POSITIVE, 5e-324] {
                 assert_eq!(garbled(tiny, 0.0, number).0, Some(0));
             }

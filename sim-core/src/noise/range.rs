@@ -1,17 +1,17 @@
-//! Errors of distance sensors and lidars.
+//! Noise models of distance sensors and laser scanners.
 
 use super::{Events, Purpose, Stream};
 use crate::RobotId;
 use crate::math;
 use crate::time::Time;
 
-/// How the readings of a distance sensor differ from the truth. The default: not at all.
+/// Noise model of a distance sensor. The default has no errors.
 ///
-/// Applied in this order, to a distance d seen (or nothing) at the time t since the start of the run:
+/// Applied in this order to a measured distance d (or no return) at the time t since the start of the run:
 ///
-/// 1. with probability `dropout` the reading is nothing, whatever is there;
-/// 2. else with probability `outlier` it is uniform over the sensor's range, whatever is there, even if nothing is;
-/// 3. else nothing stays nothing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with
+/// 1. with probability `dropout` the reading is no return;
+/// 2. else with probability `outlier` it is uniform over the sensor's range, even if there was no return;
+/// 3. else no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with
 ///    s^2 = `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation
 ///    `bias_sigma`, drawn once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
@@ -25,19 +25,19 @@ pub struct Range {
     pub sigma_share: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
-    /// Standard deviation between sensors of an error that all readings of one sensor have, m.
+    /// Standard deviation between sensors of the constant error of each, m.
     pub bias_sigma: f64,
     /// Step of the readings, m; 0 for none.
     pub step: f64,
-    /// Probability of a reading that has nothing to do with the distance.
+    /// Probability of a reading that is independent of the distance.
     pub outlier: f64,
-    /// Probability of a reading of nothing.
+    /// Probability of a reading without return.
     pub dropout: f64,
-    /// Error at the start of the run, m, which dies away.
+    /// Error at the start of the run, m, which decays exponentially.
     pub drift: f64,
-    /// Time in which it dies away to 1/e, s; positive.
+    /// Time constant of the decay, s; positive.
     pub drift_time: f64,
-    /// Share of the noise that the sensor's own model has (the N of France et al.), 0 for none; the reading does not know of it.
+    /// Factor on the noise N of the sensor's own model (France et al.), 0 for none. [`RangeErrors::own`] applies it, a reading does not.
     pub device: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct RangeErrors {
     model: Range,
     readings: Events,
     signals: Events,
-    /// Error of all its readings, m.
+    /// Constant error of this sensor, m.
     offset: f64,
     is_exact: bool,
 }
@@ -82,8 +82,8 @@ impl RangeErrors {
         }
     }
 
-    /// The N = sigma G + mean of the sensor's own model for the reading of this [index](Events::index): the model's `device` is the
-    /// share of it that counts. Source: France et al. (1999), section 4.3.
+    /// Noise N = sigma G + mean of the sensor's own model for the reading of this [index](Events::index), times the factor
+    /// `device` of the noise model. Source: France et al. (1999), section 4.3.
     pub fn own(&self, index: u64, sigma: f64, mean: f64) -> f64 {
         if self.model.device == 0.0 {
             return 0.0;
@@ -91,20 +91,20 @@ impl RangeErrors {
         self.model.device * (sigma * self.signals.at(index).normal() + mean)
     }
 
-    /// Whether all its readings are exact.
+    /// Returns true if all readings are exact.
     pub fn is_exact(&self) -> bool {
         self.is_exact
     }
 
-    /// What the sensor reads at `at` where `exact` is true, in metres; `None` is nothing. A reading lies within `range`, unless there
-    /// are no errors at all: then it is `exact`.
+    /// Reading of the sensor at `at` for the true distance `exact`, in metres; `None` is no return. The reading lies within `range`,
+    /// or equals `exact` if the model has no errors.
     ///
-    /// A reading is a function of all this and of its [index](Events::index).
+    /// The reading is a function of the arguments, which include its [index](Events::index).
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
         self.scan(index, at, range).point(exact)
     }
 
-    /// What a lidar reads: its points in order, each with errors of its own; the error of all its readings is the same.
+    /// Errors of one scan: its points are read in order, each with independent errors and with the sensor's constant error.
     pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
         let stream = (!self.is_exact).then(|| {
             let age = at.seconds() / self.model.drift_time;
@@ -120,15 +120,15 @@ impl RangeErrors {
 pub struct ScanErrors<'a> {
     model: &'a Range,
     range: [f64; 2],
-    /// And the error of all its points; `None` where all readings are exact.
+    /// Random stream and constant error of all points; `None` if all readings are exact.
     stream: Option<(Stream, f64)>,
 }
 
 impl ScanErrors<'_> {
-    /// What the next point reads where `exact` is true.
+    /// Reading of the next point for the true distance `exact`.
     pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
         let Some((stream, offset)) = &mut self.stream else { return exact };
-        // All four are drawn in any case: a probability that is changed changes no other number.
+        // All four are drawn in every case, so that a changed probability changes no other number.
         let (drops, strays, place, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
         let (model, [low, high]) = (self.model, self.range);
         let distance = if drops < model.dropout {
@@ -143,7 +143,7 @@ impl ScanErrors<'_> {
     }
 }
 
-/// The multiple of `step` that is nearest to `value`; the value itself where there are no steps.
+/// The multiple of `step` nearest to `value`; `value` itself if `step` is 0.
 pub(super) fn stepped(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }

@@ -1,4 +1,4 @@
-//! A stream of random bits with a key.
+//! Random streams, each a function of its key.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -7,37 +7,37 @@ use super::normal_quantile;
 use crate::RobotId;
 use crate::time::Time;
 
-/// What a stream is for; the number is part of the key and never changes.
+/// Purpose of a stream; the number is part of the key and never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Purpose {
     /// The generators that a robot's program draws from (`rand` of C and the like).
     Program = 1,
-    /// Where a robot of a random layout starts.
+    /// Start poses of robots in a random layout.
     Layout = 2,
-    /// What a device is by its making, drawn once: event 0.
+    /// Manufacturing tolerance of a device, drawn once: event 0.
     Make = 3,
     /// Readings of a distance sensor, scans of a lidar.
     Range = 4,
-    /// The noise that the model of a sensor has itself.
+    /// Noise within the model of a sensor.
     Signal = 5,
     /// Readings of a compass.
     Compass = 6,
     /// Frames of a camera.
     Image = 7,
-    /// How the drive carries out its commands.
+    /// Errors of the drive between command and motion.
     Command = 8,
-    /// How the drive measures what it did.
+    /// Errors of odometry.
     Odometry = 9,
-    /// What the channel does to a message on its way to one receiver.
+    /// Loss and bit errors of a message on its way to one receiver.
     Radio = 10,
-    /// The fate of the token of a ring.
+    /// Losses of the token of a ring.
     Token = 11,
-    /// The shape of a terrain; the seed is the terrain's own.
+    /// Shape of a terrain; the seed is that of the terrain.
     Terrain = 12,
 }
 
-/// The seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.
+/// Seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.
 fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> [u8; 32] {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -48,9 +48,9 @@ fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64
     key
 }
 
-/// Random bits that are a function of their key alone.
+/// Random bits that depend on the key of the stream alone.
 ///
-/// ChaCha with 8 rounds; the key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different keys never meet. Source:
+/// ChaCha with 8 rounds; the key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different keys never collide. Source:
 /// design section 6; the generator is our choice, for its independence between keys and its speed.
 #[derive(Clone, Debug)]
 pub struct Stream {
@@ -58,8 +58,8 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` tell its streams apart (a seed that a
-    /// program has set). The streams of devices are those of [`Events`].
+    /// Stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` distinguish several of them (such as a seed set
+    /// by a program). Devices use [`Events`] instead.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> Self {
         Self { generator: ChaCha8Rng::from_seed(key(seed, robot, purpose, number, sub_number)) }
     }
@@ -81,9 +81,9 @@ impl Stream {
     }
 }
 
-/// The streams of a device's events: a reading, a scan, a frame, a tick of the drive.
+/// Random streams of a device's events: a reading, a scan, a frame, a tick of the drive.
 ///
-/// What an event draws is a function of (seed, robot, purpose, name of the device, index of the event) alone: the first four
+/// The stream of an event is a function of (seed, robot, purpose, name of the device, index of the event) alone: the first four
 /// are the key, with the name as [`name_key`]; the index is ChaCha's 64-bit stream number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Events {
@@ -96,15 +96,15 @@ impl Events {
         Self { key: key(seed, robot, purpose, 0, name_key(device)) }
     }
 
-    /// What the event of this index draws.
+    /// Stream of the event with this index.
     pub fn at(&self, index: u64) -> Stream {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(index);
         Stream { generator }
     }
 
-    /// The index of what a device with `period` does at `time`: how many whole periods have gone by, so that it does not depend on
-    /// who reads it how often. A device without a period has one of 1 us.
+    /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. So it does not depend on
+    /// how often or by whom the device is read. A device without a period uses 1 us.
     ///
     /// # Panics
     /// If the period is not positive.
@@ -114,7 +114,7 @@ impl Events {
     }
 }
 
-/// A name as part of a key: FNV-1a with 64 bits over its UTF-8 bytes.
+/// Hash of a name as part of a key: FNV-1a with 64 bits over its UTF-8 bytes.
 ///
 /// Source: Fowler, Noll and Vo; RFC 9923.
 pub const fn name_key(name: &str) -> u64 {
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!([stream.bits(), stream.bits()], GOLDEN);
     }
 
-    /// First bits of the stream above: a change of generator or key changes every recorded run.
+    /// First bits of the stream above: a change of generator or key would change every recorded run.
     const GOLDEN: [u64; 2] = [3_252_954_896_834_025_347, 14_015_292_282_578_683_744];
 
     #[test]
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(drawn, GOLDEN_DRAWN, "{drawn:?}");
     }
 
-    /// The same come out of a ChaCha written in another language from its definition.
+    /// Confirmed by an independent implementation of ChaCha, written in another language from its definition.
     const GOLDEN_EVENTS: [u64; 9] = [
         0xa631_bd5f_95b4_d7b2,
         0x551d_90f5_eea6_9fba,

@@ -1,4 +1,4 @@
-//! The rigid bodies of a scene's objects, and their steps.
+//! Rigid bodies of a scene's objects, and their time steps.
 
 mod energy;
 mod friction;
@@ -31,33 +31,33 @@ struct Thing {
     handle: RigidBodyHandle,
     heading: Heading,
     is_held: bool,
-    /// How it was when it was taken out of the world.
+    /// Last state of an object that was removed from the world.
     gone: Option<State>,
 }
 
-/// The objects of a scene as rigid bodies, with its walls.
+/// Objects and walls of a scene as rigid bodies.
 pub struct Bodies {
     world: PhysicsWorld,
     /// In the order of the ids.
     things: Vec<Thing>,
     robots: BTreeMap<RobotId, RigidBodyHandle>,
-    /// Robots that are in the world at present, in ascending order.
+    /// Robots that are enabled in the world, in ascending order.
     present: Vec<RobotId>,
     awake: Vec<Awake>,
-    /// What each body is, by the index of its handle.
+    /// Owner of each rigid body, by the index of its handle.
     owners: Vec<Owner>,
 }
 
-/// An object awake before the step.
+/// An object that is awake before the step.
 struct Awake {
     index: usize,
-    /// What the floor takes of its speed after the step, m/s.
+    /// Speed that floor friction removes after the step, m/s.
     after: f64,
-    /// For an object that is pushed from rest: the direction of the push, and where it stood.
+    /// For an object pushed from rest: the direction of the push, and the object's pose before.
     pushed: Option<(DVec2, RigidPose)>,
 }
 
-/// What a rigid body stands for.
+/// Entity that a rigid body represents.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
     Wall,
@@ -69,26 +69,26 @@ const WALLS: Group = Group::GROUP_1;
 const OBJECTS: Group = Group::GROUP_2;
 const ROBOTS: Group = Group::GROUP_3;
 
-/// Objects that have rested this long sleep, s.
+/// Time at rest after which an object falls asleep, s.
 const SLEEPLESS: f64 = 0.02;
 
 impl Bodies {
-    /// Whether this build has rigid bodies: its feature `objects` is on.
+    /// True if this build has rigid bodies: the feature `objects` is on.
     pub const ARE_BUILT: bool = true;
 
-    /// The objects at rest at their poses, in the order of their ids from 1 on, among `walls`.
+    /// Objects at rest at their poses among `walls`, with ids in order from 1.
     pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         let parameters = &mut world.integration_parameters;
         parameters.dt = STEP.seconds();
         parameters.min_ccd_dt = 0.01 * STEP.seconds();
-        // Contacts of robots and crates are pushed apart within some ms instead of a tenth of a second.
+        // Penetrations of robots and crates are resolved within some ms instead of a tenth of a second.
         parameters.contact_softness = SpringCoefficients::new(240.0, 10.0);
         parameters.static_contact_softness = SpringCoefficients::new(480.0, 10.0);
         parameters.normalized_allowed_linear_error = 1e-5;
         parameters.normalized_max_corrective_velocity = 1.0;
-        // Contacts at their true place in each step, not as they were some mm ago.
+        // Contacts are computed anew in each step, since recycled ones may be some mm off.
         parameters.contact_recycling = false;
         let mut bodies = Self {
             world,
@@ -105,13 +105,13 @@ impl Bodies {
         bodies
     }
 
-    /// One more object, at rest and awake; its id is the next one.
+    /// Adds an object at rest and awake; its id is the next one.
     pub fn add(&mut self, properties: Arc<Properties>, pose: Pose) -> ObjectId {
         self.insert_object(properties, pose);
         ObjectId::from_index(self.things.len() - 1)
     }
 
-    /// Takes an object out of the world; where it was last is kept.
+    /// Removes an object from the world and keeps its last state.
     pub fn remove(&mut self, object: ObjectId) {
         let state = self.state(object);
         let thing = &mut self.things[object.index()];
@@ -120,7 +120,7 @@ impl Bodies {
         }
     }
 
-    /// Takes the body of a robot out of the world, if it was among the objects.
+    /// Removes the body of a robot from the world, if there is one.
     pub fn remove_robot(&mut self, robot: RobotId) {
         self.present.retain(|present| *present != robot);
         if let Some(handle) = self.robots.remove(&robot) {
@@ -128,7 +128,7 @@ impl Bodies {
         }
     }
 
-    /// Whether an object has been taken out of the world.
+    /// Returns true if an object has been removed from the world.
     pub fn is_gone(&self, object: ObjectId) -> bool {
         self.things[object.index()].gone.is_some()
     }
@@ -205,17 +205,17 @@ impl Bodies {
         self.things.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no objects.
     pub fn is_empty(&self) -> bool {
         self.things.is_empty()
     }
 
-    /// The constant facts of an object.
+    /// Constant properties of an object.
     pub fn properties(&self, object: ObjectId) -> &Arc<Properties> {
         &self.things[object.index()].properties
     }
 
-    /// Where an object is, and how it moves; of one that is gone as it was last.
+    /// Pose and velocity of an object; of a removed one the last.
     pub fn state(&self, object: ObjectId) -> State {
         let thing = &self.things[object.index()];
         if let Some(state) = thing.gone {
@@ -229,7 +229,7 @@ impl Bodies {
         }
     }
 
-    /// Gives an object a velocity of its centre of mass, m/s, and a turning speed, rad/s.
+    /// Sets the velocity of an object's centre of mass, m/s, and its turning speed, rad/s.
     pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64) {
         let handle = self.things[object.index()].handle;
         let body = &mut self.world.bodies[handle];
@@ -237,7 +237,7 @@ impl Bodies {
         body.set_angvel(omega, true);
     }
 
-    /// Puts an object at `world_from_object`, at rest and awake.
+    /// Places an object at `world_from_object`, at rest and awake.
     pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
         let thing = &mut self.things[object.index()];
         thing.heading = world_from_object.heading;
@@ -247,13 +247,13 @@ impl Bodies {
         body.set_angvel(0.0, true);
     }
 
-    /// True when an object sleeps: it has not moved for a while, and only a push wakes it; or it is gone.
+    /// Returns true if an object is asleep (at rest for a while; only a push wakes it) or removed.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
         let thing = &self.things[object.index()];
         thing.gone.is_some() || self.world.bodies[thing.handle].is_sleeping()
     }
 
-    /// The objects that do not sleep, in ascending order.
+    /// Objects that are awake, in ascending order.
     pub fn awake(&self) -> impl Iterator<Item = ObjectId> + '_ {
         (0..self.things.len()).map(ObjectId::from_index).filter(|&object| !self.is_asleep(object))
     }
@@ -269,8 +269,8 @@ impl Bodies {
         self.things.iter().filter(|thing| thing.gone.is_none()).map(of_thing).sum()
     }
 
-    /// Goes on by one [`STEP`] with these robots among the objects, in the order of their ids; tells what becomes of each
-    /// in `pushes`, in the same order.
+    /// Advances by one [`STEP`] with `robots` among the objects, in the order of their ids; writes the effect on each robot to
+    /// `pushes`, in the same order.
     pub fn step(&mut self, robots: &[Pusher], pushes: &mut Vec<Push>) {
         self.place_robots(robots);
         let mut before = self.velocities();
@@ -284,7 +284,7 @@ impl Bodies {
         pushes.extend(robots.iter().map(|robot| self.push_of(robot.robot)));
     }
 
-    /// Puts the robots where they are, and those that were there and are no more out of the world.
+    /// Places the bodies of `robots`, and disables those of robots that are not among them any more.
     fn place_robots(&mut self, robots: &[Pusher]) {
         for &robot in &self.present {
             if robots.binary_search_by_key(&robot, |pusher| pusher.robot).is_err() {
@@ -339,7 +339,7 @@ impl Bodies {
         self.robots.insert(pusher.robot, handle);
     }
 
-    /// The first part of floor friction; holds what static friction holds.
+    /// Applies the first part of floor friction; locks the objects that static friction holds.
     fn slow_before(&mut self) {
         self.awake.clear();
         for index in 0..self.things.len() {
@@ -363,10 +363,10 @@ impl Bodies {
             if velocity == Velocity::ZERO {
                 let push = self.possible_push(index) / thing.properties.mass;
                 let strength = push.length();
-                // What nothing leans on is free: it may have to be pushed out of a wall.
+                // An object that no body presses against stays free: the solver may have to move it out of a wall.
                 is_held = strength > 0.0 && strength <= whole;
                 if strength > whole {
-                    // Friction takes its part at once, so that it holds against the push and not only against its outcome.
+                    // Friction takes its whole share before the step: it acts against the push and not only against the resulting motion.
                     pushed = Some((push / strength, *body.position()));
                     after = 0.0;
                 }
@@ -391,9 +391,9 @@ impl Bodies {
         self.world.bodies[thing.handle].set_locked_axes(locked, false);
     }
 
-    /// The most that its neighbours can give to an object at rest in the next step, N s.
+    /// Upper bound of the impulse of the neighbours on an object at rest in the next step, N s.
     ///
-    /// Below what friction can take in a step the object stays where it is, as when a robot without enough traction leans
+    /// Below the impulse of friction in a step the object stays where it is, as when a robot without enough traction leans
     /// against a crate.
     fn possible_push(&self, index: usize) -> DVec2 {
         let thing = &self.things[index];
@@ -406,11 +406,11 @@ impl Bodies {
         push
     }
 
-    /// The most that the other body of a pair can give to `collider`'s, which rests, in the next step, N s.
+    /// Upper bound of the impulse of a pair's other body on the resting body of `collider` in the next step, N s.
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };
-        // Of a body that was taken out after the last step the pair is still there.
+        // The narrow phase still has the pairs of a body that was removed after the last step.
         let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { return DVec2::ZERO };
         let body = &self.world.bodies[parent];
         if body.is_fixed() || body.locked_axes() == LockedAxes::all() {
@@ -418,7 +418,7 @@ impl Bodies {
         }
         let mut hardest = (0.0, DVec2::ZERO);
         for manifold in pair.manifolds() {
-            // From the first body to the second one: towards the object.
+            // The normal points from the first body to the second one; `towards` points to the object.
             let towards = if is_first { -manifold.data.normal } else { manifold.data.normal };
             for point in &manifold.points {
                 let world_from_other = self.world.colliders[other].position();
@@ -426,7 +426,7 @@ impl Bodies {
                 let at = world_from_other.transform_point(local);
                 let approach = body.velocity_at_point(at).dot(towards);
                 let is_new = point.data.impulse == 0.0;
-                // The distance is that before the last step.
+                // `dist` is the distance before the last step.
                 if 3.0 * approach * STEP.seconds() >= point.dist {
                     let bounce = if is_new { restitution } else { 0.0 };
                     let impulse = body.mass() * approach * (1.0 + bounce);
@@ -439,7 +439,7 @@ impl Bodies {
         hardest.1
     }
 
-    /// The second part of floor friction.
+    /// Applies the second part of floor friction.
     fn slow_after(&mut self) {
         for Awake { index, after, pushed } in &self.awake {
             let thing = &self.things[*index];
@@ -448,7 +448,7 @@ impl Bodies {
             if let Some((direction, pose)) = pushed
                 && velocity.linear.dot(*direction) <= 0.0
             {
-                // The push did not come, or friction was stronger.
+                // There was no push after all, or friction was stronger.
                 body.set_position(*pose, false);
                 set_velocity(body, Velocity::ZERO);
             } else if *after > 0.0 && velocity != Velocity::ZERO {
@@ -457,7 +457,7 @@ impl Bodies {
         }
     }
 
-    /// Counts the objects' turns.
+    /// Updates the headings of the objects, with whole turns.
     fn turn(&mut self) {
         for thing in self.things.iter_mut().filter(|thing| thing.gone.is_none()) {
             let body = &self.world.bodies[thing.handle];
@@ -478,7 +478,7 @@ impl Bodies {
         velocities
     }
 
-    /// Takes what friction has left of the velocities; not those that stand for friction against a push.
+    /// Updates `velocities` after friction, except for objects whose velocity represents friction against a push.
     fn velocities_after_friction(&self, velocities: &mut [Velocity]) {
         for awake in self.awake.iter().filter(|awake| awake.pushed.is_none()) {
             let handle = self.things[awake.index].handle;
@@ -486,7 +486,7 @@ impl Bodies {
         }
     }
 
-    /// Takes away what the step has added to the energy of each island of touching bodies.
+    /// Removes the energy that the step has added to each island of touching bodies.
     fn limit_energy(&mut self, before: &[Velocity]) {
         let mut islands = Islands::new(self.owners.len());
         for pair in self.world.narrow_phase.contact_pairs() {
@@ -531,7 +531,7 @@ impl Bodies {
         }
     }
 
-    /// True for a body that a step can move.
+    /// Returns true for a body that a step can move.
     fn is_fast(&self, handle: RigidBodyHandle) -> bool {
         let body = &self.world.bodies[handle];
         body.is_dynamic() && body.locked_axes().is_empty()
@@ -547,7 +547,7 @@ impl Bodies {
         }
     }
 
-    /// What the step has made of a robot.
+    /// Effect of the step on a robot.
     fn push_of(&self, robot: RobotId) -> Push {
         let body = &self.world.bodies[self.robots[&robot]];
         let mut touch: Option<Touch> = None;
@@ -580,7 +580,7 @@ impl Clone for Bodies {
             narrow_phase: narrow_phase.clone(),
             bodies: bodies.clone(),
             colliders: colliders.clone(),
-            // Pipelines and solver keep nothing but memory from step to step; joints and soft bodies there are none.
+            // Pipelines and solver keep only buffers between steps; joints and soft bodies are not used.
             ..PhysicsWorld::new()
         };
         Self {
@@ -600,7 +600,7 @@ impl std::fmt::Debug for Bodies {
     }
 }
 
-/// Sets of bodies that act on each other.
+/// Sets of bodies that touch each other, as a union-find structure.
 struct Islands {
     parents: Vec<usize>,
     held: Vec<bool>,

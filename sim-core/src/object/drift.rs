@@ -1,14 +1,14 @@
-//! How an object is seen during a slot: as it was at the slot's start, slowed by the floor, met by nothing.
+//! Published motion of an object during a slot: extrapolated from the slot's start with floor friction, without contacts.
 
 use super::{Properties, State, floor::Velocity};
 use crate::{pose::Pose, scene::Bounds, time::Time};
 
-/// The public trajectory of an object from an instant on: straight, with constant decelerations until it rests.
+/// Published trajectory of an object from an instant on: straight, with constant decelerations until it rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// When the state holds.
+    /// Start of the trajectory.
     pub since: Time,
-    /// Where it starts.
+    /// State at the start.
     pub state: State,
     /// Deceleration of the centre of mass, m/s².
     deceleration: f64,
@@ -41,7 +41,7 @@ impl Drift {
         Pose { position: moved.transform_point(-properties.centre_of_mass), heading }
     }
 
-    /// A rectangle that holds the object until `until`.
+    /// A rectangle that contains the object from the start to `until`.
     pub fn bounds(&self, properties: &Properties, until: Time) -> Bounds {
         if self.state.is_resting() {
             return properties.bounds(&self.state.world_from_object);
@@ -52,7 +52,7 @@ impl Drift {
     }
 }
 
-/// Way of something with this speed and deceleration in `seconds`.
+/// Distance covered in `seconds` with this initial speed and deceleration.
 fn covered(speed: f64, deceleration: f64, seconds: f64) -> f64 {
     let seconds = if deceleration > 0.0 { seconds.min(speed / deceleration) } else { seconds };
     (speed - 0.5 * deceleration * seconds) * seconds

@@ -1,14 +1,14 @@
-//! How the floor slows a moving object.
+//! Floor friction of a moving object.
 //!
-//! Friction under a body that slides and turns at once lies on the ellipsoid of greatest dissipation (Goyal, Ruina and
+//! The friction of a body that slides and turns at the same time lies on the ellipsoid of greatest dissipation (Goyal, Ruina and
 //! Papadopoulos 1991; Howe and Cutkosky 1996): with the arm p of the friction torque, mean distance of the floor's points
-//! from the centre, the force goes as v / l and the torque as p² w / l, where l² = v² + p² w². For a disc p is 2/3 of its
-//! radius, which is 2 sqrt(2) / 3 of its radius of gyration k; that share is taken for all shapes (for a square it is 0.6 %
-//! too much, for a long bar 9 %): then p² / k² = 8/9.
+//! from the centre, the force is proportional to v / l and the torque to p² w / l, where l² = v² + p² w². For a disc p is 2/3 of
+//! its radius, which is 2 sqrt(2) / 3 of its radius of gyration k; that ratio is used for all shapes (for a square it is 0.6 %
+//! too large, for a long bar 9 %): then p² / k² = 8/9.
 
 use glam::DVec2;
 
-/// Square of the arm of the friction torque over the square of the radius of gyration.
+/// Square of the arm of the friction torque divided by the square of the radius of gyration.
 pub(super) const ARM: f64 = 8.0 / 9.0;
 
 /// Velocity of the centre of mass, m/s, and turning speed, rad/s.
@@ -24,7 +24,7 @@ impl Velocity {
         (self.linear.length_squared() + ARM * gyration_squared * self.omega * self.omega).sqrt()
     }
 
-    /// Decelerations at this velocity: of the centre, m/s², and of the turn, rad/s².
+    /// Decelerations at this velocity: of the centre, m/s², and of the rotation, rad/s².
     pub fn decelerations(&self, deceleration: f64, gyration_squared: f64) -> (f64, f64) {
         let sliding = self.sliding(gyration_squared);
         if sliding == 0.0 {

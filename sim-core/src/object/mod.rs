@@ -1,10 +1,10 @@
 //! Movable objects: rigid bodies in the plane that robots push and kick, that push each other and come to rest.
 //!
-//! The room knows shapes, masses and friction. Motion goes on in steps of [`STEP`] on the global grid of virtual time;
-//! contacts are solved by rapier, floor friction and rolling resistance are ours, and no step raises the energy. It knows
-//! neither files nor what a robot does about a push: robots come as discs with a velocity ([`Pusher`]).
+//! Contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual time;
+//! rapier solves the contacts, floor friction and rolling resistance are our own, and no step raises the energy. Files and the
+//! reaction of a robot to a push are not known here: robots are discs with a velocity ([`Pusher`]).
 //!
-//! The solver is built with the feature `objects`; without it [`Bodies`] cannot be made, and scenes that need them are refused.
+//! The solver is built with the feature `objects`; without it [`Bodies`] cannot be constructed, and scenes that need them are refused.
 
 #[cfg(feature = "objects")]
 mod bodies;
@@ -34,12 +34,12 @@ pub const STEP: Time = Time::from_millis(1);
 /// Standard acceleration of gravity, m/s².
 pub const GRAVITY: f64 = 9.80665;
 
-/// What the floor does to a moving object.
+/// Resistance of the floor to a moving object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resistance {
-    /// It slides: coefficient of Coulomb friction, 0 or more.
+    /// The object slides: coefficient of Coulomb friction, 0 or more.
     Sliding(f64),
-    /// It rolls: deceleration over gravity, 0 or more.
+    /// The object rolls: deceleration over gravity, 0 or more.
     Rolling(f64),
 }
 
@@ -56,11 +56,11 @@ impl Resistance {
 pub struct Part {
     /// Its outline, in its own frame.
     pub shape: Shape,
-    /// Its place in the object.
+    /// Pose in the object's frame.
     pub object_from_part: Pose,
 }
 
-/// The constant facts of an object.
+/// Constant properties of an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Properties {
     /// Mass, kg; positive.
@@ -69,11 +69,11 @@ pub struct Properties {
     pub centre_of_mass: DVec2,
     /// The footprint; not empty.
     pub parts: Vec<Part>,
-    /// What the floor does to it.
+    /// Resistance of the floor.
     pub resistance: Resistance,
-    /// Coefficient of restitution, 0 to 1; of two objects the lower one holds (our choice).
+    /// Coefficient of restitution, 0 to 1; between two objects the lower one applies (our choice).
     pub restitution: f64,
-    /// Coefficient of friction against walls, robots and other objects; of two objects the lower one holds (our choice).
+    /// Coefficient of friction against walls, robots and other objects; between two objects the lower one applies (our choice).
     pub contact_friction: f64,
 }
 
@@ -122,7 +122,7 @@ impl Properties {
         self.parts.iter().map(of_part).collect()
     }
 
-    /// Distance along a ray to the footprint of an object at `world_from_object`: 0 from inside, `None` when it is missed.
+    /// Distance along a ray to the footprint of an object at `world_from_object`: 0 from inside, `None` for a miss.
     ///
     /// `direction` is a unit vector of the world.
     pub fn cast(&self, world_from_object: &Pose, origin: DVec2, direction: DVec2) -> Option<f64> {
@@ -136,7 +136,7 @@ impl Properties {
     }
 }
 
-/// Where an object is and how it moves.
+/// Pose and velocity of an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Pose of the object's frame.
@@ -148,7 +148,7 @@ pub struct State {
 }
 
 impl State {
-    /// True when nothing moves.
+    /// Returns true if the object does not move.
     pub fn is_resting(&self) -> bool {
         self.velocity == DVec2::ZERO && self.omega == 0.0
     }

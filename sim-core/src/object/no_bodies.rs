@@ -1,4 +1,4 @@
-//! Takes the place of the rigid bodies in a build without the feature `objects`: a type without values.
+//! Stand-in for the rigid bodies in a build without the feature `objects`: a type without values.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -8,13 +8,13 @@ use glam::DVec2;
 use super::{Properties, Push, Pusher, State};
 use crate::{ObjectId, RobotId, pose::Pose, scene::Walls};
 
-/// The objects of a scene as rigid bodies: none can be made in this build.
+/// Objects of a scene as rigid bodies; cannot be constructed in this build.
 #[derive(Clone, Debug)]
 pub struct Bodies(Infallible);
 
 #[expect(missing_docs, reason = "documented where they are built")]
 impl Bodies {
-    /// Whether this build has rigid bodies: its feature `objects` is off.
+    /// True if this build has rigid bodies: the feature `objects` is off.
     pub const ARE_BUILT: bool = false;
 
     /// # Panics

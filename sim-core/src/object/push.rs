@@ -1,4 +1,4 @@
-//! Robots among the objects: what pushes them, and what that makes of a robot's motion.
+//! Robots among the objects: pushing robots, and the effect of a step on their motion.
 
 use glam::DVec2;
 
@@ -7,11 +7,11 @@ use crate::{ObjectId, RobotId};
 /// A robot among the objects during a step: a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pusher {
-    /// Whose body.
+    /// The robot.
     pub robot: RobotId,
     /// Centre at the step's start, m.
     pub centre: DVec2,
-    /// Mean velocity of the centre that it is on its way with, m/s.
+    /// Mean velocity of the centre during the step without objects, m/s.
     pub velocity: DVec2,
     /// Turning speed, rad/s.
     pub omega: f64,
@@ -19,25 +19,25 @@ pub struct Pusher {
     pub radius: f64,
     /// Mass, kg.
     pub mass: f64,
-    /// True for a body that nothing pushes.
+    /// The objects cannot move this body.
     pub is_immovable: bool,
 }
 
-/// What a step has made of a robot's motion.
+/// Effect of a step on a robot's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// Velocity of the centre that the objects leave it, m/s.
+    /// Velocity of the centre after the step, m/s.
     pub velocity: DVec2,
     /// Turning speed, rad/s.
     pub omega: f64,
-    /// The object that it presses hardest, if it presses one.
+    /// The object with the strongest contact, if there is one.
     pub touch: Option<Touch>,
 }
 
 /// An object in contact with a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Which object.
+    /// The object.
     pub object: ObjectId,
     /// Impulse of the step, N s.
     pub impulse: f64,

@@ -10,16 +10,16 @@ pub enum Shape {
         /// Its radius, m.
         radius: f64,
     },
-    /// A rectangle along the axes.
+    /// A rectangle along the axes of the frame.
     Rectangle {
-        /// Half of its sizes, m.
+        /// Half of its side lengths, m.
         half: DVec2,
     },
-    /// All points within `radius` of the stretch from -`half_length` to `half_length` on the x axis.
+    /// All points within `radius` of the segment from -`half_length` to `half_length` on the x axis.
     Capsule {
-        /// Half of the length of the stretch, m.
+        /// Half of the length of the segment, m.
         half_length: f64,
-        /// Distance from the stretch, m.
+        /// Distance from the segment, m.
         radius: f64,
     },
 }
@@ -43,7 +43,7 @@ impl Shape {
             Self::Rectangle { half } => half.length_squared() / 3.0,
             Self::Capsule { half_length: h, radius: r } => {
                 let (disc, middle) = (std::f64::consts::PI * r * r, 4.0 * h * r);
-                // The half discs: about their own centroids, which lie 4 r / (3 pi) outside the ends of the stretch.
+                // The half discs: about their centroids, which lie 4 r / (3 pi) outside the ends of the segment.
                 let centroid = 4.0 * r / (3.0 * std::f64::consts::PI);
                 let of_caps = 0.5 * r * r - centroid * centroid + (h + centroid) * (h + centroid);
                 (disc * of_caps + middle * (h * h + r * r) / 3.0) / (disc + middle)
@@ -60,7 +60,7 @@ impl Shape {
         }
     }
 
-    /// The rectangle around the shape.
+    /// The axis-aligned rectangle of the world around the shape.
     pub fn bounds(&self, world_from_part: &Pose) -> Bounds {
         let axis = world_from_part.heading.direction();
         let half = match *self {
@@ -86,8 +86,8 @@ impl Shape {
         }
     }
 
-    /// The corners of the shape, counter-clockwise in the part's frame; in place of a circle a regular polygon of 64 sides
-    /// around it, which is farther out by at most 1.3 thousandths of the radius.
+    /// The corners of the shape, counter-clockwise in the part's frame. A circle is replaced by a circumscribed regular polygon of
+    /// 64 sides, which lies outside by at most 1.3 thousandths of the radius.
     pub fn outline(&self) -> Vec<DVec2> {
         const SIDES: usize = 64;
         let circle = |radius: f64| {
@@ -107,7 +107,7 @@ impl Shape {
         }
     }
 
-    /// The point of the shape that is nearest to `point`, in the part's frame: that itself, when it lies inside.
+    /// The point of the shape nearest to `point`, in the part's frame; `point` itself if it lies inside.
     pub fn nearest_point(&self, point: DVec2) -> DVec2 {
         let (core, radius) = match *self {
             Self::Disc { radius } => (DVec2::ZERO, radius),
@@ -143,7 +143,7 @@ pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: 
         return Some(0.0);
     }
     let along = offset.dot(direction);
-    // From the foot of the perpendicular, which keeps the digits of a disc far away.
+    // Computed from the foot of the perpendicular, to keep precision for a disc far away.
     let aside = (offset - direction * along).length_squared();
     let half_chord = radius * radius - aside;
     (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
@@ -204,7 +204,7 @@ mod tests {
                 let origin = DVec2::new(cos, sin) * (0.05 + 0.001 * f64::from(step));
                 let (sin, cos) = math::sin_cos(f64::from(step) * 1.3);
                 let direction = DVec2::new(cos, sin);
-                // By small safe steps along the ray.
+                // March in small safe steps along the ray.
                 let mut travelled = 0.0;
                 while travelled < 3.0 && shape.distance(origin + direction * travelled) > 1e-9 {
                     travelled += shape.distance(origin + direction * travelled);

@@ -1,4 +1,4 @@
-//! Shapes in space, for rays: prisms over footprints, capsules, and meshes.
+//! Three-dimensional shapes for ray casts: prisms over footprints, capsules, and meshes.
 
 use std::sync::Arc;
 
@@ -10,49 +10,48 @@ use crate::{
     scene::{Bounds, MeshIndex, Surface},
 };
 
-/// A part of a body's shape in space, in the body's frame (x forward, y left, z up), in metres.
+/// A part of a body's shape in three dimensions, in the body's frame (x forward, y left, z up), in metres.
 #[derive(Clone, Debug)]
 pub enum Solid {
-    /// All that stands between two heights over a footprint: a box, an upright cylinder.
+    /// A footprint extruded between two heights: a box, an upright cylinder.
     Prism {
         /// The footprint, in its own frame.
         footprint: Shape,
-        /// Its place in the body.
+        /// Pose of the footprint in the body's frame.
         body_from_footprint: Pose,
         /// Height of the lower face.
         bottom: f64,
-        /// Height of the upper face; infinite for as high as it takes.
+        /// Height of the upper face; infinite for a body without a top.
         top: f64,
     },
-    /// All points within `radius` of the stretch between two points; a sphere, when they are one.
+    /// All points within `radius` of a segment; a sphere if the ends of the segment are equal.
     Capsule {
-        /// The stretch's ends.
+        /// Ends of the segment.
         ends: [DVec3; 2],
-        /// Distance from the stretch; positive.
+        /// Distance from the segment; positive.
         radius: f64,
     },
-    /// The triangles of a mesh, met from either side: a surface, with nothing inside.
+    /// The triangles of a mesh, hit from either side: a surface without interior.
     Mesh(Arc<MeshIndex>),
 }
 
-/// A body's shape in space and its surface.
+/// Three-dimensional shape of a body and its surface.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
     /// The parts, in the body's frame.
     pub solids: Vec<Solid>,
-    /// What all of it is made of.
+    /// Surface of all parts.
     pub surface: Surface,
 }
 
-/// Where a ray meets a surface.
+/// Hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met {
     /// Distance from the ray's origin, m; 0 when the origin lies inside.
     pub distance: f64,
-    /// Unit vector perpendicular to the surface, on the side from which the ray comes; against the ray when the origin lies
-    /// inside.
+    /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray if the origin lies inside.
     pub normal: DVec3,
-    /// Principal curvatures of the surface, 1/m: 0 where it is plane, 1 over the radius where it bulges.
+    /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 over the radius for a convex one.
     pub curvature: DVec2,
 }
 
@@ -64,12 +63,12 @@ impl Figure {
         Self { solids: vec![solid], surface }
     }
 
-    /// A rough upright cylinder around the body's origin, as high as it takes.
+    /// An upright cylinder of infinite height around the body's origin, with the default surface.
     pub fn upright(radius: f64) -> Self {
         Self::cylinder(radius, f64::INFINITY, Surface::default())
     }
 
-    /// The footprint of `properties`, as high as it takes.
+    /// The footprint of `properties`, extruded to infinite height.
     pub fn endless(properties: &Properties, surface: Surface) -> Arc<Self> {
         let solids = properties.parts.iter().map(|part| Solid::Prism {
             footprint: part.shape,
@@ -80,17 +79,16 @@ impl Figure {
         Arc::new(Self { solids: solids.collect(), surface })
     }
 
-    /// Where a ray of the world first meets a body of this shape at `world_from_body`; what lies beyond `range` metres may
-    /// be missing.
+    /// First hit of a ray (world frame) on a body of this shape at `world_from_body`; hits beyond `range` metres may be missed.
     ///
-    /// `direction` is a unit vector. A ray that starts inside meets it at 0; so does one that starts on it.
+    /// `direction` is a unit vector. A ray that starts inside or on the body hits it at distance 0.
     pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
         self.first_met(world_from_body, origin, direction, |solid, origin, direction| {
             solid.cast(origin, direction, range)
         })
     }
 
-    /// As [`Figure::cast`] of its meshes alone.
+    /// First hit as [`Figure::cast`], on meshes only.
     pub fn cast_meshes(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
         self.first_met(world_from_body, origin, direction, |solid, origin, direction| match solid {
             Solid::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
@@ -98,12 +96,12 @@ impl Figure {
         })
     }
 
-    /// Whether a part of it is a mesh.
+    /// Returns true if a part of the figure is a mesh.
     pub fn has_mesh(&self) -> bool {
         self.solids.iter().any(|solid| matches!(solid, Solid::Mesh(_)))
     }
 
-    /// As [`Figure::cast`] for prisms that are hollow: a ray that starts inside meets the face where it comes out.
+    /// First hit as [`Figure::cast`], but prisms are hollow: a ray that starts inside hits the face through which it leaves.
     pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<Met> {
         self.first_met(world_from_body, origin, direction, Solid::cast_hollow)
     }
@@ -122,12 +120,12 @@ impl Figure {
         Some(Met { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
     }
 
-    /// The rectangle around the body as seen from above.
+    /// The rectangle around the body in plan view.
     pub fn bounds(&self, world_from_body: &Pose) -> Bounds {
         self.solids.iter().map(|solid| solid.bounds(world_from_body)).fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// Visits the point of each part but meshes that is nearest to `point`, both in the world.
+    /// Calls `visit` with the point of each part nearest to `point`, both in the world frame; meshes are left out.
     pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
         let axis = world_from_body.heading.direction();
         let local = into(world_from_body.position, axis, point);
@@ -138,7 +136,7 @@ impl Figure {
         }
     }
 
-    /// Height up to which it is as at the floor, seen from the side; 0 for what is no prism on the floor.
+    /// Height up to which the outline equals that at the floor; 0 if a part is not a prism on the floor.
     pub fn prism_top(&self) -> f64 {
         let top = |solid: &Solid| match *solid {
             Solid::Prism { bottom, top, .. } if bottom <= 0.0 => top,
@@ -149,7 +147,7 @@ impl Figure {
 }
 
 impl Solid {
-    /// Where a ray of the body's frame first meets it.
+    /// First hit of a ray in the body's frame.
     fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
         match self {
             Self::Prism { .. } => {
@@ -166,7 +164,7 @@ impl Solid {
         Some(if span.enter < 0.0 { Met { distance: span.leave, ..inside(direction) } } else { span.met() })
     }
 
-    /// The stretch of a ray's line inside a prism; `None` for what is no prism, or missed.
+    /// Interval of a ray's line inside a prism; `None` for a miss and for other shapes.
     fn span(&self, origin: DVec3, direction: DVec3) -> Option<Span> {
         let Self::Prism { footprint, body_from_footprint, bottom, top } = self else { return None };
         let axis = body_from_footprint.heading.direction();
@@ -195,13 +193,13 @@ impl Solid {
                 let corners = [low, low.with_x(high.x), low.with_y(high.y), high];
                 let bounds =
                     Bounds::of_points(corners.map(|corner| world_from_body.transform_point(corner.truncate())));
-                // The index decides within rounding.
+                // A margin for rounding; the index decides exactly.
                 bounds.grown(1e-9)
             }),
         }
     }
 
-    /// The point of it that is nearest to `point`: that itself, when it lies inside; `None` for a mesh.
+    /// Point of the solid nearest to `point`; `point` itself if it lies inside, `None` for a mesh.
     fn nearest_point(&self, point: DVec3) -> Option<DVec3> {
         match self {
             Self::Prism { footprint, body_from_footprint, bottom, top } => {
@@ -219,21 +217,21 @@ impl Solid {
     }
 }
 
-/// The stretch of a line inside a convex shape, as distances from the ray's origin, negative ones behind it.
+/// Interval of a line inside a convex shape, as distances from the ray's origin, negative behind it.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    /// Where the line goes in.
+    /// Entry.
     enter: f64,
-    /// Where it comes out.
+    /// Exit.
     leave: f64,
-    /// Outward normal where it goes in.
+    /// Outward normal at the entry.
     normal: DVec3,
-    /// Curvature of the side where it goes in, in the floor plane, 1/m.
+    /// Curvature of the surface at the entry, in the floor plane, 1/m.
     curvature: f64,
 }
 
 impl Span {
-    /// Where the line goes in.
+    /// Hit at the entry.
     fn met(&self) -> Met {
         Met { distance: self.enter, normal: self.normal, curvature: DVec2::new(self.curvature, 0.0) }
     }
@@ -243,12 +241,12 @@ fn inside(direction: DVec3) -> Met {
     Met { distance: 0.0, normal: -direction, curvature: DVec2::ZERO }
 }
 
-/// `point` in the frame at `position` whose x axis is `axis`; heights are the same.
+/// Transforms `point` into the frame at `position` whose x axis is `axis`; heights are unchanged.
 fn into(position: DVec2, axis: DVec2, point: DVec3) -> DVec3 {
     DVec2::new(axis.x, -axis.y).rotate(point.truncate() - position).extend(point.z)
 }
 
-/// Where a coordinate that starts at `origin` and grows by `speed` is between `low` and `high`, these included.
+/// Interval of times in which a coordinate that starts at `origin` and grows by `speed` is between `low` and `high`, inclusive.
 fn slab(low: f64, high: f64, origin: f64, speed: f64) -> Option<(f64, f64)> {
     if speed == 0.0 {
         return (low <= origin && origin <= high).then_some((f64::NEG_INFINITY, f64::INFINITY));
@@ -257,7 +255,7 @@ fn slab(low: f64, high: f64, origin: f64, speed: f64) -> Option<(f64, f64)> {
     Some((one.min(other), one.max(other)))
 }
 
-/// The part of a line over a footprint; `direction` is the horizontal part of a unit vector, perhaps nothing.
+/// Interval of a line over a footprint; `direction` is the horizontal part of a unit vector, possibly zero.
 fn span_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<Span> {
     match *shape {
         Shape::Disc { radius } => span_of_disc(origin, direction, DVec2::ZERO, radius),
@@ -304,11 +302,11 @@ fn span_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> 
     })
 }
 
-/// Distance along a line to the foot of the perpendicular from a ball's centre, at `offset` from the line's origin, and
-/// half of the line's chord in the ball.
+/// Distance along a line to the foot of the perpendicular from a sphere's centre, at `offset` from the line's origin, and
+/// half of the line's chord in the sphere.
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
-    // From the foot of the perpendicular, which keeps the digits of a ball far away.
+    // Computed from the foot of the perpendicular, to keep precision for a sphere far away.
     let aside = (offset - direction * along).length_squared();
     let half_chord = radius * radius - aside;
     (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))
@@ -351,7 +349,7 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         let normal = (point - ends[0] - axis * height).normalize_or_zero();
         is_met.then_some(Met { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
     };
-    // From outside, what lies deepest in front is the surface of the whole.
+    // The origin lies outside, so the nearest hit on a part is the hit on the whole.
     let met = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
     met.min_by(|one, other| one.distance.total_cmp(&other.distance))
         .map(|met| Met { distance: met.distance.max(0.0), ..met })

@@ -1,4 +1,4 @@
-//! Chains of links: rigid parts that turn about joints.
+//! Chains of links: rigid parts connected by joints.
 
 use glam::DVec3;
 
@@ -7,18 +7,18 @@ use super::Pose3;
 /// A rigid part of a robot that turns about an axis, on the body or on another part: a pan head, a tibia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// The part that bears it, by its place in the robot's list of links; `None` for the body.
+    /// Parent part, as an index into the robot's list of links; `None` for the body.
     pub parent: Option<usize>,
-    /// The link's frame in the frame of what bears it, where the angle is 0.
+    /// The link's frame in the parent's frame at joint angle 0.
     pub origin: Pose3,
     /// Axis of the joint through the link's origin, a unit vector of the link's frame; angles are right-handed about it.
     pub axis: DVec3,
-    /// The joint whose angle turns it, by its place in the list of angles (those of the servos, then those of the legs);
-    /// `None` for a rigid one.
+    /// Joint that rotates the link, as an index into the list of angles (first those of the servos, then those of the
+    /// legs); `None` for a fixed link.
     pub joint: Option<usize>,
 }
 
-/// Pose of link `index` in the robot's frame, the joints standing at `angles` (rad, in the order of their places).
+/// Pose of link `index` in the robot's frame at the joint angles `angles` (rad, in the order of the joints' indices).
 ///
 /// # Panics
 /// If there is no such link or angle, or a link comes before its parent in the list.
@@ -64,7 +64,7 @@ mod tests {
         let links = [hip, knee, foot];
         let at = |angles: &[f64]| link_pose(&links, angles, 2);
         assert!((at(&[0.0, 0.0]).position - DVec3::new(0.1, 0.0, 0.1)).length() < 1e-15);
-        // Right-handed about y: what hangs down swings backwards.
+        // Right-handed about y: a hanging part swings backwards.
         let raised = at(&[FRAC_PI_2, -FRAC_PI_2]);
         assert!((raised.position - DVec3::new(0.5, 0.0, 0.5)).length() < 1e-15, "{raised:?}");
         assert!((raised.forward() - DVec3::X).length() < 1e-15);

@@ -1,4 +1,4 @@
-//! What happens between sending and receiving.
+//! Channel: transport of messages between sending and receiving.
 
 use crate::RobotId;
 use crate::noise::{Purpose, Radio, Stream};
@@ -10,25 +10,25 @@ use super::{Address, Arrived, Change, Delivery, Loss, Medium, Member, Model, Off
 
 /// The channel between all robots of a run.
 ///
-/// At the end of a slot it is told which stations were switched ([`Channel::change`]), then what they sent ([`Channel::exchange`]).
-/// It is to be asked at the end of each slot in which one was switched or sent, and of the one that holds [`Channel::due`]; slots
-/// in between may be left out.
+/// At the end of a slot the caller reports the stations that were switched ([`Channel::change`]), then the messages that were sent
+/// ([`Channel::exchange`]). `exchange` must be called at the end of each slot in which a station was switched or sent, and of the
+/// slot that contains [`Channel::due`]; other slots may be skipped.
 #[derive(Clone, Debug)]
 pub struct Channel {
     model: Model,
     seed: u64,
-    /// What it does to each receiver's messages, in the order of their ids; shorter: nothing to the others.
+    /// Noise models of the receivers, in the order of their ids; receivers beyond the end have no errors.
     errors: Vec<Radio>,
     /// Stations that are on, in the order of their robots.
     members: Vec<Member>,
-    /// The same as (address, robot), in this order.
+    /// The addresses of the members as (address, robot), in this order.
     addresses: Vec<(u32, RobotId)>,
     has_changed: bool,
-    /// Since the last exchange.
+    /// Stations switched off since the last exchange.
     offs: Vec<Off>,
     air: Air,
     ring: Ring,
-    /// What the ring sends: until when, whose, and which; in the order of time.
+    /// Transmissions of the ring in progress: (end, sender, number), in the order of time.
     leaving: Vec<(Time, RobotId, u64)>,
     left: Vec<(RobotId, u64)>,
     due: Time,
@@ -41,7 +41,7 @@ impl Default for Channel {
 }
 
 impl Channel {
-    /// The channel of a run with `seed`; `errors` in the order of the receivers' ids.
+    /// Channel of a run with `seed`; `errors` in the order of the receivers' ids.
     pub fn new(model: Model, seed: u64, errors: Vec<Radio>) -> Self {
         Self {
             model,
@@ -59,23 +59,23 @@ impl Channel {
         }
     }
 
-    /// What carries the messages.
+    /// Model of the medium.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The stations that were on at the start of the slot, in the order of their robots.
+    /// Stations that were on at the start of the slot, in the order of their robots.
     pub fn members(&self) -> &[Member] {
         &self.members
     }
 
-    /// A station was switched in the present slot.
+    /// Reports that a station was switched in the present slot.
     pub fn change(&mut self, change: Change) {
         self.set_member(change.robot, change.member);
         self.offs.extend(change.offs);
     }
 
-    /// The station of `robot` is on from the end of the present slot on, or off (`None`).
+    /// Sets the station of `robot` from the end of the present slot on; `None` is off.
     pub fn set_member(&mut self, robot: RobotId, member: Option<Member>) {
         let place = self.members.binary_search_by_key(&robot, |member| member.robot);
         if let Ok(place) = place {
@@ -91,8 +91,8 @@ impl Channel {
         self.has_changed = true;
     }
 
-    /// From the present slot on, this is what happens to messages on their way to `robot`; a token ring's tokens get lost by it from
-    /// the end of the slot on.
+    /// Sets the noise model of messages to `robot`, from the present slot on. For the tokens of a token ring it applies from the end of
+    /// the slot on.
     pub fn set_errors(&mut self, robot: RobotId, errors: Radio) {
         if self.errors.len() <= robot.index() {
             self.errors.resize(robot.index() + 1, Radio::default());
@@ -101,8 +101,8 @@ impl Channel {
         self.has_changed |= self.model.medium == Medium::TokenRing;
     }
 
-    /// Takes what was sent in the slot that ends at `slot_end`, in any order, and decides what can be decided by then: in order of
-    /// (visible, receiver, arrives, sender, sequence).
+    /// Takes the messages sent in the slot that ends at `slot_end`, in any order, and returns the deliveries that are decided by then,
+    /// in order of (visible, receiver, arrives, sender, sequence).
     pub fn exchange(&mut self, slot_end: Time, mut sendings: Vec<Sending>) -> Vec<Delivery> {
         sendings.sort_by_key(|sending| (sending.from, sending.sequence));
         let mut deliveries = self.send(slot_end, sendings);
@@ -116,13 +116,13 @@ impl Channel {
         deliveries
     }
 
-    /// When the channel next has something to decide, though nobody sends: the slot that holds this instant is to be run.
+    /// Next time at which the channel has something to decide even if nobody sends: the slot that contains this instant must be run.
     /// [`Time::NEVER`] for nothing, [`Time::ZERO`] after a station was switched.
     pub fn due(&self) -> Time {
         if self.has_changed { Time::ZERO } else { self.due }
     }
 
-    /// The run ends: the messages that are not decided, as lost to their senders, in order of (sender, sequence).
+    /// Ends the run: returns the undecided messages as losses to their senders, in order of (sender, sequence).
     pub fn finish(&mut self, end: Time) -> Vec<Delivery> {
         let air = std::mem::take(&mut self.air);
         let mut flights: Vec<Flight> = air.arrived(Time::NEVER).cloned().collect();
@@ -133,13 +133,13 @@ impl Channel {
         flights.iter().map(fate).collect()
     }
 
-    /// What left the buffers of its senders since this was asked last, where the medium decides: (sender, number), for
-    /// [`super::Station::has_left`].
+    /// Messages that left the buffers of their senders since the last call, as (sender, number), for [`super::Station::has_left`];
+    /// only of a medium that decides when to send (token ring).
     pub fn take_left(&mut self) -> Vec<(RobotId, u64)> {
         std::mem::take(&mut self.left)
     }
 
-    /// Puts messages on the air; those that never get there.
+    /// Puts messages on the air; returns those that are never transmitted.
     fn send(&mut self, slot_end: Time, sendings: Vec<Sending>) -> Vec<Delivery> {
         let offs = std::mem::take(&mut self.offs);
         let has_changed = std::mem::take(&mut self.has_changed);
@@ -177,7 +177,7 @@ impl Channel {
         }
     }
 
-    /// Decides what becomes of a message at each station that it is meant for.
+    /// Decides the outcome of a message at each station that it is addressed to.
     fn decide(&self, slot_end: Time, flight: &Flight, deliveries: &mut Vec<Delivery>) {
         let Sending { from, to, .. } = flight.sending;
         let count = deliveries.len();
@@ -225,7 +225,7 @@ impl Channel {
         self.members.binary_search_by_key(&robot, |member| member.robot).ok().map(|place| &self.members[place])
     }
 
-    /// Says what has left its sender by `slot_end`, and when the next thing is due.
+    /// Updates the messages that have left their senders by `slot_end`, and the time of the next decision.
     fn settle_dues(&mut self, slot_end: Time) {
         let gone = self.leaving.partition_point(|(ends, ..)| *ends <= slot_end);
         self.left.extend(self.leaving.drain(..gone).map(|(_, robot, sequence)| (robot, sequence)));
@@ -234,12 +234,12 @@ impl Channel {
             let leaves = self.leaving.first().map_or(Time::NEVER, |(ends, ..)| *ends);
             next = next.min(leaves).min(self.ring.next_end());
         }
-        // What comes at a slot's end is decided there, so the slot before is to be run.
+        // An arrival exactly at a slot's end is decided there, so the slot before it must be run.
         self.due = if next == Time::NEVER { next } else { next - Time(1) };
     }
 }
 
-/// What happens to messages on their way to `robot`.
+/// Noise model of messages to `robot`.
 fn radio_of(errors: &[Radio], robot: RobotId) -> Radio {
     errors.get(robot.index()).copied().unwrap_or_default()
 }

@@ -1,7 +1,7 @@
 //! Messages between robots: the channel that carries them, and the station of each robot.
 //!
-//! Within a slot a robot sends and receives by its own [`Station`] alone. At the slot's end the [`Channel`] takes what was sent,
-//! decides which station hears it, when and how, and hands each its [`Delivery`]s.
+//! Within a slot a robot sends and receives through its own [`Station`] only. At the slot's end the [`Channel`] takes the sent
+//! messages, decides for each station which it receives, when, and with which bit errors, and returns a [`Delivery`] for each.
 //!
 //! Source: Koestler & Bräunl, sections 5.1 and 6.2; the rules of time are those of design section 7.
 
@@ -19,30 +19,30 @@ pub use station::{BUFFER, Full, Message, Station};
 use crate::RobotId;
 use crate::time::Time;
 
-/// How stations share the medium.
+/// Medium access of the stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Medium {
-    /// Everybody has a frequency of its own: nobody disturbs anybody.
+    /// Each station has a frequency to itself: no interference.
     #[default]
     Free,
-    /// One frequency, and everybody sends when it likes: of messages that overlap at a receiver none is heard (unslotted ALOHA).
+    /// One frequency, and stations send at any time: messages that overlap at a receiver are all lost there (unslotted ALOHA).
     Aloha,
-    /// One frequency, and who has the token sends: the virtual token ring of the EyeBot.
+    /// One frequency, and only the holder of the token sends: the virtual token ring of the EyeBot.
     TokenRing,
 }
 
-/// What carries the messages of a scene.
+/// Radio model of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// How stations share it.
+    /// Medium access.
     pub medium: Medium,
-    /// Bits a second, of which a byte takes ten; positive. A program of RoBIOS 6 may set another one for its own station.
+    /// Bits a second, ten per byte; positive. A RoBIOS 6 program may set another speed for its own station.
     pub baud: u32,
-    /// From the end of a transmission to its arrival; not negative.
+    /// Time from the end of a transmission to its arrival; not negative.
     pub latency: Time,
-    /// How far a message is heard, m; `None`: everywhere.
+    /// Range of a station, m; `None` for no limit.
     pub range: Option<f64>,
-    /// True where walls stop messages.
+    /// Walls block messages.
     pub line_of_sight: bool,
 }
 
@@ -61,133 +61,133 @@ pub const HEADER: usize = 7;
 /// Bits on the air for a byte: start, eight of data, stop.
 pub const BITS_PER_BYTE: u64 = 10;
 
-/// How long a message of `bytes` bytes is on the air, in whole microseconds, rounded up; at least one.
+/// Duration of the transmission of a message of `bytes` bytes, in whole microseconds, rounded up; at least one.
 pub fn air_time(bytes: usize, baud: u32) -> Time {
     let bits = (bytes as u128 + HEADER as u128) * u128::from(BITS_PER_BYTE);
     let micros = (bits * 1_000_000).div_ceil(baud.max(1).into());
     i64::try_from(micros).map_or(Time::NEVER, Time)
 }
 
-/// To whom a message goes.
+/// Destination of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
     /// Every station.
     All,
-    /// The stations of this address.
+    /// The stations with this address.
     One(u32),
 }
 
 /// A message that a station has sent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sending {
-    /// Who sent it.
+    /// The sender.
     pub from: RobotId,
-    /// The address of its station.
+    /// Address of the sender's station.
     pub address: u32,
-    /// Its number among those of the sender, from 1.
+    /// Number of the message, counted per sender from 1.
     pub sequence: u64,
-    /// To whom.
+    /// Destination.
     pub to: Address,
-    /// The bytes.
+    /// Payload.
     pub payload: Vec<u8>,
-    /// When it was sent: the end of the call.
+    /// Time of sending: the end of the call.
     pub sent: Time,
-    /// When its transmission begins, behind those that the station sent before; `None` where the medium decides (a token).
+    /// Start of the transmission, after the earlier messages of the station; `None` if the medium decides it (token).
     pub begins: Option<Time>,
-    /// Speed of the sender.
+    /// Speed of the sender, baud.
     pub baud: u32,
-    /// Who cannot hear it, and why, in the order of their ids; as the sender sees the others when it sends.
+    /// Robots that cannot receive it, with the reason, in the order of their ids; by the motions that are published when it is sent.
     pub out_of_reach: Vec<(RobotId, Loss)>,
 }
 
-/// Why a message was not heard.
+/// Reason why a message was not received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
-    /// The channel lost it (P_p).
+    /// Lost by the channel (P_p).
     Packet,
     /// The receiver was too far away.
     Range,
-    /// A wall stood between.
+    /// A wall blocked it.
     Sight,
-    /// Another message was on the air at the same time, or the receiver itself sent.
+    /// Another message was on the air at the same time, or the receiver was sending.
     Collision,
-    /// The receiver listens at another speed.
+    /// The receiver uses another speed.
     Baud,
-    /// Nobody of this address was on.
+    /// No other station with this address was on.
     Nobody,
-    /// The receiver was switched off before it came.
+    /// The receiver was switched off before the message arrived.
     Off,
     /// The receiver's buffer was full.
     Overflow,
-    /// The sender was switched off before it was sent.
+    /// The sender was switched off before the transmission began.
     Unsent,
-    /// The run ended before it came.
+    /// The run ended before the message arrived.
     End,
 }
 
-/// What becomes of a message at one receiver.
+/// Outcome of a message at one receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delivery {
     /// The receiver; the sender itself for [`Loss::Nobody`] and [`Loss::Unsent`].
     pub to: RobotId,
     /// The sender.
     pub from: RobotId,
-    /// The address of the sender's station.
+    /// Address of the sender's station.
     pub address: u32,
-    /// Its number among those of the sender.
+    /// Number of the message, counted per sender.
     pub sequence: u64,
-    /// When it arrives: a = send + delay.
+    /// Time of arrival: sending plus delay.
     pub arrives: Time,
-    /// From when on the receiver may know of it.
+    /// Time from which on the receiver can see it.
     pub visible: Time,
-    /// The bytes as they arrive, or why they do not.
+    /// The received bytes, or the reason of the loss.
     pub outcome: Result<Arrived, Loss>,
 }
 
-/// The bytes of a message that arrives.
+/// Payload of a message that arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrived {
-    /// The bytes, some of them perhaps not as they were sent.
+    /// The bytes, possibly with bit errors.
     pub payload: Vec<u8>,
-    /// How many bits are inverted.
+    /// Number of inverted bits.
     pub bit_errors: u32,
 }
 
-/// What stations that are on tell the channel.
+/// A station that is on, as the channel knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Whose station.
+    /// The robot.
     pub robot: RobotId,
-    /// Its address.
+    /// Address of the station.
     pub address: u32,
-    /// Its speed.
+    /// Speed of the station, baud.
     pub baud: u32,
 }
 
-/// What a station tells the channel after it was switched on or off.
+/// Report of a station to the channel after it was switched on or off.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// Whose station.
+    /// The robot.
     pub robot: RobotId,
-    /// How it stands now; `None` when it is off.
+    /// Present state; `None` if it is off.
     pub member: Option<Member>,
-    /// When it was switched off since it told last, in the order of time.
+    /// Times when it was switched off since the last report, in order.
     pub offs: Vec<Off>,
 }
 
-/// A station was switched off: what it had not begun to send by then is never sent.
+/// A station was switched off: messages whose transmission had not begun by then are never sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Off {
-    /// Whose station.
+    /// The robot.
     pub robot: RobotId,
-    /// When.
+    /// Time of switching off.
     pub at: Time,
-    /// The number of the last message that it had been given by then.
+    /// Number of the last message that the station had accepted by then.
     pub last_sequence: u64,
 }
 
 impl Loss {
-    /// Its word in a trace.
+    /// Name of the loss in a trace.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Packet => "packet",

@@ -1,14 +1,14 @@
-//! The virtual token ring: who has the token when.
+//! Virtual token ring: position of the token over time.
 //!
-//! The stations that are on hand the token round in the order of their robots. Who gets it and has something to send sends one
-//! message, which passes it on; who has not sends a token frame, a header without payload. A station joins and leaves at the end of
-//! a slot. A token that its next owner does not hear is lost. All hear the silence that follows, and each waits the longer the farther
-//! behind the last sender it stands: so the one that missed its turn is the first to act. After [`SILENCE`] frames it polls with
-//! a wild card, to which each of the others answers in turn, and goes on with a new token. Whoever missed the token is thus served
-//! next, and nobody starves.
+//! The stations that are on pass the token round in the order of their robots. A holder with a message sends one message, which
+//! passes the token on; a holder without one sends a token frame, a header without payload. Stations join and leave at the end of
+//! a slot. A token that its next owner does not receive is lost. All stations hear the silence that follows, and the time-out of each
+//! grows with its distance behind the last sender, so that the station that missed its turn acts first. After [`SILENCE`] frames it
+//! polls with a wild card, to which each of the others answers in turn, and continues with a new token. So a station that missed the
+//! token is served next, and none starves.
 //!
-//! Source: the network of the EyeBot has token, time-out and wild card; who polls, and how long it takes, is our choice, as is that
-//! only a token is lost, never a poll, and that the ring hears it at whatever speed, distance and wall.
+//! Source: the network of the EyeBot has token, time-out and wild card. The polling station and the durations are our choice, as is that
+//! only tokens are lost, never polls, and that the ring hears them at any speed and distance and through walls.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -19,22 +19,22 @@ use crate::time::Time;
 
 use super::{HEADER, Member, Off, Sending, air_time};
 
-/// So many token frames long is nothing heard before the token is taken for lost.
+/// Length of the silence after which the token counts as lost, in token frames.
 pub const SILENCE: i64 = 2;
 
-/// The ring as it stands at some instant, which is that of the token.
+/// State of the ring at the instant of its token.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     seed: u64,
-    /// In the order of their robots.
+    /// Stations in the order of their robots.
     nodes: Vec<Node>,
-    /// What a round without messages takes, and what it takes off the token's life.
+    /// Duration of a round without messages, and its cost in token life.
     round: (Time, u128),
-    /// None without stations.
+    /// `None` without stations.
     token: Option<Token>,
-    /// How many tokens there were before the ring was last without stations.
+    /// Number of tokens made before the ring was last without stations.
     tokens: u64,
-    /// What waits for the token, sender by sender.
+    /// Messages that wait for the token, by sender.
     queues: BTreeMap<RobotId, VecDeque<Queued>>,
 }
 
@@ -42,28 +42,28 @@ pub(super) struct Ring {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     robot: RobotId,
-    /// How long its token frame is on the air.
+    /// Duration of its token frame.
     frame: Time,
-    /// What passing the token to it takes off the token's life.
+    /// Cost in token life of passing the token to it.
     hazard: u128,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Token {
-    /// Who has it, or gets it next: its place among the nodes.
+    /// Index of the present or next holder among the nodes.
     place: usize,
-    /// From when on.
+    /// Time from which on the holder has the token.
     at: Time,
-    /// How many there were before it.
+    /// Number of tokens before this one.
     number: u64,
-    /// It is lost on the pass whose hazard is greater than what is left of this.
+    /// Remaining life. The token is lost on the first pass whose hazard exceeds it.
     life: u128,
 }
 
 #[derive(Clone, Debug)]
 struct Queued {
     sending: Sending,
-    /// It is not sent after this.
+    /// The message is not sent after this time.
     until: Time,
 }
 
@@ -72,14 +72,14 @@ impl Ring {
         Self { seed, ..Self::default() }
     }
 
-    /// Takes messages that wait for the token, those of each sender in the order of their numbers.
+    /// Queues messages that wait for the token; those of each sender in the order of their numbers.
     pub fn queue(&mut self, sendings: impl IntoIterator<Item = Sending>) {
         for sending in sendings {
             self.queues.entry(sending.from).or_default().push_back(Queued { sending, until: Time::NEVER });
         }
     }
 
-    /// Whose station was switched off sends nothing of what it had after that.
+    /// Handles a station that was switched off: messages queued by then are not sent later.
     pub fn stop(&mut self, off: &Off) {
         for queued in self.queues.get_mut(&off.robot).into_iter().flatten() {
             if queued.sending.sequence <= off.last_sequence {
@@ -88,7 +88,7 @@ impl Ring {
         }
     }
 
-    /// Lets the token go round until `time`: what is sent on the way, and when each begins.
+    /// Passes the token round until `time`; returns the messages sent on the way with the start of each transmission.
     pub fn advance(&mut self, time: Time) -> Vec<(Sending, Time)> {
         let mut sent = Vec::new();
         let Some(mut token) = self.token else { return sent };
@@ -109,7 +109,7 @@ impl Ring {
         sent
     }
 
-    /// When the next message has been sent, if nobody sends another one until then; [`Time::NEVER`] without any.
+    /// End of the next transmission, if nobody queues another message until then; [`Time::NEVER`] without any.
     pub fn next_end(&self) -> Time {
         let Some(mut token) = self.token.filter(|_| !self.queues.is_empty()) else { return Time::NEVER };
         self.go_round(&mut token, Time::NEVER);
@@ -117,14 +117,14 @@ impl Ring {
         ready.map_or(Time::NEVER, |sending| token.at + air_time(sending.payload.len(), sending.baud))
     }
 
-    /// From `time` on these are in the ring, in the order of their robots.
+    /// Sets the members of the ring from `time` on, in the order of their robots.
     pub fn set_members(&mut self, members: &[Member], radio_of: impl Fn(RobotId) -> Radio, time: Time) {
         let was = self.token.map(|token| (self.nodes[token.place].robot, token));
         self.nodes.clear();
         self.nodes.extend(members.iter().map(|member| Node {
             robot: member.robot,
             frame: air_time(0, member.baud),
-            // Nobody is to hear what the only one hands to itself.
+            // A single station passes the token to itself: no reception, no loss.
             hazard: if members.len() > 1 { hazard(radio_of(member.robot)) } else { 0 },
         }));
         let sum = |(time, all): (Time, u128), node: &Node| (time + node.frame, all.saturating_add(node.hazard));
@@ -135,18 +135,18 @@ impl Ring {
             None => Some(self.renewed(0, time, self.tokens)),
             Some((owner, token)) => Some(match self.nodes.binary_search_by_key(&owner, |node| node.robot) {
                 Ok(place) => Token { place, ..token },
-                // It went to nobody.
+                // The holder has left, and the token with it.
                 Err(place) => self.renewed(place % self.nodes.len(), token.at, token.number + 1),
             }),
         };
     }
 
-    /// Takes away all that waits for the token.
+    /// Removes and returns all messages that wait for the token.
     pub fn take_queued(&mut self) -> Vec<Sending> {
         std::mem::take(&mut self.queues).into_values().flatten().map(|queued| queued.sending).collect()
     }
 
-    /// Takes away what is never sent: what was stopped, and what those have who are not in the ring.
+    /// Removes and returns messages that are never sent: stopped ones, and those of robots that are not in the ring.
     pub fn take_unsent(&mut self) -> Vec<Sending> {
         let is_in = |robot| self.nodes.binary_search_by_key(&robot, |node| node.robot).is_ok();
         let mut unsent = Vec::new();
@@ -160,14 +160,14 @@ impl Ring {
         unsent
     }
 
-    /// Hands the token on until somebody who has it has something to send, or `time` is reached.
+    /// Passes the token on until a holder has a message to send, or `time` is reached.
     fn go_round(&self, token: &mut Token, time: Time) {
         let mut first_sent = None;
         while token.at < time && self.ready(self.nodes[token.place].robot, token.at).is_none() {
             let first = *first_sent.get_or_insert_with(|| {
                 self.queues.values().filter_map(VecDeque::front).map(|queued| queued.sending.sent).min()
             });
-            // Whole rounds in which nothing is sent and nothing lost.
+            // Skip whole rounds in which nothing is sent and nothing lost.
             let idle = first.map_or(time, |first| first.min(time)) - token.at;
             let (round, hazard) = self.round;
             let rounds = if idle < round { 0 } else { (idle.0 / round.0).min(lives(token.life, hazard)) };
@@ -180,13 +180,13 @@ impl Ring {
         }
     }
 
-    /// What `robot` sends if it has the token at `time`.
+    /// Message that `robot` sends if it has the token at `time`.
     fn ready(&self, robot: RobotId, time: Time) -> Option<&Sending> {
         let queued = self.queues.get(&robot)?.iter().find(|queued| time <= queued.until)?;
         (queued.sending.sent <= time).then_some(&queued.sending)
     }
 
-    /// The owner of the token, who sends until `ends`, hands it on.
+    /// Passes the token on from its holder, which sends until `ends`.
     fn pass(&self, token: &mut Token, ends: Time) {
         let place = (token.place + 1) % self.nodes.len();
         let Node { hazard, .. } = self.nodes[place];
@@ -197,9 +197,9 @@ impl Ring {
         };
     }
 
-    /// The token that is made after nobody has heard anything from `time` on.
+    /// New token, made after silence that began at `time`.
     fn renewed(&self, place: usize, time: Time, number: u64) -> Token {
-        // The silence, the poll, and an answer of each of the others.
+        // The silence, the poll, and an answer from each of the others.
         let frames = SILENCE + self.nodes.len() as i64;
         let at = time + Time(self.nodes[place].frame.0.saturating_mul(frames));
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Token, 0, number);
@@ -207,18 +207,18 @@ impl Ring {
     }
 }
 
-/// How much of a token's life it takes that `radio` is to hear its frame: it survives with the probability that no bit of it is lost.
+/// Cost in token life of receiving a token frame with `radio`: the frame survives with the probability that it arrives without error.
 fn hazard(radio: Radio) -> u128 {
     fixed(radio.hazard(8 * HEADER as u32))
 }
 
-/// With 80 bits behind the point, so that what is left of a life is the same however its passes are counted up.
+/// Fixed-point number with 80 fractional bits: sums are exact, so the remaining life does not depend on the grouping of passes.
 fn fixed(number: f64) -> u128 {
     // `as` saturates.
     (number * (1_u128 << 80) as f64) as u128
 }
 
-/// How often `hazard` fits into `life`.
+/// Number of times that `hazard` fits into `life`.
 fn lives(life: u128, hazard: u128) -> i64 {
     life.checked_div(hazard).and_then(|count| i64::try_from(count).ok()).unwrap_or(i64::MAX)
 }

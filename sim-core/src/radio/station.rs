@@ -1,4 +1,4 @@
-//! The radio of one robot: what it has sent, what it has received.
+//! Radio station of one robot: its sent and received messages.
 
 use std::collections::VecDeque;
 
@@ -7,46 +7,46 @@ use crate::time::Time;
 
 use super::{Address, Change, Delivery, Loss, Medium, Member, Model, Off, Sending, air_time};
 
-/// How many bytes of messages a station keeps that are not yet sent, and how many that are not yet read; our choice. A message
-/// without any counts as one.
+/// Capacity in bytes of the buffer of messages not yet sent, and of the buffer of messages not yet read; our choice. An empty message
+/// counts as one byte.
 pub const BUFFER: usize = 1024;
 
 /// The sender's buffer has no room for the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full;
 
-/// A message that was received.
+/// A received message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Who sent it.
+    /// The sender.
     pub from: RobotId,
-    /// The address of the sender's station.
+    /// Address of the sender's station.
     pub address: u32,
-    /// Its number among those of the sender.
+    /// Number of the message, counted per sender.
     pub sequence: u64,
-    /// When it arrived.
+    /// Time of arrival.
     pub arrived: Time,
-    /// The bytes as they arrived.
+    /// Payload as received.
     pub payload: Vec<u8>,
 }
 
-/// The radio of one robot.
+/// Radio station of one robot.
 #[derive(Clone, Debug)]
 pub struct Station {
     robot: RobotId,
     medium: Medium,
-    /// Address and speed while it is on.
+    /// Address and speed; `None` while the station is off.
     member: Option<Member>,
     has_changed: bool,
     offs: Vec<Off>,
     last_sequence: u64,
     /// In the order of their numbers.
     outgoing: VecDeque<Outgoing>,
-    /// Not yet told to the channel.
+    /// Messages not yet passed to the channel.
     sent: Vec<Sending>,
-    /// On their way, in order of (visible, arrives, sender, sequence).
+    /// Messages on their way, in order of (visible, arrives, sender, sequence).
     coming: VecDeque<Delivery>,
-    /// Waiting to be read, in order of (arrived, sender, sequence).
+    /// Messages that wait to be read, in order of (arrived, sender, sequence).
     inbox: VecDeque<Message>,
 }
 
@@ -55,7 +55,7 @@ pub struct Station {
 struct Outgoing {
     sequence: u64,
     size: usize,
-    /// When its transmission begins and ends; none where the medium decides.
+    /// Start and end of the transmission; `None` if the medium decides it.
     span: Option<(Time, Time)>,
 }
 
@@ -76,15 +76,15 @@ impl Station {
         }
     }
 
-    /// Switches it on.
+    /// Switches the station on.
     pub fn switch_on(&mut self, address: u32, baud: u32) {
         self.member = Some(Member { robot: self.robot, address, baud });
         self.has_changed = true;
     }
 
-    /// Switches it off: what waits to be read is gone, what is on its way is not heard, and what it has not begun to send is never
-    /// sent, unless the channel has taken it (a free medium does so at the end of each slot). What becomes of what was on its way;
-    /// of what is not sent the channel tells. Nothing if it is off.
+    /// Switches the station off. Unread messages are dropped, messages on their way are lost, and messages whose transmission has not
+    /// begun are never sent, unless the channel has taken them (a free medium does so at the end of each slot). Returns the outcomes of the
+    /// messages on their way; the channel reports those that are not sent. Does nothing if the station is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
         if self.member.take().is_none() {
             return Vec::new();
@@ -97,31 +97,32 @@ impl Station {
         self.coming.drain(..).map(unheard).collect()
     }
 
-    /// How many of its messages would never be sent if it were switched off at `now`; all that wait for a token.
+    /// Number of messages that would never be sent if the station were switched off at `now`; includes all that wait for a token.
     pub fn unsent(&self, now: Time) -> usize {
         self.outgoing.iter().filter(|it| !self.goes_out(it, now)).count()
     }
 
-    /// True if the message is sent even if it is switched off at `now`: its transmission has begun, or the channel has taken it.
+    /// Returns true if the message is sent even if the station is switched off at `now`: its transmission has begun, or the channel
+    /// has taken it.
     fn goes_out(&self, message: &Outgoing, now: Time) -> bool {
         let untaken = self.sent.first().map_or(u64::MAX, |sending| sending.sequence);
         let is_taken = self.medium == Medium::Free && message.sequence < untaken;
         message.span.is_some_and(|(begins, _)| begins <= now || is_taken)
     }
 
-    /// What it tells the channel; none while it is off.
+    /// Present state for the channel; `None` while the station is off.
     pub fn member(&self) -> Option<Member> {
         self.member
     }
 
-    /// What the channel is to know, once, after it was switched.
+    /// Takes the report for the channel; `None` if the station was not switched since the last call.
     pub fn take_change(&mut self) -> Option<Change> {
         let offs = std::mem::take(&mut self.offs);
         let change = Change { robot: self.robot, member: self.member, offs };
         std::mem::take(&mut self.has_changed).then_some(change)
     }
 
-    /// Sends a message at `now`; its number.
+    /// Sends a message at `now`; returns it with its number.
     ///
     /// # Errors
     /// [`Full`] when [`BUFFER`] has no room for it.
@@ -167,29 +168,29 @@ impl Station {
         Ok(&self.sent[self.sent.len() - 1])
     }
 
-    /// What it has sent since this was asked last.
+    /// Takes the messages sent since the last call.
     pub fn take_sent(&mut self) -> Vec<Sending> {
         std::mem::take(&mut self.sent)
     }
 
-    /// The medium has sent the message of this number.
+    /// Frees the buffer of the message with this number, which the medium has transmitted.
     pub fn has_left(&mut self, sequence: u64) {
         self.outgoing.retain(|it| it.sequence != sequence);
     }
 
-    /// A message is on its way.
+    /// Queues a message that is on its way to this station.
     pub fn deliver(&mut self, delivery: Delivery) {
         let key = |it: &Delivery| (it.visible, it.arrives, it.from, it.sequence);
         let place = self.coming.partition_point(|it| key(it) <= key(&delivery));
         self.coming.insert(place, delivery);
     }
 
-    /// From when on the next message on its way is visible; [`Time::NEVER`] for none.
+    /// Time when the next message on its way becomes visible; [`Time::NEVER`] for none.
     pub fn next_visible(&self) -> Time {
         self.coming.front().map_or(Time::NEVER, |delivery| delivery.visible)
     }
 
-    /// Puts what is visible at `now` into the buffer; what became of each, in order.
+    /// Moves messages that are visible at `now` into the buffer; returns the outcome of each, in order.
     pub fn settle(&mut self, now: Time) -> Vec<Delivery> {
         let mut settled = Vec::new();
         if self.next_visible() > now {
@@ -223,18 +224,18 @@ impl Station {
         settled
     }
 
-    /// The run ends: what becomes of the messages that are on their way, in order.
+    /// Ends the run: returns the outcomes of the messages on their way, in order.
     pub fn finish(&mut self) -> Vec<Delivery> {
         let fate = |it: Delivery| Delivery { outcome: it.outcome.and(Err(Loss::End)), ..it };
         self.coming.drain(..).map(fate).collect()
     }
 
-    /// How many messages wait to be read.
+    /// Number of messages that wait to be read.
     pub fn waiting(&self) -> usize {
         self.inbox.len()
     }
 
-    /// The next message, in order of (arrived, sender, sequence).
+    /// Takes the next message, in order of (arrived, sender, sequence).
     pub fn receive(&mut self) -> Option<Message> {
         self.inbox.pop_front()
     }

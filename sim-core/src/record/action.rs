@@ -1,22 +1,22 @@
-//! Interventions: what people do to a simulation from outside.
+//! Interventions: user actions on a running simulation.
 
 use serde::{Deserialize, Serialize};
 
-/// An intervention: one thing that a person does to a simulation, at the start of a slot.
+/// An intervention: one user action, which takes effect at the start of a slot.
 ///
-/// Its JSON is the canonical text that the digest covers and that traces hold, so that a run can be repeated: names and order of
-/// variants and fields are frozen. Other words for it, such as those of a page, are translated by whoever speaks them.
+/// Its JSON is the canonical text that the digest covers and that traces contain, so that a run can be repeated: names and order of
+/// variants and fields are frozen. Other notations, such as that of a page, are translated by their own modules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Action {
-    /// Presses a key of a robot, touches its display or uses a remote control.
+    /// Presses a key of a robot, touches its display or presses a key of a remote control.
     Press {
         /// Number of the robot.
         robot: u32,
-        /// As in a script of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
+        /// Key in the notation of a `--keys` script: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
         key: String,
     },
-    /// Puts a robot elsewhere.
+    /// Moves a robot to another pose.
     PlaceRobot {
         /// Number of the robot.
         robot: u32,
@@ -27,7 +27,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Puts a movable object elsewhere, at rest.
+    /// Moves a movable object to another pose, at rest.
     PlaceObject {
         /// Number of the object.
         object: u32,
@@ -38,29 +38,29 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Sets a number of the error models.
+    /// Sets a number of the noise models.
     SetNoise {
-        /// Number of the robot; none for all.
+        /// Number of the robot; `None` for all.
         robot: Option<u32>,
         /// Table and key of the noise profile, such as `psd.sigma_mm`.
         parameter: String,
-        /// In the profile's unit.
+        /// Value in the profile's unit.
         value: f64,
     },
-    /// Switches a sensor off, which then sees nothing, or on again.
+    /// Switches a sensor off, so that it sees nothing, or on again.
     SwitchSensor {
         /// Number of the robot.
         robot: u32,
         /// Name of the sensor.
         sensor: String,
-        /// Off or on.
+        /// True for on.
         on: bool,
     },
-    /// Adds a robot of a type that the scene knows.
+    /// Adds a robot of a type known to the scene.
     AddRobot {
-        /// Name of the type, as the scene knows it.
+        /// Name of the type in the scene.
         kind: String,
-        /// The program of the robot that has this number; none for one that only stands there.
+        /// Number of the robot whose program the new one runs; `None` for a robot without a program.
         program_of: Option<u32>,
         /// World coordinate to the right.
         x_m: f64,
@@ -69,14 +69,14 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Takes a robot out of the world; its program ends, its number is not used again.
+    /// Removes a robot from the world; its program ends and its number is not reused.
     RemoveRobot {
         /// Number of the robot.
         robot: u32,
     },
-    /// Adds a movable object of a type that the scene knows.
+    /// Adds a movable object of a type known to the scene.
     AddObject {
-        /// Name of the type, as the scene knows it.
+        /// Name of the type in the scene.
         kind: String,
         /// World coordinate to the right.
         x_m: f64,
@@ -85,7 +85,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Takes a movable object out of the world; its number is not used again.
+    /// Removes a movable object from the world; its number is not reused.
     RemoveObject {
         /// Number of the object.
         object: u32,

@@ -1,13 +1,13 @@
-//! The digest of a run: a hash chain a robot, one digest a slot, one for the run.
+//! Digest of a run: a hash chain per robot, one digest per slot, one for the run.
 //!
-//! A robot's chain value after a slot is BLAKE3(chain value before || canonical bytes of its events in the slot). The
-//! digest after a slot is BLAKE3(digest before || end of the slot || (id, chain value) of each robot that recorded
-//! something, in order of the ids). Slots and robots in which nothing happened cost nothing and leave no mark, other than
-//! by the times of what happens later. The digest of a run is the one after its last slot, so it equals the last slot line
+//! A robot's chain value after a slot is BLAKE3(previous chain value || canonical bytes of its events in the slot). The
+//! digest after a slot is BLAKE3(previous digest || end of the slot || (id, chain value) of each robot that recorded
+//! an event, in order of the ids). Slots and robots without events cost nothing and do not enter the digest, except
+//! through the times of later events. The digest of a run is the one after its last slot, so it equals the last slot line
 //! of the trace.
 //!
-//! Canonical bytes: postcard of (virtual time in us, event), numbers by their bits. No note, wall time or sequence of
-//! threads is in them. Source: design section 10; the construction is our choice.
+//! Canonical bytes: postcard of (virtual time in us, event), numbers by their bits. Notes, wall time and the order of
+//! threads are excluded. Source: design section 10; the construction is our choice.
 
 use std::fmt;
 
@@ -16,10 +16,10 @@ use crate::time::Time;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Names the construction; to be changed with it or with the events.
+/// Name of the construction; must be changed together with it or with the events.
 const DOMAIN: &[u8] = b"eyesim record 1";
 
-/// 256 bits that stand for everything recorded so far.
+/// A 256-bit hash of everything recorded so far.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest(pub [u8; 32]);
 
@@ -57,17 +57,17 @@ impl<'de> Deserialize<'de> for Digest {
     }
 }
 
-/// The value with which a robot's chain begins.
+/// Initial value of a robot's chain.
 pub(super) fn chain_start(robot: RobotId) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(DOMAIN).update(b" robot").update(&robot.0.to_le_bytes());
     *hasher.finalize().as_bytes()
 }
 
-/// Combines the robots' chains, slot after slot.
+/// Combines the robots' chains, slot by slot.
 #[derive(Clone, Debug)]
 pub struct RunDigest {
-    /// The digest so far, then what the slot in progress adds: one hash without a copy.
+    /// The digest so far, followed by the input of the slot in progress: hashed at once, without a copy.
     bytes: Vec<u8>,
 }
 
@@ -75,20 +75,20 @@ pub struct RunDigest {
 const DIGEST_LEN: usize = 32;
 
 impl RunDigest {
-    /// The digest of a run in which nothing has happened yet; it depends on the seed and the slot length.
+    /// Initial digest of a run; it depends on the seed and the slot length.
     pub fn new(seed: u64, slot: Time) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(DOMAIN).update(b" run").update(&seed.to_le_bytes()).update(&slot.0.to_le_bytes());
         Self { bytes: hasher.finalize().as_bytes().to_vec() }
     }
 
-    /// Adds the chain value of a robot that recorded something in this slot. To be called in order of the ids.
+    /// Adds the chain value of a robot that recorded events in this slot. Must be called in order of the ids.
     pub fn add(&mut self, robot: RobotId, chain: &[u8; 32]) {
         self.bytes.extend_from_slice(&robot.0.to_le_bytes());
         self.bytes.extend_from_slice(chain);
     }
 
-    /// Closes the slot that ends at `end`; none if no robot recorded anything in it.
+    /// Closes the slot that ends at `end`; `None` if no robot recorded an event in it.
     pub fn end_slot(&mut self, end: Time) -> Option<Digest> {
         if self.bytes.len() == DIGEST_LEN {
             return None;

@@ -1,4 +1,4 @@
-//! The events of a run, in one list from which enum, kinds, JSON names and the check of `docs/trace.md` come.
+//! Events of a run, defined in one list that generates enum, kinds and JSON names, and that `docs/trace.md` is checked against.
 
 mod field;
 mod line;
@@ -11,13 +11,13 @@ pub use field::{ActionText, Numbers, Obstacle, Outcome};
 pub use line::{Record, WORLD};
 pub use set::KindSet;
 
-/// Defines [`Event`] and what depends on the list of its variants.
+/// Defines [`Event`] and the items derived from the list of its variants.
 macro_rules! events {
     ($(
         $(#[$doc:meta])*
         $name:ident = $tag:literal { $( $(#[$field_doc:meta])* $field:ident: $type:ty, )* }
     )*) => {
-        /// One thing that a robot did, read or met. Strings are borrowed, so that recording allocates nothing.
+        /// An action, reading or contact of a robot. Strings are borrowed, so that recording does not allocate.
         ///
         /// SI units; the unit is in each field's name. The order of variants and fields is part of the digest: a change
         /// to it changes the digest of every run.
@@ -26,7 +26,7 @@ macro_rules! events {
             $( $(#[$doc])* $name { $( $(#[$field_doc])* $field: $type, )* }, )*
         }
 
-        /// Which [`Event`]; the number is the first byte of its canonical form.
+        /// Kind of an [`Event`]; the number is the first byte of the event's canonical form.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
         pub enum Kind {
@@ -37,19 +37,19 @@ macro_rules! events {
             /// All kinds in the order of their numbers.
             pub const ALL: &[Self] = &[$( Self::$name, )*];
 
-            /// The name in the trace, such as `lcd_text`.
+            /// Name in the trace, such as `lcd_text`.
             pub fn name(self) -> &'static str {
                 match self { $( Self::$name => $tag, )* }
             }
 
-            /// The names of the fields in the trace.
+            /// Names of the fields in the trace.
             pub fn fields(self) -> &'static [&'static str] {
                 match self { $( Self::$name => &[$( stringify!($field), )*], )* }
             }
         }
 
         impl Event<'_> {
-            /// Which variant this is.
+            /// Kind of this event.
             pub fn kind(&self) -> Kind {
                 match self { $( Self::$name { .. } => Kind::$name, )* }
             }
@@ -71,14 +71,14 @@ events! {
         /// The name of the program; empty for a robot without one.
         program: &'a str,
     }
-    /// A program has ended, or the run has ended before it.
+    /// A program has ended, or the run has ended while the program was running.
     ProgramEnded = "program_ended" {
-        /// How it stands.
+        /// State of the program.
         outcome: Outcome,
-        /// Its exit code, where it gave one.
+        /// Exit code, if the program has one.
         exit_code: Option<i32>,
     }
-    /// Where a body that moved is at the end of a slot.
+    /// Pose of a robot at the end of a slot in which it moved.
     Pose = "pose" {
         /// World coordinate to the right, m.
         x_m: f64,
@@ -89,18 +89,18 @@ events! {
         /// Whole turns of the heading.
         turns: i64,
     }
-    /// A body touched something.
+    /// A robot touched an obstacle.
     Contact = "contact" {
         /// The instant, s: the event's time before rounding to microseconds.
         at_s: f64,
-        /// What it touched.
+        /// The obstacle.
         with: Obstacle,
         /// Point of contact, m.
         x_m: f64,
         /// Point of contact, m.
         y_m: f64,
     }
-    /// Command: drive at these speeds until further notice.
+    /// Command: drive at these speeds until the next command.
     DriveSpeed = "drive_speed" {
         /// Forward speed, m/s.
         v_m_per_s: f64,
@@ -125,12 +125,12 @@ events! {
     DriveCurve = "drive_curve" {
         /// Arc length, m.
         distance_m: f64,
-        /// Angle turned on it, rad.
+        /// Angle turned along the arc, rad.
         angle_rad: f64,
         /// Speed, m/s.
         v_m_per_s: f64,
     }
-    /// Command: the odometry takes these values.
+    /// Command: set the odometry to this pose.
     SetOdometry = "set_odometry" {
         /// m
         x_m: f64,
@@ -139,7 +139,7 @@ events! {
         /// rad
         phi_rad: f64,
     }
-    /// The speed controller starts with these gains.
+    /// The speed controller is started with these gains.
     ControlStarted = "control_started" {
         /// Proportional gain of the forward speed.
         v_gain: f64,
@@ -150,7 +150,7 @@ events! {
         /// Reset time of the turning speed, s.
         omega_reset_s: f64,
     }
-    /// The speed controller stops.
+    /// The speed controller is stopped.
     ControlStopped = "control_stopped" {}
     /// A motor is set.
     Motor = "motor" {
@@ -170,33 +170,33 @@ events! {
     Output = "output" {
         /// Name of the device.
         device: &'a str,
-        /// In the device's own unit.
+        /// Value in the device's unit.
         value: i64,
     }
     /// A PSD sensor is read.
     Distance = "distance" {
         /// Name of the sensor.
         device: &'a str,
-        /// The measured distance; none when it saw nothing within its range.
+        /// The measured distance; `None` if out of range.
         distance_m: Option<f64>,
-        /// When it was measured, s.
+        /// Time of the measurement, s.
         measured_s: f64,
     }
     /// A compass is read.
     Angle = "angle" {
         /// Name of the sensor.
         device: &'a str,
-        /// The measured angle, none when there is none yet.
+        /// The measured angle; `None` before the first measurement.
         angle_rad: Option<f64>,
     }
     /// An encoder, bumper, infrared sensor, latch, A/D channel or other counter is read.
     Reading = "reading" {
         /// Name of the sensor.
         device: &'a str,
-        /// In the sensor's own unit: ticks, counts, 0 or 1.
+        /// Value in the sensor's unit: ticks, counts, 0 or 1.
         value: i64,
     }
-    /// The position by odometry is read.
+    /// The odometry's pose is read.
     Odometry = "odometry" {
         /// m
         x_m: f64,
@@ -205,7 +205,7 @@ events! {
         /// rad
         phi_rad: f64,
     }
-    /// The speed by odometry is read.
+    /// The odometry's velocity is read.
     OdometrySpeed = "odometry_speed" {
         /// Forward speed, m/s.
         v_m_per_s: f64,
@@ -218,16 +218,16 @@ events! {
         row: u8,
         /// 0 to 15.
         column: u8,
-        /// What is written.
+        /// The text.
         text: &'a str,
     }
     /// The display is cleared.
     LcdClear = "lcd_clear" {}
-    /// Something is drawn on the display.
+    /// A graphics function draws on the display.
     LcdGraphics = "lcd_graphics" {
-        /// The RoBIOS function.
+        /// Name of the RoBIOS function.
         function: &'a str,
-        /// Number of pixels that it changed.
+        /// Number of pixels that were changed.
         changed_pixels: u32,
     }
     /// A text of the menu line is set.
@@ -256,7 +256,7 @@ events! {
         /// `KEY1` to `KEY4`.
         key: &'a str,
     }
-    /// Bytes leave by a serial interface.
+    /// Bytes are sent through a serial interface.
     SerialSent = "serial_sent" {
         /// `SERIAL1` to `SERIAL16`.
         port: &'a str,
@@ -270,26 +270,26 @@ events! {
         /// The bytes.
         data: &'a [u8],
     }
-    /// A timer begins.
+    /// A timer is started.
     TimerAttached = "timer_attached" {
-        /// Handle.
+        /// Handle of the timer.
         timer: u32,
         /// s
         period_s: f64,
     }
-    /// A timer ends.
+    /// A timer is stopped.
     TimerDetached = "timer_detached" {
-        /// Handle.
+        /// Handle of the timer.
         timer: u32,
     }
     /// The program writes a line to its standard output.
     Stdout = "stdout" {
-        /// The line without its end.
+        /// The line without its line ending.
         text: &'a str,
     }
-    /// Where a movable object that moved is at the end of a slot; of the world, not of a robot.
+    /// Pose of a movable object at the end of a slot in which it moved; an event of the world.
     Object = "object" {
-        /// Its number.
+        /// Number of the object.
         object: u32,
         /// World coordinate to the right, m.
         x_m: f64,
@@ -304,16 +304,16 @@ events! {
     Scan = "scan" {
         /// Number of points.
         points: u32,
-        /// The nearest distance; none when it saw nothing within its range.
+        /// The shortest distance; `None` if no ray has a return.
         nearest_m: Option<f64>,
-        /// Where that is, counter-clockwise from ahead, rad.
+        /// Direction of that ray, counter-clockwise from ahead, rad.
         bearing_rad: Option<f64>,
-        /// All distances as the program gets them, added up, mm.
+        /// Sum of all distances as the program gets them, mm.
         sum_mm: i64,
     }
-    /// A robot is put at another place.
+    /// A robot is moved to another pose.
     Placed = "placed" {
-        /// Number of the robot whose program did it.
+        /// Number of the robot whose program requested it; 0 for an intervention.
         by: u32,
         /// World coordinate to the right, m.
         x_m: f64,
@@ -322,11 +322,11 @@ events! {
         /// rad
         phi_rad: f64,
     }
-    /// A movable object is put at another place; of the world, not of a robot.
+    /// A movable object is moved to another pose; an event of the world.
     ObjectPlaced = "object_placed" {
-        /// Its number.
+        /// Number of the object.
         object: u32,
-        /// Number of the robot whose program did it.
+        /// Number of the robot whose program requested it; 0 for an intervention.
         by: u32,
         /// World coordinate to the right, m.
         x_m: f64,
@@ -339,82 +339,82 @@ events! {
     Signal = "signal" {
         /// Name of the sensor.
         device: &'a str,
-        /// In the unit of the sensor: 1/m of a reflectance sensor, of a sonar what a perfect reflector 1 m ahead returns.
+        /// Signal in the sensor's unit: 1/m for a reflectance sensor; for a sonar, relative to the echo of a perfect reflector 1 m ahead.
         signal: f64,
-        /// When it was measured, s.
+        /// Time of the measurement, s.
         measured_s: f64,
     }
-    /// The camera's image is taken, or what it shows is read.
+    /// An image is taken by the camera, or depths or labels of the last image are read.
     Frame = "frame" {
-        /// Number of the image among those of its camera, from 1.
+        /// Number of the image, counted per camera from 1.
         frame: u64,
-        /// `colour`, `grey`, `bayer`; `depth` or `labels` of what it shows.
+        /// `colour`, `grey` or `bayer`; `depth` or `labels` of the image.
         form: &'a str,
         /// Pixels of a row.
         width_px: u32,
         /// Rows.
         height_px: u32,
-        /// When it was exposed, s.
+        /// Time of the exposure, s.
         exposed_s: f64,
-        /// BLAKE3 hash of its bytes as the program gets them.
+        /// BLAKE3 hash of the bytes as the program gets them.
         hash: &'a str,
     }
     /// A message is sent by radio.
     RadioSent = "radio_sent" {
-        /// Its number among those of the sender, from 1.
+        /// Number of the message, counted per sender from 1.
         message: u64,
-        /// The address it goes to; none for everybody.
+        /// Destination address; `None` for all stations.
         to: Option<u32>,
-        /// When its transmission begins, s; none where the medium decides that later.
+        /// Start of the transmission, s; `None` if the medium decides it later.
         begins_s: Option<f64>,
         /// The bytes.
         data: &'a [u8],
     }
-    /// A message comes to a robot's radio and waits there to be read.
+    /// A message arrives at a robot's radio and waits there to be read.
     RadioArrived = "radio_arrived" {
         /// Number of the robot that sent it.
         from: u32,
-        /// Its number among those of the sender.
+        /// Number of the message, counted per sender.
         message: u64,
-        /// When it arrived, s: the end of its transmission and the latency.
+        /// Time of arrival, s: the end of the transmission plus the latency.
         arrived_s: f64,
-        /// How many of its bits are inverted.
+        /// Number of inverted bits.
         bit_errors: u32,
     }
-    /// A message does not come; recorded with the robot that was to hear it, else with the sender.
+    /// A message is lost; recorded for the intended receiver if there is one, else for the sender.
     RadioLost = "radio_lost" {
         /// Number of the robot that sent it.
         from: u32,
-        /// Its number among those of the sender.
+        /// Number of the message, counted per sender.
         message: u64,
-        /// When it would have arrived, s.
+        /// Time at which the message would have arrived, s.
         arrived_s: f64,
         /// `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
         cause: &'a str,
     }
-    /// The program takes a message from its radio.
+    /// The program reads a message from its radio.
     RadioReceived = "radio_received" {
         /// Number of the robot that sent it.
         from: u32,
-        /// Its number among those of the sender.
+        /// Number of the message, counted per sender.
         message: u64,
-        /// The bytes, as they arrived.
+        /// The bytes as received.
         data: &'a [u8],
     }
-    /// Somebody has taken part in the run from outside; of the world, not of a robot.
+    /// A user has intervened in the run; an event of the world.
     Intervention = "intervention" {
-        /// What was done.
+        /// The action.
         #[serde(borrow)]
         action: ActionText<'a>,
     }
-    /// Command: walk in another gait.
+    /// Command: change the gait.
     Gait = "gait" {
-        /// Its number, from 1.
+        /// Number of the gait, from 1.
         gait: u32,
-        /// Its name.
+        /// Name of the gait.
         name: &'a str,
     }
-    /// Command: walk at these speeds until further notice.
+    /// Command: walk at these speeds until the next command.
     LegSpeed = "leg_speed" {
         /// Forward speed, m/s.
         vx_m_per_s: f64,
@@ -423,12 +423,12 @@ events! {
         /// Turning speed, rad/s.
         omega_rad_per_s: f64,
     }
-    /// Command: lift the feet this high.
+    /// Command: set the height to which the feet are lifted.
     StepHeight = "step_height" {
         /// m
         height_m: f64,
     }
-    /// Command: move where a leg treads.
+    /// Command: shift the footholds of a leg.
     LegCorrection = "leg_correction" {
         /// Name of the leg.
         leg: &'a str,
@@ -436,19 +436,19 @@ events! {
         dx_m: f64,
         /// To the left, m.
         dy_m: f64,
-        /// How much higher its foot is lifted, m.
+        /// Additional height to which the foot is lifted, m.
         dz_m: f64,
     }
     /// The angle of a joint is read.
     Joint = "joint" {
-        /// Name of leg and joint.
+        /// Name of the leg and joint.
         joint: &'a str,
         /// rad
         angle_rad: f64,
     }
     /// The pose of a link in the body's frame is read.
     Link = "link" {
-        /// Name of leg and link.
+        /// Name of the leg and link.
         link: &'a str,
         /// m
         x_m: f64,
@@ -468,30 +468,30 @@ events! {
         /// m
         height_m: f64,
     }
-    /// How a legged robot holds itself at the end of a slot, where that has changed.
+    /// Posture of a legged robot at the end of a slot in which it changed.
     Posture = "posture" {
-        /// How high the body's frame is above the plane of the floor, m.
+        /// Height of the body's frame above the plane of the floor, m.
         lift_m: f64,
         /// Angles of all joints, leg by leg, rad.
         #[serde(borrow)]
         joints_rad: Numbers<'a>,
     }
-    /// A foot comes down.
+    /// A foot touches down.
     Footfall = "footfall" {
         /// Name of the leg.
         leg: &'a str,
-        /// Where it treads, m.
+        /// Position of the foothold, m.
         x_m: f64,
         /// m
         y_m: f64,
         /// m
         z_m: f64,
     }
-    /// A part of a legged robot begins to touch something with which it must not.
+    /// Start of an unintended contact of a legged robot's part with an obstacle.
     Touch = "touch" {
-        /// Name of leg and link, or `body`.
+        /// Name of the leg and link, or `body`.
         part: &'a str,
-        /// What it touches.
+        /// The obstacle.
         with: Obstacle,
         /// Point of contact, m.
         x_m: f64,
@@ -502,42 +502,42 @@ events! {
     }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
-        /// The line without its end.
+        /// The line without its line ending.
         text: &'a str,
     }
-    /// A program is broken. A note.
+    /// A program has failed. A note.
     Fault = "fault" {
-        /// What happened, such as `SIGSEGV` or `panic`.
+        /// Kind of the fault, such as `SIGSEGV` or `panic`.
         what: &'a str,
-        /// Source file and line, empty where unknown.
+        /// Source file and line; empty if unknown.
         location: &'a str,
-        /// The last RoBIOS call before it, empty where there was none.
+        /// Last RoBIOS call before the fault; empty if there was none.
         last_call: &'a str,
     }
-    /// Why a program ended, or what it waits for, in words. A note.
+    /// Explanation of why a program ended or what it waits for. A note.
     Reason = "reason" {
-        /// The words.
+        /// The explanation.
         text: &'a str,
     }
     /// A likely mistake in the program. A note.
     Hint = "hint" {
-        /// The words.
+        /// The hint.
         text: &'a str,
     }
     /// A RoBIOS call, recorded in verbose runs only. A note.
     Call = "call" {
         /// Name of the function.
         function: &'a str,
-        /// The arguments as the caller would write them, separated by commas.
+        /// Arguments as the caller would write them, separated by commas.
         arguments: &'a str,
-        /// The result, empty for none.
+        /// Result; empty for none.
         result: &'a str,
     }
 }
 
 impl Kind {
-    /// True for what may differ between equal runs (source paths, thread numbers in a panic's message, whether the user
-    /// asked for calls): it has no sequence number and is not part of the digest.
+    /// Returns true for a note: an event that may differ between equal runs (source paths, thread numbers in a panic's message, calls
+    /// recorded on request). Notes have no sequence number and are not part of the digest.
     pub fn is_note(self) -> bool {
         matches!(self, Self::Stderr | Self::Fault | Self::Reason | Self::Hint | Self::Call)
     }

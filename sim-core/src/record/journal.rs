@@ -1,4 +1,4 @@
-//! A robot's own list of events of the slot in progress.
+//! Journal: list of a robot's events in the slot in progress.
 
 use crate::RobotId;
 use crate::time::Time;
@@ -10,11 +10,11 @@ use super::event::{Event, Kind, KindSet, Record};
 /// Length of a chain value in bytes.
 const CHAIN_LEN: usize = 32;
 
-/// Where a robot records what happens to it: a few stores an event, no allocation once its buffers have grown.
+/// Event list of one robot: a few stores per event, no allocation once its buffers have grown.
 ///
-/// Events are kept in their canonical form (postcard of time and event), which is what the digest covers and what the
-/// sinks decode. Only the robot itself writes while a slot runs; at the slot's end poses and contacts are added
-/// and gives the journal to [`super::Recorder::collect`].
+/// Events are kept in their canonical form (postcard of time and event), which the digest covers and the sinks decode. Only the
+/// robot itself writes while a slot runs; at the slot's end poses and contacts are added, and [`super::Recorder::collect`] takes
+/// the events.
 #[derive(Clone, Debug)]
 pub struct Journal {
     robot: RobotId,
@@ -24,19 +24,19 @@ pub struct Journal {
     is_verbose: bool,
 }
 
-/// The buffers of a journal, which the recorder may keep for as long as it merges.
+/// Buffers of a journal, which the recorder may hold while it merges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Page {
-    /// The chain value before the slot, then the canonical form of the events: hashed as a whole.
+    /// The chain value before the slot, followed by the canonical form of the events: hashed as a whole.
     events: Vec<u8>,
-    /// The same form of the notes.
+    /// Canonical form of the notes.
     notes: Vec<u8>,
     entries: Vec<Entry>,
     first_sequence: u64,
     pub(super) kinds: KindSet,
 }
 
-/// Where an event stands in its page.
+/// Index entry of an event in its page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) time: Time,
@@ -46,29 +46,29 @@ pub(super) struct Entry {
 }
 
 impl Journal {
-    /// The empty journal of `robot`; `is_verbose` says whether somebody wants to see its calls.
+    /// The empty journal of `robot`; `is_verbose` turns the recording of calls on.
     pub fn new(robot: RobotId, is_verbose: bool) -> Self {
         let mut page = Page::default();
         page.events.extend_from_slice(&digest::chain_start(robot));
         Self { robot, next_sequence: 0, page, is_sealed: false, is_verbose }
     }
 
-    /// Whose journal it is.
+    /// Robot of this journal.
     pub fn robot(&self) -> RobotId {
         self.robot
     }
 
-    /// True when [`Event::Call`] is wanted: formatting the arguments is the caller's cost.
+    /// Returns true if [`Event::Call`] is wanted: callers skip the formatting of the arguments otherwise.
     pub fn is_verbose(&self) -> bool {
         self.is_verbose
     }
 
-    /// Says whether [`Event::Call`] is wanted from now on.
+    /// Turns the recording of [`Event::Call`] on or off.
     pub fn set_verbose(&mut self, is_verbose: bool) {
         self.is_verbose = is_verbose;
     }
 
-    /// True when nothing has been recorded in this slot.
+    /// Returns true if nothing has been recorded in this slot.
     pub fn is_empty(&self) -> bool {
         self.page.entries.is_empty()
     }
@@ -76,7 +76,7 @@ impl Journal {
     /// Appends `event`, which happened at virtual time `time`.
     ///
     /// # Panics
-    /// After [`Self::seal`], before the recorder has collected the journal.
+    /// Between [`Self::seal`] and the collection by the recorder.
     pub fn record(&mut self, time: Time, event: &Event<'_>) {
         assert!(!self.is_sealed, "the journal of {} is sealed", self.robot);
         let kind = event.kind();
@@ -91,8 +91,8 @@ impl Journal {
 
     /// Ends the slot for this robot: adds its events to its chain. A robot without events keeps its chain value.
     ///
-    /// Hashing is the larger part of recording, so this may be called by the workers, in parallel; the recorder does it
-    /// where it has not been done.
+    /// Hashing is the larger part of recording, so workers may call this in parallel; the recorder seals journals that are not yet
+    /// sealed.
     pub fn seal(&mut self) {
         if !self.is_sealed && self.has_events() {
             let chain = *blake3::hash(&self.page.events).as_bytes();
@@ -101,12 +101,12 @@ impl Journal {
         self.is_sealed = true;
     }
 
-    /// True when something other than notes has been recorded in this slot.
+    /// Returns true if the slot has an event that is not a note.
     fn has_events(&self) -> bool {
         self.page.events.len() > CHAIN_LEN
     }
 
-    /// The chain value if the sealed slot has changed it.
+    /// The chain value, if the sealed slot has changed it.
     pub(super) fn changed_chain(&self) -> Option<&[u8; CHAIN_LEN]> {
         if self.has_events() { self.page.events.first_chunk() } else { None }
     }
@@ -116,7 +116,7 @@ impl Journal {
         self.page.kinds
     }
 
-    /// Begins the next slot; the buffers of the last one go to `spare`, whose buffers are used again.
+    /// Begins the next slot: moves the buffers of the last one to `spare` and reuses those of `spare`.
     pub(super) fn turn_page(&mut self, spare: &mut Page) {
         spare.clear();
         spare.events.extend_from_slice(&self.page.events[..CHAIN_LEN]);
@@ -124,7 +124,7 @@ impl Journal {
         self.begin_slot();
     }
 
-    /// Begins the next slot; what the last one held is dropped.
+    /// Begins the next slot and drops the events of the last one.
     pub(super) fn clear_page(&mut self) {
         self.page.events.truncate(CHAIN_LEN);
         self.page.notes.clear();
@@ -140,7 +140,7 @@ impl Journal {
 }
 
 impl Page {
-    /// Empties the buffers, the chain value too.
+    /// Empties the buffers, including the chain value.
     fn clear(&mut self) {
         self.events.clear();
         self.notes.clear();
@@ -148,15 +148,15 @@ impl Page {
         self.kinds = KindSet::NONE;
     }
 
-    /// Where each event stands, in the order in which they were recorded.
+    /// Index of the events, in the order in which they were recorded.
     pub(super) fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// The record at `entry` of this page, which is `robot`'s.
+    /// Decodes the record at `entry` of this page of `robot`.
     ///
     /// # Panics
-    /// If the bytes are not what [`Journal::record`] wrote, which would be a fault of this module.
+    /// If the bytes are not what [`Journal::record`] wrote, which would be a bug in this module.
     pub(super) fn decode(&self, robot: RobotId, entry: &Entry) -> Record<'_> {
         let is_note = entry.kind.is_note();
         let bytes = if is_note { &self.notes } else { &self.events };
@@ -172,7 +172,7 @@ fn append(bytes: &mut Vec<u8>, value: &impl Serialize) {
     postcard::serialize_with_flavor(value, Append(bytes)).expect("memory is the only limit of a journal");
 }
 
-/// Postcard's output, at the end of a vector.
+/// Postcard output that appends to a vector.
 struct Append<'a>(&'a mut Vec<u8>);
 
 impl postcard::ser_flavors::Flavor for Append<'_> {

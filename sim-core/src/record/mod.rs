@@ -1,8 +1,8 @@
-//! The record of a simulation: events, the robots' journals of them, their digest, and what people do from outside.
+//! Record of a simulation: events, the journals of the robots, the digest, and interventions.
 //!
-//! Each robot appends its events to a [`Journal`] of its own while a slot runs; at the slot's end the [`Recorder`] seals the
-//! journals (digest) and merges them in the one order (virtual time, robot, sequence) for whoever wants to see them. Nothing here
-//! decides what happens: the digest is the same whether anybody looks or not.
+//! Each robot appends its events to its own [`Journal`] while a slot runs. At the slot's end the [`Recorder`] seals the
+//! journals (digest) and merges them in the order (virtual time, robot, sequence) for the observers. Recording never influences
+//! the simulation, and the digest does not depend on the observers.
 
 mod action;
 pub mod digest;

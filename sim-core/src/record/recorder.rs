@@ -1,4 +1,4 @@
-//! Merges the robots' journals at each slot's end and keeps the run's digest.
+//! Recorder: merges the robots' journals at each slot's end and computes the run's digest.
 
 use super::digest::{Digest, RunDigest};
 use super::event::{KindSet, Record};
@@ -6,21 +6,21 @@ use super::journal::{Entry, Journal, Page};
 use crate::RobotId;
 use crate::time::Time;
 
-/// The record of a run: merges the journals of a slot and keeps the digest.
+/// Record of a run: merges the journals of a slot and computes the digest.
 ///
-/// At each slot's end: [`Self::collect`] for the robots that may have recorded something, in order of their ids, then
+/// At each slot's end, call [`Self::collect`] for the robots that may have recorded events, in order of their ids, then
 /// [`Self::end_slot`].
 #[derive(Clone, Debug)]
 pub struct Recorder {
     digest: RunDigest,
     interest: KindSet,
-    /// The pages of this slot's robots, then spare ones: the first `used` are in use.
+    /// Pages of this slot's robots, followed by spare ones: the first `used` are in use.
     pages: Vec<(RobotId, Page)>,
     used: usize,
     order: Vec<Place>,
 }
 
-/// An entry of a page, in the order of the run.
+/// Position of an event in the merged order.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     time: Time,
@@ -29,19 +29,19 @@ struct Place {
 }
 
 impl Recorder {
-    /// The record of a run with `seed` and slots of length `slot`, before its first slot; it shows events of the kinds of
-    /// `interest`.
+    /// Record of a run with `seed` and slots of length `slot`, before its first slot. Events of the kinds of `interest` are shown to
+    /// the observer.
     pub fn new(seed: u64, slot: Time, interest: KindSet) -> Self {
         Self { digest: RunDigest::new(seed, slot), interest, pages: Vec::new(), used: 0, order: Vec::new() }
     }
 
-    /// Shows events of the kinds of `interest` from this slot on.
+    /// Sets the kinds of events to show, from this slot on.
     pub fn set_interest(&mut self, interest: KindSet) {
         self.interest = interest;
     }
 
-    /// Takes what `journal` recorded in this slot and begins its next one. To be called in order of the robots' ids;
-    /// robots that did nothing may be left out.
+    /// Takes the events of `journal` in this slot and begins its next one. Must be called in order of the robots' ids;
+    /// robots without events may be left out.
     pub fn collect(&mut self, journal: &mut Journal) {
         if journal.is_empty() {
             return;
@@ -67,18 +67,18 @@ impl Recorder {
         self.used += 1;
     }
 
-    /// Ends the slot: shows what was collected, as far as it is of interest, in order of (virtual time, robot, sequence). The
-    /// digest of the run up to here, if the slot changed it.
+    /// Ends the slot: passes the collected events of interest to `show`, in order of (virtual time, robot, sequence). Returns the
+    /// digest of the run so far, if the slot changed it.
     ///
     /// # Errors
-    /// The first error of `show`, which sees nothing more of the slot then.
+    /// The first error of `show`, which gets no further events of the slot then.
     pub fn end_slot<E>(
         &mut self,
         end: Time,
         mut show: impl FnMut(&Record<'_>) -> Result<(), E>,
     ) -> Result<Option<Digest>, E> {
         let digest = self.digest.end_slot(end);
-        // Pages are in order of the robots, entries in order of recording.
+        // Pages are in the order of the robots, entries in the order of recording.
         self.order.sort_unstable_by_key(|place| (place.time, place.page, place.entry));
         self.used = 0;
         for place in self.order.drain(..) {
@@ -88,7 +88,7 @@ impl Recorder {
         Ok(digest)
     }
 
-    /// The digest of the run up to the last slot that has ended.
+    /// Digest of the run up to the last ended slot.
     pub fn digest(&self) -> Digest {
         self.digest.value()
     }
@@ -101,7 +101,7 @@ mod tests {
 
     use crate::record::event::{Event, Kind, Obstacle};
 
-    /// What a run showed: the JSON of its records, and the digest after each slot.
+    /// Output of a run: the JSON of its records, and the digest after each slot.
     #[derive(Default)]
     struct Shown(Vec<String>, Vec<Option<Digest>>);
 

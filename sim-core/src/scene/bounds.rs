@@ -1,6 +1,7 @@
 use glam::DVec2;
 
-/// Slower than this along an axis, a ray does not move along it: a reciprocal would overflow in products.
+/// Direction component below which a ray counts as parallel to the other axis: its reciprocal would overflow in
+/// products.
 pub(super) const PARALLEL: f64 = 1e-150;
 
 /// An axis-parallel rectangle, borders included, in metres in the world frame.
@@ -8,15 +9,15 @@ pub(super) const PARALLEL: f64 = 1e-150;
 pub struct Bounds {
     /// Lower left corner.
     pub min: DVec2,
-    /// Upper right corner; below `min` in a coordinate, the rectangle holds no point.
+    /// Upper right corner; if it is below `min` in a coordinate, the rectangle is empty.
     pub max: DVec2,
 }
 
 impl Bounds {
-    /// The rectangle without a point: the neutral element of [`Bounds::union`].
+    /// The empty rectangle: the neutral element of [`Bounds::union`].
     pub const EMPTY: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
 
-    /// The smallest rectangle that holds every point; [`Bounds::EMPTY`] for none.
+    /// The smallest rectangle that contains every point; [`Bounds::EMPTY`] for none.
     pub fn of_points(points: impl IntoIterator<Item = DVec2>) -> Self {
         points
             .into_iter()
@@ -28,7 +29,7 @@ impl Bounds {
         Self { min: centre, max: centre }.grown(radius)
     }
 
-    /// The smallest rectangle that holds both.
+    /// The smallest rectangle that contains both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
@@ -38,23 +39,23 @@ impl Bounds {
         Self { min: self.min - DVec2::splat(margin), max: self.max + DVec2::splat(margin) }
     }
 
-    /// Whether `point` lies inside or on the border.
+    /// Returns true if `point` lies inside or on the border.
     pub fn contains(&self, point: DVec2) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// Whether both share a point, be it on their borders; false where a coordinate is NaN.
+    /// Returns true if the rectangles share a point, borders included; false if a coordinate is NaN.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Whether both corners are finite and in order.
+    /// Returns true if both corners are finite and in order.
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
     }
 
-    /// The stretch inside the rectangle of the ray from `origin` along the unit vector `direction`, as distances from the
-    /// origin.
+    /// Interval of the ray from `origin` along the unit vector `direction` inside the rectangle, as distances from the
+    /// origin; `None` if the ray misses it.
     #[inline]
     pub(super) fn clip(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<(f64, f64)> {
         let mut stretch = (0.0_f64, range);

@@ -1,8 +1,8 @@
-//! Distances between straight pieces and triangles in space.
+//! Distances between segments and triangles in space.
 
 use glam::DVec3;
 
-/// Least distance between the pieces `a` and `b`, in metres; either may be a point.
+/// Least distance between the segments `a` and `b`, in metres; either may be a point.
 ///
 /// Source: the clamped solution of the two normal equations, as by Ericson, Real-Time Collision Detection, 5.1.9.
 pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
@@ -11,7 +11,7 @@ pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let (on_a, on_b, mixed) = (along_a.dot(between), along_b.dot(between), along_a.dot(along_b));
     let share = |way: f64, square: f64| if square > 0.0 { (way / square).clamp(0.0, 1.0) } else { 0.0 };
     let determinant = square_a * square_b - mixed * mixed;
-    // Pieces that are parallel within rounding: the ends decide.
+    // For segments that are parallel within rounding, the ends decide.
     let mut least = f64::INFINITY;
     let mut try_shares = |s: f64, t: f64| least = least.min((between + s * along_a - t * along_b).length_squared());
     if determinant > 1e-14 * square_a * square_b {
@@ -28,7 +28,7 @@ pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     least.sqrt()
 }
 
-/// Least distance between a piece and a triangle, in metres; 0 where the piece goes through it. A triangle without area is its
+/// Least distance between a segment and a triangle, in metres; 0 if they cross. A triangle without area counts as its
 /// sides.
 pub(crate) fn segment_to_triangle(piece: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> f64 {
     let sides = [[a, b], [b, c], [c, a]].map(|side| segment_to_segment(piece, side));
@@ -75,7 +75,7 @@ mod tests {
             };
             let to_side = least(&on([a, b], 60));
             let exact = segment_to_segment(piece, [a, b]);
-            // Neighbours of the points tried are at most 30 mm apart.
+            // Neighbouring samples are at most 30 mm apart.
             assert!(exact <= to_side + 1e-12 && to_side < exact + 0.03, "{exact} and {to_side}");
             let points: Vec<DVec3> = on([a, b], 40).into_iter().flat_map(|point| on([c, point], 40)).collect();
             let to_face = least(&points);

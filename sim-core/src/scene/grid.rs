@@ -1,4 +1,4 @@
-//! A uniform grid of square cells: which cell holds a place, and which cells a ray passes.
+//! A uniform grid of square cells: the cell of a point, and the cells along a ray.
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -9,13 +9,13 @@ use super::bounds::{Bounds, PARALLEL};
 /// Coordinates beyond this, in metres, would overflow in products.
 pub(super) const FARTHEST: f64 = 1e100;
 
-/// Whether products with the point's coordinates stay finite; false for NaN.
+/// Returns true if products with the point's coordinates stay finite; false for NaN.
 #[inline]
 pub(super) fn is_usable(point: DVec2) -> bool {
     point.abs().cmple(DVec2::splat(FARTHEST)).all()
 }
 
-/// Whether these describe a ray that can meet something: finite, of positive range, with a direction of length 1 within
+/// Returns true if the arguments describe a valid ray: finite origin, range not negative, direction of length 1 within
 /// 10^-6.
 #[inline]
 pub(super) fn is_ray(origin: DVec2, direction: DVec2, range: f64) -> bool {
@@ -23,11 +23,12 @@ pub(super) fn is_ray(origin: DVec2, direction: DVec2, range: f64) -> bool {
     (direction.length_squared() - 1.0).abs() < 1e-6 && is_usable(origin) && range >= 0.0
 }
 
-/// Rounding errors of a coordinate, in units of its last place, that may part a ray from a point which it was meant to
-/// touch: the ray's origin and direction, the point and the products of the test each contribute one or two.
+/// Relative rounding error, in units in the last place of a coordinate, by which a ray may miss a point that it touches
+/// in exact arithmetic: the ray's origin and direction, the point and the products of the test each contribute one or
+/// two.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Farthest that a ray from `origin` may pass from a point inside `bounds` which, but for rounding, it meets.
+/// Upper bound of the distance by which rounding makes a ray from `origin` miss a point inside `bounds`.
 #[inline]
 pub(super) fn doubt(origin: DVec2, bounds: &Bounds) -> f64 {
     let reach = (bounds.min - origin).abs().max((bounds.max - origin).abs());
@@ -42,7 +43,7 @@ pub(super) fn rounding_margin(bounds: &Bounds) -> f64 {
 /// Square cells over a rectangle, numbered row by row from the lower left.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    /// What the cells cover; places outside count to the outermost cells.
+    /// Area covered by the cells; points outside belong to the outermost cells.
     bounds: Bounds,
     cell: f64,
     per_cell: f64,
@@ -63,7 +64,7 @@ impl Grid {
         self.columns * self.rows
     }
 
-    /// What the cells cover.
+    /// Area covered by the cells.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
     }
@@ -106,7 +107,7 @@ impl Grid {
         self.bounds.min.y + row as f64 * self.cell
     }
 
-    /// Columns and rows that `area` meets.
+    /// Columns and rows that overlap `area`.
     pub fn span(&self, area: &Bounds) -> (RangeInclusive<usize>, RangeInclusive<usize>) {
         (self.column(area.min.x)..=self.column(area.max.x), self.row(area.min.y)..=self.row(area.max.y))
     }
@@ -115,7 +116,7 @@ impl Grid {
     /// until `visit` breaks. `direction` has length 1; all arguments are finite but for `range`.
     ///
     /// Distances to the cell borders are computed afresh at each step, so that the ray is within a few units in the last
-    /// place of its coordinates of every cell that it is said to be in, however many cells it has passed.
+    /// place of its coordinates of every visited cell, however many cells it has passed.
     #[inline]
     pub fn walk(
         &self,
@@ -131,7 +132,7 @@ impl Grid {
         let y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell);
         let (mut x_exit, mut y_exit) = (x_axis.exit(column), y_axis.exit(row));
         loop {
-            // Not `min`, which takes care of NaN.
+            // Not `min`, which has extra code for NaN.
             let exit = if x_exit < y_exit { x_exit } else { y_exit };
             if visit(row * self.columns + column, exit).is_break() || exit > far {
                 return;
@@ -153,9 +154,9 @@ impl Grid {
     }
 }
 
-/// How a ray moves across the borders of one axis.
+/// Crossings of a ray with the cell borders of one axis.
 struct Axis {
-    /// Distance at which the ray meets border 0, less the origin's share when moving backwards.
+    /// Distance to the exit border of column or row 0: its upper one, or its lower one when moving backwards.
     first: f64,
     per_border: f64,
     step: isize,
@@ -180,10 +181,10 @@ impl Axis {
     }
 }
 
-/// What lies in each cell: one list, cell by cell.
+/// Contents of the cells: one list, sorted by cell.
 #[derive(Clone, Debug)]
 pub(super) struct Cells<T> {
-    /// Where the entries of each cell begin; one more than there are cells.
+    /// Index of the first entry of each cell; one element more than there are cells.
     starts: Vec<u32>,
     entries: Vec<T>,
 }
@@ -195,7 +196,8 @@ impl<T> Default for Cells<T> {
 }
 
 impl<T: Copy> Cells<T> {
-    /// Enters each of `items` into the cells, below `count`, that `cells_of` names for it; in their order within a cell.
+    /// Enters each of `items` into the cells, below `count`, that `cells_of` yields for it; a cell keeps the order of
+    /// the items.
     pub fn fill(
         &mut self,
         count: usize,

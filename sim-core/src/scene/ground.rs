@@ -1,4 +1,4 @@
-//! What legged robots walk on.
+//! Ground of legged robots.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::HeightField;
 
-/// The height of the ground at every place.
+/// Height of the ground as a function of place.
 #[derive(Clone, Debug, Default)]
 pub enum Ground {
     /// The floor: the plane z = 0.
@@ -17,7 +17,7 @@ pub enum Ground {
 }
 
 impl Ground {
-    /// Distance of a straight piece from the ground, see [`HeightField::clearance`]; over the floor exact at any distance.
+    /// Distance of a segment from the ground, see [`HeightField::clearance`]; over the floor exact at any distance.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         match self {
             Self::Flat => self.least_gap(ends).0,
@@ -25,7 +25,7 @@ impl Ground {
         }
     }
 
-    /// Least height of a point of a straight piece above the ground, m, and that point.
+    /// Least height of a point of a segment above the ground, m, and that point.
     pub fn least_gap(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
         match self {
             Self::Flat => {
@@ -44,7 +44,7 @@ impl Ground {
         }
     }
 
-    /// Height of the ground at a place of the world, m.
+    /// Height of the ground at a point of the world plane, m.
     pub fn height(&self, place: DVec2) -> f64 {
         match self {
             Self::Flat => 0.0,

@@ -1,4 +1,4 @@
-//! Ground as a height over the plane: what rays meet of it as a mesh, and how high it is at a place.
+//! Terrain as a height over the plane: heights at places, and its surface as a mesh for rays.
 
 mod clearance;
 #[cfg(test)]
@@ -8,24 +8,24 @@ use glam::{DVec2, DVec3};
 
 use super::{Bounds, Material, Mesh, Triangle};
 
-/// Most cells of a height field: an image of 1025 x 1025 pixels has as many.
+/// Maximum number of cells of a height field: that of an image of 1025 x 1025 pixels.
 pub const MAX_CELLS: usize = 1 << 20;
 
-/// Bands of height that are told apart by colour.
+/// Number of height bands with different colours.
 const BANDS: usize = 24;
 
-/// Colours from the lowest to the highest ground, red, green, blue. Source: the order of a relief map (green plains, brown
-/// heights, pale tops); our choice.
+/// Colours from the lowest to the highest ground, red, green, blue. Source: the order of colours on relief maps (green
+/// plains, brown heights, pale tops); our choice.
 const TINTS: [[f32; 3]; 5] =
     [[0.42, 0.52, 0.36], [0.62, 0.64, 0.42], [0.74, 0.64, 0.44], [0.62, 0.48, 0.36], [0.92, 0.89, 0.84]];
 
-/// A height for each place of a rectangle of the plane, world frame, in metres.
+/// Height as a function of place over a rectangle of the plane, world frame, in metres.
 ///
-/// The heights are given at the corners of a rectilinear grid. Each cell is two triangles along the diagonal from its least x
-/// and y to its greatest, so the surface is continuous, and rays find no gap. (Where steps along x and y meet in one upright line with
-/// more than two heights, a ray aimed exactly at that line may pass within rounding.) A coordinate of the grid may come twice: between the two
-/// lies a cell without width, which is an exact vertical step. Beyond the rectangle the ground goes on level from its border as
-/// [`height`](Self::height) tells; rays meet nothing there.
+/// The heights are given at the corners of a rectilinear grid. Each cell is two triangles along the diagonal from its
+/// least x and y to its greatest, so the surface is continuous, and rays find no gap. (If steps along x and along y
+/// meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass within rounding.) A
+/// grid coordinate may occur twice: the cell between the two has no width and is an exact vertical step. Beyond the
+/// rectangle the ground continues level from its border, see [`height`](Self::height); rays hit nothing there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
@@ -36,19 +36,19 @@ pub struct HeightField {
     high: f64,
 }
 
-/// Why something is no height field.
+/// Reason why data do not form a height field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    /// Too few coordinates, or too few different ones.
+    /// Too few coordinates, or too few distinct ones.
     #[error("a terrain has two different places at least along either axis")]
     Small,
     /// More than [`MAX_CELLS`].
     #[error("{0} cells are more than {MAX_CELLS}")]
     Large(usize),
-    /// Coordinates that fall, or more than two that are equal.
+    /// Decreasing coordinates, or three or more equal ones.
     #[error("the places along an axis do not rise, or come more than twice")]
     Order,
-    /// Not one height for each corner.
+    /// The number of heights differs from the number of corners.
     #[error("{0} heights for {1} corners")]
     Count(usize, usize),
     /// A coordinate or height is infinite or NaN, or beyond 10^9 m.
@@ -88,7 +88,7 @@ impl HeightField {
         Ok(Self { xs, ys, heights, low, high })
     }
 
-    /// The rectangle that it covers, in metres.
+    /// The rectangle covered, in metres.
     pub fn bounds(&self) -> Bounds {
         let [(left, right), (lower, upper)] = [&self.xs, &self.ys].map(|axis| (axis[0], axis[axis.len() - 1]));
         Bounds { min: DVec2::new(left, lower), max: DVec2::new(right, upper) }
@@ -112,8 +112,8 @@ impl HeightField {
         DVec3::new(self.xs[column], self.ys[row], self.at(column, row))
     }
 
-    /// Height of the ground at a place of the world frame, in metres: at a step that of the upper side, beyond the rectangle that
-    /// of its nearest border. NaN where a coordinate is NaN.
+    /// Height of the ground at a place in the world frame, in metres: at a step, that of the upper side; beyond the
+    /// rectangle, that of its nearest border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;
@@ -125,7 +125,7 @@ impl HeightField {
                 highest = highest.max(self.interpolate(column, row));
             }
         }
-        // Where the two sides of a step cross, the diagonal of the upright cell may stand out above both.
+        // Where the two sides of a step cross, the diagonal of the vertical cell may rise above both.
         let ((column, right), (row, up)) = (columns.first, rows.first);
         let along = if columns.second.is_some() { up } else { right };
         if along > 0.0 && (columns.second.is_some() || rows.second.is_some()) {
@@ -135,8 +135,9 @@ impl HeightField {
         highest
     }
 
-    /// Unit normal of the ground at a place, upwards: that of the triangle above or below the place; on an edge that of the one
-    /// with the greater x, then y, at a step that of the upper side. Beyond the rectangle the ground is level across its border.
+    /// Upward unit normal of the ground at a place: that of the triangle there; on an edge, that of the triangle with
+    /// the greater x, then y; at a step, that of the upper side. Beyond the rectangle the ground is level across its
+    /// border.
     ///
     /// The normal of NaN is straight up.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
@@ -165,8 +166,8 @@ impl HeightField {
         DVec3::new(-a, -b, 1.0).normalize_or_zero()
     }
 
-    /// The two triangles of the cell behind `column` along x and `row` along y, counter-clockwise as seen from above; of a step
-    /// they stand upright.
+    /// The two triangles of the cell that starts at corner `column` along x and `row` along y, counter-clockwise as
+    /// seen from above; those of a step are vertical.
     ///
     /// # Panics
     /// If there is no such cell.
@@ -176,7 +177,8 @@ impl HeightField {
         [[a, b, c], [a, c, d]]
     }
 
-    /// Columns and rows of the cells that touch the rectangle, as two ranges; cells at the border stand for the ground beyond it.
+    /// Columns and rows of the cells that touch the rectangle, as two ranges; border cells stand for the ground beyond
+    /// the border.
     pub fn cells(&self, bounds: &Bounds) -> [std::ops::Range<usize>; 2] {
         let range = |axis: &[f64], low: f64, high: f64| {
             let last = axis.len() - 2;
@@ -187,14 +189,15 @@ impl HeightField {
         [range(&self.xs, bounds.min.x, bounds.max.x), range(&self.ys, bounds.min.y, bounds.max.y)]
     }
 
-    /// Red, green, blue, 0 to 1, of the ground at a height: as on a relief map, from the field's lowest to its highest place.
+    /// Colour of the ground at a height, red, green, blue, 0 to 1: as on a relief map, from the field's lowest to its
+    /// highest point.
     pub fn tint(&self, height: f64) -> [f32; 3] {
         let share = if self.high > self.low { (height - self.low) / (self.high - self.low) } else { 0.0 };
         tint(share.clamp(0.0, 1.0) as f32)
     }
 
-    /// The surface as a mesh in the world frame: each corner once, two triangles a cell but for those without area. `colour` is
-    /// that of all of it; without one it is coloured by height.
+    /// The surface as a mesh in the world frame: each corner once, two triangles per cell except those without area.
+    /// `colour` applies to the whole surface; without it, the surface is coloured by height.
     pub fn mesh(&self, colour: Option<[u8; 3]>) -> Mesh {
         let (columns, rows) = self.size();
         let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| self.corner(column, row))).collect();
@@ -245,7 +248,7 @@ impl HeightField {
         if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
     }
 
-    /// Rise along x and along y of the triangle at a spot; of a cell without width, of the one behind it.
+    /// Slopes along x and along y of the triangle at a spot; for a cell of width 0, of the cell before it.
     fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
         let inside = |axis: &[f64], cell: usize, part: f64| {
             let is_wide = cell + 1 < axis.len() && axis[cell + 1] > axis[cell];
@@ -262,7 +265,8 @@ impl HeightField {
     }
 }
 
-/// Where a coordinate lies on an axis: one place, or the two sides of a step; each as a corner and the part of the cell behind.
+/// Position of a coordinate on an axis: one spot, or the two sides of a step; each is a corner and the fraction of the
+/// next cell.
 struct Spots {
     first: (usize, f64),
     second: Option<(usize, f64)>,
@@ -285,7 +289,7 @@ impl Spots {
     }
 }
 
-/// The looks of the bands, or of all.
+/// Materials of the height bands, or the single material of `colour`.
 fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
     if let Some(colour) = colour {
         let colour = colour.map(|shade| f32::from(shade) / 255.0);
@@ -298,7 +302,7 @@ fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
     (0..BANDS).map(band).collect()
 }
 
-/// The colour at a share of the way from the lowest to the highest.
+/// Colour at a fraction of the height range, 0 lowest, 1 highest.
 fn tint(share: f32) -> [f32; 3] {
     let place = share * (TINTS.len() - 1) as f32;
     let at = (place as usize).min(TINTS.len() - 2);

@@ -1,22 +1,22 @@
-//! What a surface looks like: its colour and the image on it.
+//! Appearance of surfaces: colour and texture.
 
 use std::sync::Arc;
 
-/// Looks of the faces that bear it.
+/// Appearance of the faces that refer to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Its name in the material file.
     pub name: String,
     /// Red, green, blue of the diffuse colour, 0 to 1; it multiplies the texture's colours.
     pub colour: [f32; 3],
-    /// 1 for what cannot be looked through, down to 0.
+    /// Opacity, from 0 (transparent) to 1 (opaque).
     pub opacity: f32,
-    /// Image on the faces; materials with one image share it.
+    /// Image on the faces; materials with the same image share it.
     pub texture: Option<Arc<Texture>>,
 }
 
 impl Default for Material {
-    /// Light grey without an image: the looks of faces without a material.
+    /// Light grey without an image: the appearance of faces without a material.
     fn default() -> Self {
         Self { name: String::new(), colour: [0.8; 3], opacity: 1.0, texture: None }
     }
@@ -31,8 +31,8 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The image of `width` times `height` pixels, row by row from the top, each from the left; `None` if there are not
-    /// that many `pixels`, or none.
+    /// The image of `width` times `height` pixels, row by row from the top, each from the left; `None` if the number of
+    /// `pixels` differs, or is 0.
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Option<Self> {
         let count = u64::from(width) * u64::from(height);
         (count > 0 && count == pixels.len() as u64).then_some(Self { width, height, pixels })
@@ -57,7 +57,7 @@ impl Texture {
     pub fn at(&self, u: f64, v: f64) -> [u8; 4] {
         let place = |part: f64, size: u32| {
             let part = part - part.floor();
-            // As a cast saturates, NaN becomes 0.
+            // A cast saturates; NaN becomes 0.
             ((part * f64::from(size)) as u32).min(size - 1)
         };
         self.pixel(place(u, self.width), self.height - 1 - place(v, self.height))

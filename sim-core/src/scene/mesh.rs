@@ -1,33 +1,33 @@
-//! Surfaces of triangles, for looks: cameras and pictures see them, contacts and distance sensors do not.
+//! Triangle meshes with materials: the appearance of bodies. [`MeshIndex`](super::MeshIndex) makes a mesh solid to
+//! rays.
 
 use glam::{DVec3, Vec2, Vec3};
 
 use super::Material;
 
-/// A surface of triangles in the frame of the body that it shows: x forward, y left, z up, in metres.
+/// A surface of triangles in the frame of its body: x forward, y left, z up, in metres.
 ///
-/// All numbers are finite, all indices within their lists, and no triangle is without area.
+/// Invariant: all numbers are finite, all indices are valid, and every triangle has an area.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Corners, each once for all triangles that meet in it, in metres.
+    /// Corners, shared by the triangles that meet in them, in metres.
     pub positions: Vec<DVec3>,
     /// The faces.
     pub triangles: Vec<Triangle>,
-    /// The looks that faces name; never empty where there are triangles.
+    /// Materials of the faces; never empty if there are triangles.
     pub materials: Vec<Material>,
 }
 
 /// A face of a [`Mesh`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
-    /// Places of its corners in [`Mesh::positions`], counter-clockwise as seen from outside.
+    /// Indices of its corners in [`Mesh::positions`], counter-clockwise as seen from outside.
     pub corners: [u32; 3],
-    /// Directions of the light's reflection at the corners, of length 1; `None` for a flat face. For shading only, and so
-    /// in single precision.
+    /// Unit normals at the corners for smooth shading, in single precision; `None` for a flat face.
     pub normals: Option<[Vec3; 3]>,
-    /// Place of the corners in the texture, as in [`Texture::at`](super::Texture::at).
+    /// Texture coordinates of the corners, as in [`Texture::at`](super::Texture::at).
     pub uv: Option<[Vec2; 3]>,
-    /// Its looks: place in [`Mesh::materials`].
+    /// Index of its material in [`Mesh::materials`].
     pub material: u32,
 }
 
@@ -35,15 +35,15 @@ impl Mesh {
     /// The corners of a face, in metres.
     ///
     /// # Panics
-    /// If it is no face of this mesh.
+    /// If the face is not one of this mesh.
     pub fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
         triangle.corners.map(|corner| self.positions[corner as usize])
     }
 
-    /// The looks of a face.
+    /// The material of a face.
     ///
     /// # Panics
-    /// If it is no face of this mesh.
+    /// If the face is not one of this mesh.
     pub fn material(&self, triangle: &Triangle) -> &Material {
         &self.materials[triangle.material as usize]
     }

@@ -1,8 +1,9 @@
-//! Where things stand: vertical walls with their ray index, a per-slot index of the bodies that move, and meshes.
+//! Geometry of a scene: vertical walls with their ray index, an index over bodies that is rebuilt per slot, ground and
+//! meshes.
 //!
-//! Walls and bodies are planar geometry in the world frame, in metres; a wall is its trace on the floor, a line segment.
-//! The room knows no robots' shapes, sensors or contacts: it answers which walls a ray meets and which walls or bodies are
-//! near a place. Meshes with their materials are looks alone, in the frame of their body.
+//! Walls and bodies are planar geometry in the world frame, in metres; a wall is its trace on the floor, a line
+//! segment. The module knows nothing of robots' shapes, sensors or contacts: it finds the walls along a ray and the
+//! walls or bodies near a place. Meshes are in the frame of their body.
 
 mod bounds;
 mod bvh;

@@ -1,4 +1,4 @@
-//! Bodies that move during a slot, and which of them may be near a place, a ray or one another.
+//! Broad-phase index over moving bodies: candidates near a place, along a ray, or near one another.
 
 use std::ops::ControlFlow;
 
@@ -7,19 +7,19 @@ use glam::DVec2;
 use super::Bounds;
 use super::grid::{Cells, FARTHEST, Grid, doubt, is_ray, rounding_margin};
 
-/// The rectangles that moving bodies stay in during a slot, with a uniform grid over them.
+/// A uniform grid over the bounds of moving bodies during a slot.
 ///
-/// It is filled anew each slot, in time and memory proportional to the number of bodies however large they are, and
-/// keeps its memory. It knows keys and rectangles only: whether a body itself is met is for the caller to find out.
+/// It is rebuilt each slot, in time and memory proportional to the number of bodies whatever their size, and reuses its
+/// memory. It holds only keys and bounds: the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
 pub struct Moving<K> {
     /// In ascending order of the keys.
     bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
     grid: Option<Grid>,
-    /// Margin by which bodies are larger when they are entered into cells: more than all rounding of rays and cells.
+    /// Margin by which bodies are enlarged when they are entered into cells: above all rounding of rays and cells.
     margin: f64,
-    /// Places in `bodies`.
+    /// Indices into `bodies`.
     cells: Cells<u32>,
 }
 
@@ -30,9 +30,9 @@ impl<K> Default for Moving<K> {
 }
 
 impl<K: Copy + Ord> Moving<K> {
-    /// Forgets all bodies and takes `bodies`, each with its own key and a rectangle that it does not leave.
+    /// Replaces all bodies by `bodies`, each with a unique key and its bounds.
     ///
-    /// A rectangle without a point, or with a coordinate that is NaN, is never found; one without end is cut at
+    /// Bounds that are empty or have a NaN coordinate are never found; infinite bounds are clamped to
     /// 10^100 m.
     ///
     /// # Panics
@@ -68,7 +68,7 @@ impl<K: Copy + Ord> Moving<K> {
         self.bodies.len()
     }
 
-    /// Whether no body can be found.
+    /// Returns true if no body can be found.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
@@ -76,8 +76,8 @@ impl<K: Copy + Ord> Moving<K> {
     /// Visits each body whose rectangle meets the ray from `origin` along the unit vector `direction` within `range`
     /// metres, once, in about the order in which the ray meets the rectangles.
     ///
-    /// Rectangles that the ray misses by no more than rounding may be visited too. Arguments that are no ray (see
-    /// [`Walls::cast`](super::Walls::cast)) visit nothing.
+    /// Rectangles that the ray misses by no more than rounding may be visited too. An invalid ray (see
+    /// [`Walls::cast`](super::Walls::cast)) visits nothing.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K)) {
         let Some(grid) = &self.grid else { return };
         if !is_ray(origin, direction, range) {
@@ -88,7 +88,7 @@ impl<K: Copy + Ord> Moving<K> {
             stretch.map(|(entry, _)| entry)
         };
         if 2.0 * doubt(origin, grid.bounds()) < self.margin {
-            // Most bodies of a cell lie aside of the ray's line, which is told without a division.
+            // Most bodies of a cell lie off the ray's line, which this test finds without a division.
             let aside = direction.perp();
             let is_aside = |bounds: &Bounds| {
                 let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
@@ -98,7 +98,7 @@ impl<K: Copy + Ord> Moving<K> {
             grid.walk(origin, direction, range, |cell, exit| {
                 for &place in self.cells.of(cell) {
                     let (id, bounds) = &self.bodies[place as usize];
-                    // A body that lies in several cells is reported by the one in which the ray enters its rectangle.
+                    // A body that lies in several cells is reported in the cell where the ray enters its rectangle.
                     let is_entered = |entry| entry > last_exit && entry <= exit;
                     if !is_aside(bounds) && entry_of(bounds).is_some_and(is_entered) {
                         visit(*id);
@@ -153,7 +153,7 @@ impl<K: Copy + Ord> Moving<K> {
         places.dedup();
     }
 
-    /// Chooses the grid: on average a body meets a few cells, and there are a few cells a body at most.
+    /// Chooses the grid so that an average body overlaps a few cells and there are at most a few cells per body.
     fn lay_out(&mut self) {
         self.grid = None;
         if self.bodies.is_empty() {

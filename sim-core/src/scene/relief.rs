@@ -1,4 +1,4 @@
-//! Terrain that is drawn from a seed: smooth relief with boulders on it.
+//! Random terrain from a seed: smooth relief with boulders on it.
 
 use std::f64::consts::TAU;
 
@@ -8,33 +8,33 @@ use super::{FieldError, HeightField};
 use crate::noise::{Purpose, Stream};
 use crate::{RobotId, math};
 
-/// Most boulders of a relief.
+/// Maximum number of boulders of a relief.
 pub const MAX_BOULDERS: u32 = 100_000;
 
-/// Octaves of the relief; each has half the length and half the height of the one before.
+/// Maximum number of octaves of the relief; each has half the wavelength and half the amplitude of the one before.
 const OCTAVES: u32 = 4;
 
-/// An octave is left out whose length is less than so many cells: the grid could not show it.
+/// Minimum wavelength of an octave in cells; shorter ones are left out because the grid cannot resolve them.
 const LEAST_CELLS: f64 = 4.0;
 
-/// Places that are drawn for a boulder before it is left out.
+/// Random places tried for a boulder before it is left out.
 const TRIES: u32 = 64;
 
-/// Least width of a boulder, against its length.
+/// Least ratio of a boulder's width to its length.
 const SLIMMEST: f64 = 0.6;
 
-/// Terrain that is drawn from a seed; in metres, world frame.
+/// Parameters of random terrain; in metres, world frame.
 ///
-/// The relief is gradient noise of up to four octaves, moved and scaled so that it goes from `base` to `base + relief`.
-/// On it lie boulders, domes with elliptical outlines. Whatever is drawn comes from streams keyed by the seed and by what it is
-/// for: more boulders change none of the others, and the bits are the same on every machine.
+/// The relief is gradient noise of up to four octaves, shifted and scaled to the range from `base` to `base + relief`.
+/// On it lie boulders: domes with elliptical outlines. All random numbers come from streams keyed by seed and
+/// purpose: adding boulders changes none of the others, and the bits are the same on every machine.
 ///
 /// Source: gradient noise as by Perlin, "Improving noise", SIGGRAPH 2002 (the weights); directions from our keyed streams. The
-/// boulders, and all numbers that are not given, are our choice: Gois and Hiller, section 5, tell of their terrains only that they
-/// are "randomly generated".
+/// boulders, and all numbers that are not given, are our choice: Gois and Hiller, section 5, only call their terrains
+/// "randomly generated".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
-    /// What everything is drawn from.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Corner with the least x and y.
     pub origin: DVec2,
@@ -42,44 +42,44 @@ pub struct Relief {
     pub size: DVec2,
     /// Height of the lowest ground.
     pub base: f64,
-    /// Greatest side of the grid's cells: the sides are divided into the least number of equal cells; positive.
+    /// Upper bound of the grid's cell size, positive: each side is divided into the least number of equal cells.
     pub cell: f64,
-    /// From the lowest to the highest place of the smooth relief; not negative.
+    /// Height of the smooth relief from its lowest to its highest point; not negative.
     pub relief: f64,
-    /// Length of the longest hill, about; positive.
+    /// Approximate length of the longest hill; positive.
     pub length: f64,
     /// Boulders on it.
     pub boulders: Option<Boulders>,
-    /// Discs in which the ground is level at `base`; the relief rises from their borders to twice their radii, and no boulder
-    /// reaches into them.
+    /// Discs in which the ground is level at `base`; the relief rises to its full height between one and two radii, and
+    /// no boulder reaches into a disc.
     pub clear: Vec<Disc>,
 }
 
-/// Boulders of a [`Relief`]: lengths and heights are drawn evenly between two bounds.
+/// Boulders of a [`Relief`]: lengths and heights are uniformly distributed between two bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boulders {
-    /// How many; at most [`MAX_BOULDERS`].
+    /// Number of boulders; at most [`MAX_BOULDERS`].
     pub count: u32,
-    /// Least and greatest half length, in metres; half of the width is 0.6 to 1 of it.
+    /// Least and greatest half length, in metres; the half width is 0.6 to 1 times the half length.
     pub radius: [f64; 2],
-    /// Least and greatest height above the relief around, in metres.
+    /// Least and greatest height above the surrounding relief, in metres.
     pub height: [f64; 2],
 }
 
 /// A disc on the plane, in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disc {
-    /// Its middle, world frame.
+    /// Centre, world frame.
     pub centre: DVec2,
-    /// Its radius; positive.
+    /// Radius; positive.
     pub radius: f64,
 }
 
 impl Relief {
-    /// The terrain, and how many of its boulders found no place apart from the clear discs.
+    /// Generates the terrain; also returns the number of boulders that found no place outside the clear discs.
     ///
     /// # Errors
-    /// [`FieldError`] where the size is not positive, or has too many cells.
+    /// [`FieldError`] if the size is not positive, or gives too many cells.
     pub fn field(&self) -> Result<(HeightField, u32), FieldError> {
         let [columns, rows] = self.counts()?;
         let axis = |low: f64, size: f64, count: usize| -> Vec<f64> {
@@ -131,7 +131,7 @@ impl Relief {
         heights
     }
 
-    /// Share of the relief at a place: 0 in the clear discs, 1 from twice their radius on.
+    /// Factor on the relief at a place: 0 in the clear discs, 1 from twice their radius on.
     fn clearing(&self, place: DVec2) -> f64 {
         let share = |disc: &Disc| {
             let part = (place.distance(disc.centre) / disc.radius - 1.0).clamp(0.0, 1.0);
@@ -140,7 +140,7 @@ impl Relief {
         self.clear.iter().map(share).fold(1.0, f64::min)
     }
 
-    /// Puts the boulders on the ground; how many found no place.
+    /// Adds the boulders to the ground; returns the number that found no place.
     fn add_boulders(&self, xs: &[f64], ys: &[f64], heights: &mut [f64]) -> u32 {
         let Some(boulders) = &self.boulders else { return 0 };
         let mut domes = vec![0.0_f64; heights.len()];
@@ -165,7 +165,7 @@ impl Relief {
         left_out
     }
 
-    /// A boulder at a place of its own; `None` where none of those drawn for it is free.
+    /// Boulder `number`; `None` if none of the places tried for it is free.
     fn boulder(&self, boulders: &Boulders, number: u32) -> Option<Boulder> {
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Terrain, 0, u64::from(number));
         let mut between = |low: f64, high: f64| low + (high - low) * stream.unit();
@@ -185,11 +185,11 @@ impl Relief {
 /// A dome with an elliptical outline.
 struct Boulder {
     centre: DVec2,
-    /// Half of the length.
+    /// Half length.
     radius: f64,
-    /// Width against length.
+    /// Ratio of width to length.
     aspect: f64,
-    /// Direction of its length.
+    /// Unit vector along its length.
     along: DVec2,
     top: f64,
 }
@@ -206,12 +206,12 @@ impl Boulder {
 /// Gradient noise over a lattice of unit squares.
 struct Lattice {
     columns: usize,
-    /// Row by row a direction for each point of the lattice.
+    /// Unit gradients of the lattice points, row by row.
     gradients: Vec<DVec2>,
 }
 
 impl Lattice {
-    /// One that covers `size` squares from the origin on; a row's directions come from a stream of its own.
+    /// A lattice over `size` squares from the origin on; each row of gradients has a separate random stream.
     fn new(seed: u64, octave: u32, size: DVec2) -> Self {
         let [columns, rows] = size.to_array().map(|side| side as usize + 2);
         let mut gradients = Vec::with_capacity(columns * rows);
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn the_bits_of_a_terrain_stay() {
-        // Of seed 7; on every machine, so written down.
+        // Digest for seed 7, the same on every machine.
         let (field, _) = relief(7).field().expect("a field");
         let mut digest = 0xcbf2_9ce4_8422_2325_u64;
         for row in 0..field.size().1 {
@@ -292,7 +292,7 @@ mod tests {
             for disc in &relief.clear {
                 for step in 0..100 {
                     let (sin, cos) = math::sin_cos(f64::from(step));
-                    // A cell that reaches into the disc may rise.
+                    // A cell that overlaps the edge of the disc may rise.
                     let radius = (disc.radius - 0.15) * f64::from(step) / 100.0;
                     let place = disc.centre + radius * DVec2::new(cos, sin);
                     assert_eq!(field.height(place.x, place.y), 0.05);

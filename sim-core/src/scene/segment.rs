@@ -5,7 +5,7 @@ use crate::math;
 
 /// The trace of a vertical wall on the floor, from `a` to `b`, in metres in the world frame.
 ///
-/// A wall without length is an obstacle of one point: only a ray through that point meets it.
+/// A wall of length 0 is a point obstacle: only a ray through that point hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// One end.
@@ -38,7 +38,7 @@ impl Segment {
             return self.a;
         }
         let share = (point - self.a).dot(along) / length_squared;
-        // From the nearer end, so that both ends are met without rounding.
+        // Computed from the nearer end, so that both ends are exact.
         if share <= 0.0 {
             self.a
         } else if share >= 1.0 {
@@ -59,7 +59,7 @@ impl Segment {
     /// The four sides, counter-clockwise, of a wall `thickness` metres thick with this centre line.
     ///
     /// The ends are flush with the ends of the centre line (our choice). Neighbouring sides share their corner to the
-    /// bit. Of a centre line without length, a rectangle without length that is parallel to the y axis remains.
+    /// bit. A centre line of length 0 gives a rectangle of length 0 parallel to the y axis.
     pub fn thickened(&self, thickness: f64) -> [Segment; 4] {
         let along = self.b - self.a;
         let length = self.length();

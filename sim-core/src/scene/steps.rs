@@ -1,13 +1,13 @@
-//! Ground of level blocks and stairs with exact vertical sides.
+//! Ground of level blocks and stairs with exactly vertical sides.
 
 use glam::DVec2;
 
 use super::{Bounds, FieldError, HeightField};
 
-/// Most steps of a flight of stairs.
+/// Maximum number of steps of a flight of stairs.
 pub const MAX_STEPS: u32 = 1000;
 
-/// Level ground with blocks and stairs on it; in metres, world frame. Where several stand, the highest counts.
+/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
     /// Corner with the least x and y.
@@ -22,7 +22,7 @@ pub struct Steps {
     pub blocks: Vec<Block>,
 }
 
-/// The way that stairs go up.
+/// Direction in which stairs go up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
     /// Towards greater x.
@@ -37,10 +37,9 @@ pub enum Way {
 }
 
 impl Way {
-    /// All of them, by quarter turns counter-clockwise from x.
+    /// All directions, by quarter turns counter-clockwise from x.
     pub const ALL: [Way; 4] = [Way::East, Way::North, Way::West, Way::South];
 
-    /// The unit vector.
     fn direction(self) -> DVec2 {
         match self {
             Way::East => DVec2::X,
@@ -56,33 +55,33 @@ impl Way {
 pub struct Stairs {
     /// Middle of the foot of the first step.
     pub from: DVec2,
-    /// The way up.
+    /// Direction in which the stairs go up.
     pub way: Way,
     /// Number of steps; at most [`MAX_STEPS`].
     pub count: u32,
-    /// Height of each; positive.
+    /// Height of each step; positive.
     pub rise: f64,
-    /// Depth of each but the last; positive.
+    /// Depth of each step but the last; positive.
     pub depth: f64,
-    /// Depth of the last: the landing; positive.
+    /// Depth of the last step, the landing; positive.
     pub landing: f64,
-    /// Width across the way; positive.
+    /// Width across the direction; positive.
     pub width: f64,
-    /// Whether as many steps go down again behind the landing; else it ends in a vertical side.
+    /// As many steps lead down again behind the landing; otherwise it ends in a vertical side.
     pub goes_down: bool,
 }
 
 /// A block with level top and vertical sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Block {
-    /// What it covers.
+    /// Area covered.
     pub bounds: Bounds,
-    /// Its height above the ground; positive.
+    /// Height above the ground; positive.
     pub height: f64,
 }
 
 impl Stairs {
-    /// Its steps as blocks that lie on each other: each reaches as far as those on it.
+    /// The stairs as blocks stacked on each other: each block extends beneath all the blocks above it.
     pub fn blocks(&self) -> impl Iterator<Item = Block> {
         let ahead = self.way.direction();
         let aside = 0.5 * self.width * ahead.perp();
@@ -98,10 +97,10 @@ impl Stairs {
 }
 
 impl Steps {
-    /// The terrain: blocks and stairs end at its border.
+    /// Generates the terrain; blocks and stairs are cut off at its border.
     ///
     /// # Errors
-    /// [`FieldError`] where the size is not positive, or the sides of all blocks make too many cells.
+    /// [`FieldError`] if the size is not positive, or the sides of all blocks give too many cells.
     pub fn field(&self) -> Result<HeightField, FieldError> {
         let (low, high) = (self.origin, self.origin + self.size);
         let blocks: Vec<Block> =
@@ -119,7 +118,7 @@ impl Steps {
         if corners > 2 * super::MAX_CELLS {
             return Err(FieldError::Large(corners));
         }
-        // Corners 2i and 2i + 1 bound the level piece i of an axis.
+        // Corners 2i and 2i + 1 bound level interval i of an axis.
         let mut heights = vec![0.0_f64; corners];
         for block in &blocks {
             let covered = |axis: &[f64], least: f64, greatest: f64| {

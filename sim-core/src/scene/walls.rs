@@ -1,4 +1,4 @@
-//! Walls that do not move, and the nearest of them along a ray.
+//! Static walls, and the nearest of them along a ray.
 
 mod block;
 mod ray;
@@ -10,7 +10,7 @@ use super::{Bounds, Segment};
 use block::Blocks;
 use ray::{Nearest, Ray};
 
-/// A wall's number: its place in the list that [`Walls::new`] was given.
+/// A wall's number: its index in the list passed to [`Walls::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct WallId(pub u32);
 
@@ -19,50 +19,51 @@ pub struct WallId(pub u32);
 pub struct Hit {
     /// Metres from the ray's origin to the wall; not negative.
     pub distance: f64,
-    /// The wall; of several at the same distance, the one with the lowest number.
+    /// The wall; ties in distance go to the lowest number.
     pub wall: WallId,
 }
 
-/// Cells of the grid for each wall.
+/// Number of grid cells per wall.
 const CELLS_PER_WALL: f64 = 1.0;
 
-/// Entries of walls in cells for each wall, on average, that long walls may cost.
+/// Budget of cell entries per wall, on average; limits the cost of long walls.
 const ENTRIES_PER_WALL: f64 = 8.0;
 
-/// Columns and rows together that a grid may have, so that distances to the borders of cells, summed one by one, are exact
+/// Maximum sum of columns and rows of a grid: keeps distances to cell borders, which are summed step by step, exact
 /// within 10^-7 of a cell.
 const MOST_CELLS_ACROSS: f64 = 16384.0;
 
 /// All walls of a scene, immutable, with a uniform grid over them for rays.
 ///
-/// Any list will do: walls without length, duplicates, none at all, far from the origin. Memory is a fixed multiple of
-/// the number of walls. Walls with a coordinate that is not finite or exceeds 10^100 m keep their number but are never
-/// met.
+/// Any list is allowed: walls without length, duplicates, an empty list, walls far from the origin. Memory is a fixed
+/// multiple of the number of walls. Walls with a coordinate that is not finite or exceeds 10^100 m keep their number
+/// but are never hit.
 ///
-/// # What a ray meets
-/// A ray and a point touch when their distance is at most 8 units in the last place (2^-52) of the sum of the point's
-/// distance and the origin's coordinates: 2e-14 m at 10 m from the world's origin, 2e-11 m at 10 km. With that,
-/// - a ray that crosses a wall or touches one of its ends meets it: no ray slips through a shared corner, whose side of
-///   the ray is the same value for both walls;
-/// - a ray along a wall, that touches both ends, meets the nearer end;
+/// # Definition of a hit
+/// A ray and a point touch if their distance is at most 8 units in the last place (2^-52) of the sum of the point's
+/// distance and the origin's coordinates: 2e-14 m at 10 m from the world's origin, 2e-11 m at 10 km. With this
+/// tolerance,
+/// - a ray that crosses a wall or touches one of its ends hits the wall: no ray slips through a shared corner, whose
+///   side of the ray is the same value for both walls;
+/// - a ray along a wall, touching both ends, hits the nearer end;
 /// - a ray that starts on a wall, nearer to it than 8 such units of the sum of the wall's length and the origin's
-///   coordinates, meets it at distance 0, whatever its direction.
+///   coordinates, hits it at distance 0, whatever its direction.
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
-    /// By wall, m; empty when all are of any height.
+    /// Height by wall, m; empty if all walls are unlimited in height.
     heights: Vec<f64>,
     bounds: Option<Bounds>,
     grid: Grid,
-    /// Margin by which walls are larger when they are entered into cells: more than all rounding of rays and cells.
+    /// Margin by which walls are enlarged when they are entered into cells: above all rounding of rays and cells.
     margin: f64,
-    /// Above the [`doubt`] of every ray that starts in `bounds`, or outside them by no more than the margin.
+    /// Upper bound of the [`doubt`] of every ray that starts in `bounds`, or outside them by no more than the margin.
     inside_doubt: f64,
     blocks: Blocks,
 }
 
 impl Walls {
-    /// The walls `segments`, numbered in their order, as high as it takes.
+    /// The walls `segments`, numbered in their order, unlimited in height.
     ///
     /// # Panics
     /// If there are 2^26 walls or more.
@@ -88,26 +89,26 @@ impl Walls {
         Self { segments, heights: Vec::new(), bounds, grid, margin, inside_doubt, blocks }
     }
 
-    /// These walls with the heights of their upper edges above the floor, m, in the same order.
+    /// Sets the heights of the walls' upper edges above the floor, m, in the order of the walls.
     ///
     /// # Panics
-    /// If there are not as many heights as walls.
+    /// If the number of heights differs from that of the walls.
     pub fn with_heights(self, heights: Vec<f64>) -> Self {
         assert_eq!(heights.len(), self.segments.len(), "each wall has a height");
         Self { heights, ..self }
     }
 
-    /// Height of a wall's upper edge above the floor, m; infinite where none is known.
+    /// Height of a wall's upper edge above the floor, m; infinite if unknown.
     pub fn height(&self, id: WallId) -> f64 {
         self.heights.get(id.0 as usize).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Number of walls, those that no ray can meet included.
+    /// Number of walls, including those that no ray can hit.
     pub fn len(&self) -> usize {
         self.segments.len()
     }
 
-    /// Whether there is no wall.
+    /// Returns true if there are no walls.
     pub fn is_empty(&self) -> bool {
         self.segments.is_empty()
     }
@@ -125,21 +126,21 @@ impl Walls {
         &self.segments
     }
 
-    /// The smallest rectangle around all walls that can be met; `None` without any.
+    /// The smallest rectangle around all walls that a ray can hit; `None` without any.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds
     }
 
     /// The nearest wall at most `range` metres from `origin` along `direction`, a vector of length 1.
     ///
-    /// What counts as meeting a wall stands with [`Walls`]. `range` may be infinite. `None` when nothing is met, when an
-    /// argument is NaN, `origin` infinite or beyond 10^100 m, `range` negative, or the length of `direction` not 1
-    /// within 10^-6.
+    /// [`Walls`] defines a hit. `range` may be infinite. `None` without a hit, and for an invalid ray: an argument is
+    /// NaN, `origin` is infinite or beyond 10^100 m, `range` is negative, or the length of `direction` is not 1 within
+    /// 10^-6.
     pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<Hit> {
         self.cast_where(origin, direction, range, |_, _| true)
     }
 
-    /// As [`Walls::cast`], of those walls of which `counts` is true; it is given a wall and its distance.
+    /// As [`Walls::cast`], restricted to walls for which `counts`, called with a wall and its distance, returns true.
     #[inline]
     pub fn cast_where(
         &self,
@@ -164,7 +165,7 @@ impl Walls {
             let (entry, _) = reach.clip(origin, direction, range)?;
             self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
         } else if bounds.grown(2.0 * ray.doubt).clip(origin, direction, range).is_some() {
-            // So far away that rounding exceeds the margin of the cells.
+            // From so far away, rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
                     nearest.offer(wall, ray.distance(segment), &counts);
@@ -180,7 +181,8 @@ impl Walls {
         Ray { origin, direction, doubt, doubt_area }
     }
 
-    /// Tries the ray, which enters the walls' bounds at `start` after `passed` metres, on the walls in its way.
+    /// Tests the ray, which enters the walls' bounds at `start` after `passed` metres, against the walls along its
+    /// path.
     #[inline(always)]
     fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, counts: impl Fn(WallId, f64) -> bool) {
         let mut found = *nearest;
@@ -214,10 +216,10 @@ impl Walls {
     }
 }
 
-/// Size of the cells, and the margin of the walls in them.
+/// Chooses the cell size and the margin of the walls.
 ///
-/// Cells are as small as three budgets, each a multiple of the number of walls, allow: the number of cells, of entries
-/// (a wall enters about one cell more than its extents hold cells), and of cells that a ray can pass.
+/// Cells are as small as three budgets, each proportional to the number of walls, allow: the number of cells, of
+/// entries (a wall has about one entry more than the number of cells its extents span), and of cells along a ray.
 fn lay_out<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
     let count = walls.len() as f64;
     let size = bounds.max - bounds.min;
@@ -233,7 +235,7 @@ fn lay_out<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>
     (Grid::new(bounds.grown(2.0 * margin), cell), margin)
 }
 
-/// Visits each cell that the wall, made larger by `margin` on all sides, meets.
+/// Visits each cell that the wall, enlarged by `margin` on all sides, overlaps.
 fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl FnMut(usize)) {
     let along = (segment.b - segment.a).abs();
     if along.x >= along.y {
@@ -257,8 +259,8 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
     }
 }
 
-/// Least and greatest y of the line from `a` to `b`, which rises by at most 1 in 1, where x lies between `left` and
-/// `right` (or is as near as the line comes).
+/// Least and greatest y, for x between `left` and `right`, of the segment from `a` to `b`, which rises by at most 1 in
+/// 1; x beyond an end gives the y of that end.
 fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let height = |x: f64| {
@@ -346,7 +348,7 @@ mod tests {
 
     #[test]
     fn cells_leave_out_no_wall_that_is_met() {
-        // A linear congruential generator: from 0 to 1.
+        // Linear congruential generator with values from 0 to 1.
         let mut state = 1_u64;
         let mut unit = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

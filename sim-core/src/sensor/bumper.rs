@@ -5,19 +5,19 @@ use crate::{drive::Impact, pose::Heading};
 pub struct Bumper {
     /// Middle of the part, rad counter-clockwise from ahead, seen from the robot's centre.
     pub bearing: f64,
-    /// From the middle to either end, rad; pi or more: the whole rim.
+    /// Angle from the middle to either end, rad; pi or more covers the whole rim.
     pub half_width: f64,
 }
 
 impl Bumper {
-    /// Whether a contact at `bearing` (rad, robot frame) presses it; its ends belong to it.
+    /// Returns true if a contact at `bearing` (rad, robot frame) presses the bumper, ends included.
     pub fn covers(&self, bearing: f64) -> bool {
         let apart = Heading::new(bearing - self.bearing).remainder().abs();
-        // One part in 10^12 for the rounding of a contact right at an end.
+        // One part in 10^12 for the rounding of a contact exactly at an end.
         apart <= self.half_width + 1e-12
     }
 
-    /// Whether this impact presses it.
+    /// Returns true if this impact presses the bumper.
     pub fn is_pressed_by(&self, impact: &Impact) -> bool {
         self.covers(impact.bearing)
     }

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use crate::pose::Heading;
 
-/// What a compass on the robot shows: the angle from north, clockwise, in [0, 2 pi), rad.
+/// Reading of a compass on the robot: the angle from north, clockwise, in [0, 2 pi), rad.
 ///
 /// `north` is a direction of the world, rad counter-clockwise from x.
 pub fn bearing_from_north(heading: Heading, north: f64) -> f64 {

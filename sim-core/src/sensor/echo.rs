@@ -3,20 +3,20 @@ use glam::DVec3;
 use super::Reading;
 use crate::math;
 
-/// Standard deviation of the Noise of all three sensors of the paper, whose mean is 0. Source: France et al. 1999, section 5.
+/// Standard deviation of the noise of all three sensors of the paper, whose mean is 0. Source: France et al. 1999, section 5.
 pub const PAPER_SIGMA: f64 = 0.01;
 
-/// Rounding of poses and normals that the closed end of a range of incidence absorbs, rad.
+/// Tolerance of the incidence limit for rounding of poses and normals, rad.
 const ANGLE_ROUNDING: f64 = 1e-10;
 
-/// A sensor of one ray that hears or sees its echo only within ranges of distance and incidence, ends included.
+/// A sensor with one ray that detects an echo only within ranges of distance and incidence, ends included.
 ///
 /// Source: France et al. 1999, section 5, with the paper's values in the three presets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
-    /// Least distance that it measures, m.
+    /// Least measurable distance, m.
     pub min: f64,
-    /// Greatest distance that it measures, which it also reads when it measures nothing, m.
+    /// Greatest measurable distance, m; also the reading if there is no echo.
     pub max: f64,
     /// Greatest angle between the ray and the surface's normal, rad.
     pub incidence: f64,
@@ -32,12 +32,12 @@ impl Echo {
     /// The reflectance sensor: 0 to 1 m, 90 degrees.
     pub const REFLECTANCE: Self = Self { min: 0.0, max: 1.0, incidence: std::f64::consts::FRAC_PI_2 };
 
-    /// Whether what the ray meets at `distance` (m) under the angle `incidence` (rad) returns an echo.
+    /// Returns true if a surface at `distance` (m) under the incidence angle `incidence` (rad) returns an echo.
     pub fn returns(&self, distance: f64, incidence: f64) -> bool {
         (self.min..=self.max).contains(&distance) && incidence <= self.incidence + ANGLE_ROUNDING
     }
 
-    /// What a laser or an ultrasonic sensor reads of a surface met at (distance in m, incidence in rad), with the paper's
+    /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's
     /// `noise` N: d (1 + N) with an echo, else the greatest distance. The signal is 1 with an echo, else 0.
     ///
     /// Source: France et al., section 5; never below 0: our choice.
@@ -50,8 +50,8 @@ impl Echo {
         }
     }
 
-    /// What a reflectance sensor reads of a surface met at (distance in m, incidence in rad), with the paper's `noise` N:
-    /// the signal of [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo 0 and the greatest
+    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N:
+    /// the signal of [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo, signal 0 and the greatest
     /// distance.
     ///
     /// Source: France et al., Eq. 1 and section 5.
@@ -66,21 +66,21 @@ impl Echo {
     }
 }
 
-/// Angle between a ray along `direction` and the normal of the surface that it meets, 0 to pi/2 rad, whichever way the
-/// normal points.
+/// Incidence angle: between a ray along `direction` and the normal of the surface that it hits, 0 to pi/2 rad, for either
+/// orientation of the normal.
 ///
-/// By the sine as well as the cosine: equally exact head on and grazing.
+/// Computed from sine and cosine: equally accurate at normal and at grazing incidence.
 pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
     math::atan2(direction.cross(normal).length(), direction.dot(normal).abs())
 }
 
-/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), not below 0; infinite at d = 0.
+/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), at least 0; infinite at d = 0.
 ///
 /// `distance` d and `max` in m, `incidence` alpha in rad up to pi/2, `noise` N.
 ///
-/// Source: France et al., Eq. 1; the bound below: the same section.
+/// Source: France et al., Eq. 1; the lower bound: the same section.
 pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> f64 {
-    // Not by way of a square, which is 0 for a distance that is not.
+    // Divides twice: the square of a small positive distance may be 0.
     let cos = if incidence >= std::f64::consts::FRAC_PI_2 { 0.0 } else { math::cos(incidence) };
     let share = cos * cos * (1.0 + noise);
     if share <= 0.0 || distance >= max {
@@ -89,10 +89,10 @@ pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> 
     (max - distance) / distance / distance * share
 }
 
-/// The distance at which a surface met head on gives this `signal` (1/m), in m: 0 for an infinite one, `max` for none.
+/// Distance at which a surface at normal incidence gives this `signal` (1/m), in m: 0 for an infinite signal, `max` for none.
 ///
-/// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which keeps its digits as s goes to 0 where
-/// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all of them.
+/// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which stays accurate as s goes to 0, while
+/// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all digits.
 ///
 /// Source: France et al., section 5.
 pub fn recovered_distance(signal: f64, max: f64) -> f64 {
@@ -141,7 +141,7 @@ mod tests {
         for exponent in 0..150 {
             for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
                 let found = recovered_distance(reflected_signal(d, 0.0, max, 0.0), max);
-                // Near the greatest distance, the signal is a small difference of the distances.
+                // Near the greatest distance the signal is a small difference of distances.
                 assert!((found - d).abs() <= 4e-16 * d, "{d}: {found}");
             }
         }
@@ -156,10 +156,10 @@ mod tests {
         assert_eq!(reflected_signal(0.0, FRAC_PI_2, 1.0, 0.0), 0.0);
         assert_eq!(reflected_signal(0.5, 0.0, 1.0, -1.5), 0.0, "clamped");
         assert_eq!(recovered_distance(-3.0, 1.0), 1.0);
-        // Half way: s = 0.5 / 0.25 = 2, and 2 / (1 + 3) = 0.5 comes back.
+        // Half way: s = 0.5 / 0.25 = 2, and 2 / (1 + 3) gives 0.5 back.
         let half = Echo::REFLECTANCE.reflectance(Some((0.5, 0.0)), 0.0);
         assert_eq!((half.signal, half.distance), (2.0, Some(0.5)));
-        // At 60 degrees a quarter of it: 2 / (1 + sqrt(3)).
+        // At 60 degrees a quarter of the signal: 2 / (1 + sqrt(3)).
         let slanting = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
         assert!((slanting.signal - 0.5).abs() < 1e-15);
         assert!((distance(slanting) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! Errors of what range sensors read.
+//! Noise models applied to readings of range sensors.
 
 use super::{RangeModel, Reading};
 use crate::{
@@ -19,9 +19,9 @@ impl From<&RangeModel> for RangeKind {
 }
 
 impl RangeErrors {
-    /// As [`RangeErrors::reading`] for a sensor of which more is known than a distance: `exact` is what its `model` reads there.
+    /// Applies [`RangeErrors::reading`] to a [`Reading`]: `exact` is the error-free reading of a sensor of type `model`.
     ///
-    /// A reading without a signal is one of nothing, and the other way round; an outlier where nothing is has the signal 1.
+    /// A reading without signal counts as no return, and no return gives a reading without signal; an outlier without a return has signal 1.
     pub fn reading_of(&self, index: u64, at: Time, model: &RangeModel, exact: Reading) -> Reading {
         if self.is_exact() {
             return exact;

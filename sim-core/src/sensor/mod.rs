@@ -1,6 +1,6 @@
-//! Geometry of the sensors on a body: where a ray starts, which side is touched, what a compass shows.
+//! Geometry of the sensors on a body: origins of rays, sides of bumpers, directions of compasses.
 //!
-//! Pure functions of poses and of a [`World`](crate::world::World) at one instant. Cycles, units, ranges in counts and
+//! Pure functions of poses and of a [`World`](crate::world::World) at one instant. Cycles, units, value ranges in counts and
 //! errors belong to the devices that use them.
 
 mod bumper;

@@ -6,13 +6,13 @@ use crate::{
     world::{Ray, World},
 };
 
-/// What a range sensor makes of the surfaces before it.
+/// Measuring principle of a range sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RangeModel {
-    /// An infrared triangulation sensor: the distance along one ray, whatever the surface. Source: Koestler & Bräunl,
+    /// An infrared triangulation sensor: the distance along one ray, for any surface. Source: Koestler & Bräunl,
     /// section 4.1.
     Psd {
-        /// How far it sees, m.
+        /// Range, m.
         range: f64,
     },
     /// A laser range finder: see [`Echo::time_of_flight`].
@@ -28,44 +28,44 @@ pub enum RangeModel {
 /// A range sensor on a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeSensor {
-    /// The sensor's frame, x along its line of sight, in the frame of what bears it.
+    /// Sensor frame, x along the line of sight, in the frame of the body or link that carries it.
     pub mount: Pose3,
-    /// What bears it: a link, by its place in the robot's list of links; `None` for the body.
+    /// Link that carries the sensor, as an index in the robot's list of links; `None` for the body.
     pub link: Option<usize>,
-    /// What it measures.
+    /// Measuring principle.
     pub model: RangeModel,
 }
 
-/// How a robot holds itself: what its sensors' poses follow from.
+/// Posture of a robot, from which the poses of its sensors follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Posture<'a> {
-    /// Pose of its centre.
+    /// Pose of the robot's centre.
     pub world_from_robot: Pose,
-    /// Its links, each after its parent.
+    /// Links of the robot, each after its parent.
     pub links: &'a [Link],
-    /// Angles of its joints, rad, in the order that [`Link::joint`] counts: servos, then legs.
+    /// Joint angles, rad, in the order of [`Link::joint`]: servos, then legs.
     pub angles: &'a [f64],
-    /// Height of its frame above the plane z = 0, m: that of the body of a walking robot.
+    /// Height of the robot's frame above the plane z = 0, m; nonzero for a walking robot.
     pub lift: f64,
 }
 
-/// What a range sensor measures at one instant.
+/// Reading of a range sensor at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// The distance that it reads, m; `None` where it reads none. Laser, ultrasonic and reflectance sensors read their
-    /// greatest distance then.
+    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their greatest distance instead
+    /// of `None`.
     pub distance: Option<f64>,
-    /// What the distance was made of: the signal of a reflectance sensor, 1/m; the energy of a sonar's echo, of which
-    /// a perfect reflector 1 m ahead returns 1; for the others 1 with an echo and 0 without.
+    /// Signal behind the distance: for a reflectance sensor in 1/m; for a sonar the energy of the echo, relative to
+    /// a perfect reflector 1 m ahead; for the others 1 with an echo and 0 without.
     pub signal: f64,
 }
 
 impl RangeModel {
-    /// What a sensor of robot `by` reads at `world_from_sensor` at the instant `at`, with the paper's `noise` N; 0 gives
+    /// Reading of a sensor of robot `by` at `world_from_sensor` at the instant `at`, with the paper's `noise` N; N = 0 gives
     /// the exact reading.
     ///
-    /// The sensor does not see its own robot. N stretches the distances of all models but the reflectance sensor, of which
-    /// it stretches the signal; that of PSD and sonar: our choice.
+    /// The sensor does not see its own robot. N scales the distance, except for the reflectance sensor, where it scales the
+    /// signal; for PSD and sonar this is our choice.
     pub fn read(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
         let met = |range: f64| {
             let direction = world_from_sensor.forward();
@@ -80,7 +80,7 @@ impl RangeModel {
         }
     }
 
-    /// The least and the greatest distance that it measures, m.
+    /// Least and greatest measurable distance, m.
     pub fn limits(&self) -> [f64; 2] {
         match self {
             Self::Psd { range } => [0.0, *range],
@@ -89,7 +89,7 @@ impl RangeModel {
         }
     }
 
-    /// What it reads where it measures nothing.
+    /// Reading without return.
     pub fn nothing(&self) -> Reading {
         let distance = match self {
             Self::Psd { .. } | Self::Sonar(_) => None,
@@ -100,7 +100,7 @@ impl RangeModel {
 }
 
 impl Posture<'_> {
-    /// Pose of what sits at `mount` on a link, by its place in the list, or on the body.
+    /// World pose of a device at `mount` on a link, given by its index in the list, or on the body.
     ///
     /// # Panics
     /// As [`link_pose`].
@@ -114,7 +114,7 @@ impl Posture<'_> {
 }
 
 impl RangeSensor {
-    /// Pose of the sensor of a robot in this posture.
+    /// World pose of the sensor of a robot in this posture.
     ///
     /// # Panics
     /// As [`link_pose`].
@@ -122,11 +122,11 @@ impl RangeSensor {
         posture.world_from(&self.mount, self.link)
     }
 
-    /// What the sensor of robot `by` in this posture reads at the instant `at`, with the paper's `noise` N: see
+    /// Reading of the sensor of robot `by` in this posture at the instant `at`, with the paper's `noise` N: see
     /// [`RangeModel::read`].
     ///
-    /// A PSD that is level and on the body sees in the plane, as a [`Beam`](super::Beam): walls and bodies are as high as
-    /// it takes. Meshes it sees where they are.
+    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam): walls and bodies have infinite height. Meshes are
+    /// hit where they are.
     ///
     /// # Panics
     /// As [`link_pose`].

@@ -7,20 +7,20 @@ use crate::{
     world::{Ray, RayHit, World},
 };
 
-/// Where a sensor sits on the body and looks: a pose in the robot's frame (origin at the centre, x forward, y left).
+/// Mounting pose of a sensor on the body, in the robot's frame (origin at the centre, x forward, y left).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mount {
-    /// The sensor's frame, x along its line of sight, in the robot's.
+    /// Sensor frame, x along the line of sight, in the robot's frame.
     pub robot_from_sensor: Pose,
 }
 
 impl Mount {
-    /// A sensor at (`x`, `y`) metres that looks along `angle` radians, counter-clockwise from ahead.
+    /// A sensor at (`x`, `y`) metres with its line of sight at `angle` radians, counter-clockwise from ahead.
     pub fn new(x: f64, y: f64, angle: f64) -> Self {
         Self { robot_from_sensor: Pose::new(x, y, angle) }
     }
 
-    /// Origin in the world, and unit vector of the line of sight, of the sensor on a robot at `world_from_robot`.
+    /// Origin and unit direction, in the world, of the line of sight of the sensor on a robot at `world_from_robot`.
     pub fn ray(&self, world_from_robot: &Pose) -> (DVec2, DVec2) {
         let forward = world_from_robot.heading.direction();
         let mount = &self.robot_from_sensor;
@@ -28,20 +28,20 @@ impl Mount {
     }
 }
 
-/// A sensor that sees along one ray: a PSD, or an infrared proximity switch.
+/// A sensor with one ray: a PSD, or an infrared proximity switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
-    /// Where it sits.
+    /// Mounting pose.
     pub mount: Mount,
-    /// How far it sees, m.
+    /// Range, m.
     pub range: f64,
 }
 
 impl Beam {
-    /// What the sensor of robot `by`, whose centre is at `world_from_robot` at the instant `at`, sees first.
+    /// First hit of the sensor of robot `by`, whose centre is at `world_from_robot` at the instant `at`.
     ///
-    /// Walls and the bodies of other robots; not its own. `None` when nothing lies within `range`; 0 when the sensor's
-    /// origin lies inside another body. Noise is added by the caller.
+    /// Hits walls and the bodies of other robots, not the robot's own. `None` if nothing lies within `range`; distance 0 if the
+    /// sensor's origin lies inside another body. Noise is added by the caller.
     ///
     /// Source: Koestler & Bräunl, section 4.1; nothing within range gives `None`: our choice.
     pub fn sight(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
@@ -49,12 +49,12 @@ impl Beam {
         world.cast(by, &Ray::flat(origin, direction, self.range), at)
     }
 
-    /// Distance along the beam to what the sensor sees first, m.
+    /// Distance along the beam to the first hit, m.
     pub fn distance(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<f64> {
         self.sight(world, by, world_from_robot, at).map(|hit| hit.distance)
     }
 
-    /// Whether anything is within range: what an infrared switch tells.
+    /// Returns true if anything lies within range: the reading of an infrared switch.
     pub fn is_interrupted(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> bool {
         self.sight(world, by, world_from_robot, at).is_some()
     }

@@ -12,9 +12,9 @@ use crate::{
 
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
 ///
-/// Ray i of n leaves (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down: ray n/2 looks straight
-/// along it, and the fan turns with the robot. A whole turn has n spacings and begins behind (for an even n). A part of a
-/// turn begins half of the sweep to the left; it ends half of the sweep to the right for an odd n, and one spacing before
+/// Ray i of n is (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down: ray n/2 points straight
+/// along it, and the fan turns with the robot. A full turn has n spacings and begins behind (for an even n). A smaller
+/// sweep begins half of the sweep to the left; it ends half of the sweep to the right for an odd n, and one spacing before
 /// that for an even one. So 180 degrees in 180 or 181 points are 1 degree apart.
 ///
 /// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are those along the rays.
@@ -31,18 +31,18 @@ pub struct Scan {
     rays: Vec<DVec2>,
 }
 
-/// How a [`Scan`] is made.
+/// Parameters of a [`Scan`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fan {
-    /// Angle that the scan covers, half of it to either side of the line of sight, rad; cut to a whole turn.
+    /// Angle that the scan covers, half of it on either side of the line of sight, rad; limited to a full turn.
     pub sweep: f64,
     /// Number of rays.
     pub points: u32,
-    /// Angle of the rays above the horizontal, rad; cut to 89 degrees up or down.
+    /// Angle of the rays above the horizontal, rad; limited to 89 degrees up or down.
     pub tilt: f64,
     /// Height of the sensor above the floor, m; 0 or more.
     pub height: f64,
-    /// How far it sees along a ray, m; may be infinite.
+    /// Range along a ray, m; may be infinite.
     pub range: f64,
 }
 
@@ -50,11 +50,11 @@ pub struct Fan {
 const STEEPEST: f64 = 89.0 / 360.0 * TAU;
 
 impl Scan {
-    /// The scanner that sits at `mount`, with the middle of its fan along the mount's line of sight.
+    /// A scanner at `mount`; the middle of its fan points along the mount's line of sight.
     pub fn new(mount: Mount, fan: Fan) -> Self {
         let Fan { sweep, points, tilt, height, range } = fan;
         let sweep = sweep.clamp(0.0, TAU);
-        // A full turn may have been rounded on its way from degrees.
+        // The conversion from degrees may have rounded a full turn.
         let is_closed = sweep >= TAU - 1e-9;
         let spacings = if is_closed || points.is_multiple_of(2) { points } else { points - 1 };
         let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
@@ -64,7 +64,7 @@ impl Scan {
         Self { mount, spacing, range, height: height.max(0.0), tilt, rays }
     }
 
-    /// How far it sees along a ray, m; may be infinite.
+    /// Range along a ray, m; may be infinite.
     pub fn range(&self) -> f64 {
         self.range
     }
@@ -74,12 +74,12 @@ impl Scan {
         self.rays.len()
     }
 
-    /// True for a scanner without rays.
+    /// Returns true if the scanner has no rays.
     pub fn is_empty(&self) -> bool {
         self.rays.is_empty()
     }
 
-    /// Where it sits.
+    /// Mounting pose.
     pub fn mount(&self) -> &Mount {
         &self.mount
     }
@@ -94,7 +94,7 @@ impl Scan {
         bearing(self.rays.len() as u32, self.spacing, ray)
     }
 
-    /// Height of the scanner above the floor where it sits on the body, m.
+    /// Height of the scanner above the floor when mounted on the body, m.
     pub fn height(&self) -> f64 {
         self.height
     }
@@ -107,10 +107,10 @@ impl Scan {
         self.tilt.direction(self.rays[ray as usize])
     }
 
-    /// What each ray of the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`, measures:
-    /// metres along the ray to what it meets first, `None` when nothing lies within range. All rays belong to one instant.
+    /// Distances measured by the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`: for each ray the
+    /// metres along it to the first hit, `None` if nothing lies within range. All rays are cast at the same instant.
     ///
-    /// Each ray is one of [`Ray::tilted`] (our choice); it does not meet its own robot. Noise is added by the caller.
+    /// The rays are made by [`Ray::tilted`] (our choice) and do not hit their own robot. Noise is added by the caller.
     pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
         let (origin, ahead) = self.mount.ray(world_from_robot);
         let origin = origin.extend(self.height);
@@ -121,10 +121,10 @@ impl Scan {
         self.rays.iter().map(measure).collect()
     }
 
-    /// As [`Scan::distances`] of a scanner that sits at `world_from_sensor`, rolled and pitched as it may be, instead of at
-    /// its mount: each ray is one of [`Ray::new`], which meets bodies up to their heights.
+    /// Distances as [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at
+    /// its mount: the rays are made by [`Ray::new`], which hits bodies up to their heights.
     ///
-    /// The rays of the fan, tilt included, are those of the sensor's frame.
+    /// The fan, tilt included, is fixed in the sensor's frame.
     pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {
         let measure = |ray: &DVec2| {
             let direction = world_from_sensor.rotation * self.tilt.direction(*ray);

@@ -11,31 +11,31 @@ use crate::{
     world::{Face, Ray, RayHit, World},
 };
 
-/// A mirror's echo returns to the sensor when the ray meets it head on within this angle, rad: far above rounding, and a
+/// Greatest incidence angle at which a mirror's echo returns to the sensor, rad: far above rounding, and a
 /// few um off at the longest ranges.
 const HEAD_ON: f64 = 1e-6;
 
-/// Angle between neighbours of a spiral that covers a disc evenly, rad: a full turn in the golden section.
+/// Angle between successive points of a spiral that covers a disc evenly, rad: a full turn in the golden section.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
-/// An ultrasonic sensor with a beam: sender and receiver in one, equally sensitive to both ways.
+/// An ultrasonic sensor with a beam: one transducer sends and receives, with the same gain in both directions.
 ///
-/// Gains are of energy, one way, and 1 along the line of sight. The energy of an echo is in units of what a perfect
-/// reflector returns that stands 1 m ahead.
+/// Gains are of energy, one way, and 1 along the line of sight. The energy of an echo is relative to that of a perfect
+/// reflector 1 m ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sonar {
-    /// Least distance that it measures, m: echoes from nearer return while it still sends.
+    /// Least measurable distance, m: echoes from nearer surfaces return during transmission.
     pub min: f64,
-    /// Greatest distance that it measures, m.
+    /// Greatest measurable distance, m.
     pub max: f64,
-    /// Half of the beam's angle, rad: where the main lobe has fallen by 6 dB, to half of the pressure and a quarter of the
-    /// energy. So data sheets of transducers give it.
+    /// Half of the beam angle, rad: where the main lobe has fallen by 6 dB, to half of the pressure and a quarter of the
+    /// energy, as in data sheets of transducers.
     pub half_angle: f64,
-    /// Lobes beside the main one.
+    /// Side lobes.
     pub side_lobes: Option<SideLobes>,
-    /// Least energy of an echo that it notices.
+    /// Detection threshold of the energy of an echo.
     pub threshold: f64,
-    /// Number of rays of its fan; at least 1.
+    /// Number of rays of the fan; at least 1.
     pub rays: u32,
 }
 
@@ -46,9 +46,9 @@ pub struct Sonar {
 pub struct SideLobes {
     /// Angle between the line of sight and the middle of the ring, rad.
     pub angle: f64,
-    /// Half of the ring's width, where it has fallen by 6 dB from its middle, rad.
+    /// Half width of the ring, where the gain has fallen by 6 dB from the middle, rad.
     pub half_width: f64,
-    /// Gain in the middle of the ring, against 1 for the main lobe.
+    /// Gain in the middle of the ring, relative to the main lobe.
     pub gain: f64,
 }
 
@@ -57,8 +57,8 @@ impl Sonar {
     ///
     /// Published: 3 cm to 6 m, and about 55 degrees of beam, which is the angle between the points of -6 dB of its 40 kHz
     /// transducers; its range is "actually much larger" than 6 m (Gois & Hiller, section 6). The threshold, 0.00186, is our
-    /// estimate: that it just notices a rod of 3 cm 2 m ahead, as is said of its family. So a wall would return enough
-    /// from 23 m. No side lobes are given. 64 rays: our choice.
+    /// estimate: the sensor just detects a rod of 3 cm at 2 m, as is reported for its family. With it a wall would be detected
+    /// up to 23 m. No side lobes are given. 64 rays: our choice.
     pub fn srf08() -> Self {
         Self {
             min: 0.03,
@@ -70,29 +70,29 @@ impl Sonar {
         }
     }
 
-    /// Gain at `angle` rad from the line of sight: a Gaussian over the angle, and one around the side lobes' middle where
-    /// they are stronger; 0 behind.
+    /// Gain at `angle` rad from the line of sight: a Gaussian over the angle, or the Gaussian of the side lobes where
+    /// it is larger; 0 behind.
     ///
     /// Source: Gois & Hiller, section 2.1 (a Gaussian approximates the gain with very good precision).
     pub fn gain(&self, angle: f64) -> f64 {
         if angle > FRAC_PI_2 {
             return 0.0;
         }
-        // A quarter where the ratio is 1.
+        // A quarter at ratio 1.
         let lobe = |ratio: f64| math::exp(-(2.0 * LN_2) * ratio * ratio);
         let main = lobe(angle / self.half_angle);
         let side = self.side_lobes.map_or(0.0, |ring| ring.gain * lobe((angle - ring.angle) / ring.half_width));
         main.max(side)
     }
 
-    /// Energy of the echo of a surface that a ray meets at `angle` rad from the line of sight:
-    /// G^2 / d^2 times the reflectivity times (the diffuse share times cos(alpha) plus the specular share, if met head on).
+    /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight:
+    /// G^2 / d^2 times the reflectivity times (the diffuse share times cos(alpha) plus the specular share at normal incidence).
     ///
-    /// G is the gain on either way, d the distance and alpha the incidence. A mirror that bulges with the principal radii r
+    /// G is the gain in either direction, d the distance and alpha the incidence angle. A convex mirror with the principal radii r
     /// spreads the energy over an area larger by (1 + d / r) for each.
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). That a wall
-    /// larger than the beam returns 1 / d^2, be it a mirror or rough, and the spreading: geometrical acoustics.
+    /// larger than the beam, specular or rough, returns 1 / d^2, and the spreading: geometrical acoustics.
     pub fn energy(&self, angle: f64, distance: f64, face: &Face, alpha: f64) -> f64 {
         let Surface { reflectivity, specular } = face.surface;
         let spread = 1.0 + distance * face.curvature;
@@ -102,16 +102,16 @@ impl Sonar {
         ratio * ratio * reflectivity * (mirrored + scattered)
     }
 
-    /// What it reads at `world_from_sensor` at the instant `at`, on robot `by`, which it does not hear; with the paper's
+    /// Reading at `world_from_sensor` at the instant `at` of a sensor on robot `by`, which returns no echo itself; with the paper's
     /// `noise` N.
     ///
-    /// The nearest echo with enough energy wins. Echoes are looked for where they may be nearest: along the line of sight,
-    /// towards the nearest point of everything around (where a mirror must be met, and exact for what faces the sensor),
-    /// and along a fan of rays; of a mesh, at right angles to the triangles that the fan meets. There are no second reflections.
+    /// The nearest echo above the threshold wins. Echoes are searched for along the line of sight, towards the nearest point of
+    /// every body around (needed for mirrors, and exact for surfaces that face the sensor), and along a fan of rays; for a mesh
+    /// also perpendicular to the triangles that the fan hits. There are no second reflections.
     ///
-    /// The fan is a spiral over the part of the half space from which an echo may be heard. Where all things stand upright
-    /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's level plane, and is
-    /// that much denser.
+    /// The fan is a spiral over the part of the half space from which an echo may be detected. If all bodies are upright
+    /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's horizontal plane and is
+    /// correspondingly denser.
     ///
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
@@ -126,12 +126,12 @@ impl Sonar {
         }
     }
 
-    /// Farthest that an echo is heard at all from `angle` rad off the line of sight, m.
+    /// Greatest distance of a detectable echo at `angle` rad off the line of sight, m.
     fn reach(&self, angle: f64) -> f64 {
         (self.gain(angle) / self.threshold.sqrt()).min(self.max)
     }
 
-    /// Angle from the line of sight beyond which no echo is heard from farther than the least distance, rad.
+    /// Angle from the line of sight beyond which no echo is detectable at more than the least distance, rad.
     fn aperture(&self) -> f64 {
         let least = self.min * self.threshold.sqrt();
         let width = |gain: f64, half_width: f64| half_width * (math::ln((gain / least).max(1.0)) / (2.0 * LN_2)).sqrt();
@@ -140,21 +140,21 @@ impl Sonar {
     }
 }
 
-/// A sonar at one instant, with the nearest echo so far.
+/// Search for the nearest echo of a sonar at one instant.
 struct Ear<'a> {
     sonar: &'a Sonar,
     world: &'a World,
     by: RobotId,
     world_from_sensor: &'a Pose3,
     at: Time,
-    /// Of the nearest echo so far; the greatest distance before there is one.
+    /// Distance of the nearest echo so far; initially the greatest distance.
     distance: f64,
-    /// Its energy; 0 before there is one.
+    /// Energy of the nearest echo so far; 0 if there is none.
     energy: f64,
 }
 
 impl Ear<'_> {
-    /// Listens along `direction`, `angle` rad from the line of sight. What is met there, if it may be heard at all.
+    /// Casts a ray along `direction`, `angle` rad from the line of sight. Returns the hit if it is near enough to be detected.
     fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<Face> {
         let range = self.sonar.reach(angle).min(self.distance);
         if range < self.sonar.min {
@@ -179,7 +179,7 @@ impl Ear<'_> {
         self.world.for_each_nearest(self.by, origin, self.distance, self.at, |point| {
             let offset = point - origin;
             let length = offset.length();
-            // Behind is nothing to be heard, and from inside there is no direction.
+            // No echo is detectable from behind, and inside a body the direction is undefined.
             if offset.dot(forward) > 0.0 && self.sonar.min <= length && length <= self.distance {
                 points.push(offset / length);
             }
@@ -198,7 +198,7 @@ impl Ear<'_> {
         let is_planar = forward.z == 0.0 && is_mirror && self.world.is_upright_at(position.z);
         for ray in 1..self.sonar.rays {
             let ray = f64::from(ray);
-            // In the plane alternately to both sides, from the middle outwards.
+            // In the plane the rays alternate between both sides, from the middle outwards.
             let (angle, aside) = if is_planar {
                 let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
                 (aperture * (ray * 0.5).ceil() / (last * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
@@ -208,7 +208,7 @@ impl Ear<'_> {
             };
             let (sin, cos) = math::sin_cos(angle);
             let met = self.try_angle(forward * cos + aside * sin, angle);
-            // Of a mesh's triangle, the nearest point is known when a ray has met it.
+            // The plane of a mesh's triangle is known once a ray has hit it: try its perpendicular.
             if let Some(met) = met.filter(|_| self.world.has_meshes()) {
                 self.try_angle(-met.normal, angle_between(-met.normal, forward));
             }

@@ -1,4 +1,4 @@
-//! Motors and servos, one by one.
+//! Commands to single motors and servos.
 
 use super::Robot;
 use crate::device::servo::steering_from_position;
@@ -7,8 +7,8 @@ use crate::record::Event;
 use crate::world::World;
 
 impl Robot {
-    /// Turns servo `index` of [`RobiSpec::all_servos`](crate::spec::RobiSpec::all_servos) to a position of 0 to 255; the one of an
-    /// Ackermann drive steers, and the answer is true.
+    /// Turns servo `index` of [`RobiSpec::all_servos`](crate::spec::RobiSpec::all_servos) to a position of 0 to 255. The steering servo
+    /// of an Ackermann drive steers; returns true for it.
     ///
     /// # Panics
     /// If there is no such servo.
@@ -25,8 +25,8 @@ impl Robot {
         is_steering
     }
 
-    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100; the others keep theirs, and motors that it has not are
-    /// passed over.
+    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100. Other motors keep their rates, and indices without a
+    /// motor are ignored.
     pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
         let count = self.spec.drive.motors.len().min(self.devices.motor_percent.len());
         for index in motors.into_iter().filter(|index| *index < count) {

@@ -1,4 +1,4 @@
-//! What a robot does with its camera: look, expose, develop, record.
+//! Camera operations of a robot: view, exposure, image processing, recording.
 
 use std::sync::Arc;
 
@@ -12,11 +12,10 @@ use crate::time::Time;
 use crate::world::World;
 
 impl Robot {
-    /// Where its camera looks at `at`, as it is set, or as it would be when it is switched on; images have `size`, where that is
-    /// given.
+    /// View of the robot's camera at `at`, with its settings, or the default ones if it is off; images have `size`, if given.
     ///
     /// # Errors
-    /// [`CameraError`] if there is no camera, or no camera can look from there.
+    /// [`CameraError`] if there is no camera, or the view is not possible.
     pub fn camera_view(&mut self, at: Time, size: Option<[u32; 2]>) -> Result<View, CameraError> {
         let Self { motion, spec, devices, .. } = self;
         let camera = spec.camera.as_ref().ok_or_else(|| CameraError::Absent(spec.file.clone()))?;
@@ -27,15 +26,15 @@ impl Robot {
         Ok(View::new(world_from_camera, lens, size.unwrap_or(setting.size))?)
     }
 
-    /// Rays per side of a pixel of its camera.
+    /// Samples per side of a pixel of the robot's camera.
     pub fn camera_samples(&self) -> u32 {
         self.spec.camera.as_ref().map_or(1, |camera| camera.samples)
     }
 
-    /// The setting of its camera, which is switched on.
+    /// Setting of the robot's camera.
     ///
     /// # Errors
-    /// [`CameraError`] if it is off, or there is none.
+    /// [`CameraError`] if the camera is off, or there is none.
     pub fn camera_setting(&self) -> Result<Setting, CameraError> {
         match self.spec.camera {
             None => Err(CameraError::Absent(self.spec.file.clone())),
@@ -43,10 +42,10 @@ impl Robot {
         }
     }
 
-    /// Takes an image of what there is to be seen: red, green and blue of each pixel.
+    /// Takes a colour image: red, green and blue of each pixel.
     ///
     /// # Errors
-    /// [`CameraError`] where there is no image; nothing changes then, here and below.
+    /// [`CameraError`] if there is no image; the state is unchanged then. Likewise for the functions below.
     pub fn take_colour(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 3]>, CameraError> {
         let (exposure, mut picture) = self.expose(world, scenery, self.camera_setting()?.size)?;
         self.devices.camera.develop(exposure.number, &mut picture);
@@ -70,7 +69,7 @@ impl Robot {
         Ok(picture)
     }
 
-    /// Takes an image of `size` behind the colour filter of the sensor: rows of green and blue, and of red and green, in turn.
+    /// Takes a raw image of `size` behind a Bayer filter: rows of green and blue alternate with rows of red and green.
     ///
     /// # Errors
     /// [`CameraError`].
@@ -93,34 +92,34 @@ impl Robot {
         Ok(picture)
     }
 
-    /// How far away what each pixel of the last image shows is, m along the line of sight; infinite for the sky.
+    /// Depth of each pixel of the last image, m along the pixel's line of sight; infinite for the sky.
     ///
     /// # Errors
-    /// [`CameraError`] where there is no image.
+    /// [`CameraError`] if there is no image.
     pub fn take_depth(&mut self) -> Result<Picture<f32>, CameraError> {
         self.camera_setting()?;
         let by = Some(self.id);
         self.devices.camera.render_last(f32::INFINITY, |renderer, still, view| renderer.depth(still, view, by))
     }
 
-    /// What each pixel of the last image shows.
+    /// Label of each pixel of the last image.
     ///
     /// # Errors
-    /// [`CameraError`] where there is no image.
+    /// [`CameraError`] if there is no image.
     pub fn take_labels(&mut self) -> Result<Picture<Label>, CameraError> {
         self.camera_setting()?;
         let by = Some(self.id);
         self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, by))
     }
 
-    /// Records the last image, or what it shows: `bytes` in this form.
+    /// Records a frame event of the last image, or of its depths or labels: `form` names which, `bytes` are hashed.
     pub fn record_frame(&mut self, form: &str, [width_px, height_px]: [u32; 2], bytes: &[u8]) {
         let Some(&Exposure { number: frame, at, .. }) = self.devices.camera.last() else { return };
         let hash = Digest(*blake3::hash(bytes).as_bytes()).to_string();
         self.record(Event::Frame { frame, form, width_px, height_px, exposed_s: at.seconds(), hash: &hash });
     }
 
-    /// Exposes an image of `size`, which is the next one.
+    /// Exposes the next image, of `size`.
     fn expose(
         &mut self,
         world: &World,
@@ -140,7 +139,7 @@ impl Robot {
         Ok((Exposure { number, at, view, scenery: Arc::clone(scenery), poses, is_dark }, picture))
     }
 
-    /// Counts and records an image with these levels, in the form, of the size and of the bytes that are given.
+    /// Counts and records an image; `levels` are its grey levels for the automatic brightness, then its form, size and bytes.
     fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
         self.devices.camera.follow(levels);
         self.devices.camera.keep(exposure);

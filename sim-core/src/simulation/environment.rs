@@ -1,4 +1,4 @@
-//! What all robots share: the world, the messages on their way, and the record; and the end of a slot.
+//! Environment: the state that robots share (world, messages on their way, record), and the end of a slot.
 
 use super::traffic::Traffic;
 use super::{Placeable, Placement, Robot, Robots};
@@ -8,36 +8,36 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// What all robots of a simulation share.
+/// State shared by all robots of a simulation.
 ///
-/// Within a slot robots only look at it. At the slot's end [`Environment::concerned`] tells which robots the end concerns, and
-/// [`Environment::end_slot`] with exactly these brings the world to the end of the slot, delivers messages and collects journals.
+/// Within a slot robots only read it. At the slot's end [`Environment::concerned`] returns the robots that the end affects, and
+/// [`Environment::end_slot`], called with exactly these, advances the world, delivers messages and collects journals.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// The world.
     pub world: World,
     recorder: Recorder,
-    /// Records what belongs to no robot.
+    /// Journal of the world's events.
     journal: Journal,
-    /// Bodies in motion, or blocked by another body, at the present slot's start.
+    /// Robots that move or are blocked by another body at the start of the present slot.
     moving: Vec<RobotId>,
     traffic: Traffic,
     placements: Vec<Placement>,
-    /// The movable objects have been recorded where they start.
+    /// The initial poses of the movable objects have been recorded.
     has_recorded_starts: bool,
 }
 
-/// What the end of a slot has brought to robots from outside of them.
+/// Effects of the end of a slot on the robots.
 #[derive(Clone, Debug, Default)]
 pub struct SlotEnd {
-    /// When the slot ended.
+    /// End of the slot.
     pub at: Time,
-    /// To whom a message comes, and when that is visible; not yet in the robot's virtual time.
+    /// Receivers of messages, each with the time when the message becomes visible; not yet in the robot's virtual time.
     pub heard: Vec<(RobotId, Time)>,
 }
 
 impl Environment {
-    /// This world before the first slot, recorded by `recorder`.
+    /// Environment with this world before the first slot, recorded by `recorder`.
     pub fn new(world: World, recorder: Recorder) -> Self {
         Self {
             world,
@@ -55,33 +55,33 @@ impl Environment {
         &mut self.recorder
     }
 
-    /// The digest of the run up to the last slot that has ended.
+    /// Digest of the run up to the last ended slot.
     pub fn digest(&self) -> Digest {
         self.recorder.digest()
     }
 
-    /// The journal of what belongs to no robot.
+    /// Journal of the world's events.
     pub fn journal(&mut self) -> &mut Journal {
         &mut self.journal
     }
 
-    /// True when some robot moves or is blocked by another body at the start of the present slot.
+    /// Returns true if a robot moves or is blocked by another body at the start of the present slot.
     pub fn is_robot_moving(&self) -> bool {
         !self.moving.is_empty()
     }
 
-    /// When a slot is to be run for messages though nobody is due; [`Time::NEVER`] if none is under way.
+    /// Time whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if none is on its way.
     pub fn message_due(&self) -> Time {
         self.traffic.due(self.world.radio())
     }
 
-    /// Robot `id` has been taken out of the world: it moves no more.
+    /// Handles the removal of robot `id` from the world: it does not move any more.
     pub fn forget(&mut self, id: RobotId) {
         self.moving.retain(|moving| *moving != id);
     }
 
-    /// The robots that the end of the present slot concerns, in the order of their ids: those of `ran`, who acted in it, those that
-    /// move, those that messages reach, and those that are put elsewhere.
+    /// Robots affected by the end of the present slot, in the order of their ids: those that acted in it (`ran`), those that
+    /// move, receivers and senders of messages, and those that are to be placed elsewhere.
     pub fn concerned(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
         let mut concerned = std::mem::take(&mut self.moving);
         concerned.extend_from_slice(ran);
@@ -94,7 +94,7 @@ impl Environment {
                 traffic.collect(robot, world.radio_mut());
             });
         }
-        // Each robot's own are in order already.
+        // The placements of each robot are already in order.
         placements.sort_by_key(|placement| (placement.time, placement.by));
         traffic.exchange(world.slot_end(), world.radio_mut(), &mut concerned);
         concerned.extend(placements.iter().filter_map(|placement| match placement.what {
@@ -106,8 +106,8 @@ impl Environment {
         concerned
     }
 
-    /// Ends the present slot with the robots that it concerns, in the order of their ids: puts elsewhere what was asked for, moves
-    /// the bodies to the slot's end, resolves their contacts, delivers messages, and collects what was recorded.
+    /// Ends the present slot with the affected robots, in the order of their ids: carries out requested placements, moves
+    /// the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals.
     pub fn end_slot(&mut self, robots: &mut [&mut Robot]) -> SlotEnd {
         let at = self.world.slot_end();
         self.record_starts();
@@ -130,7 +130,7 @@ impl Environment {
         let heard = self.traffic.deliver(at, robots);
         for robot in robots {
             if !robot.is_removed {
-                // Who follows poses knows the height of a walking body then.
+                // First the walk, so that readers of poses already know the height of a walking body.
                 robot.record_walk(world, at);
                 robot.record_pose(at);
                 if robot.motion.is_active() {
@@ -142,19 +142,19 @@ impl Environment {
         SlotEnd { at, heard }
     }
 
-    /// Ends the run at `time`: what of messages is undecided is lost, and what belongs to no robot is recorded. Next comes
+    /// Ends the run at `time`: undecided messages are lost, and the world's events are recorded. Next the caller calls
     /// [`Environment::finish_radio`] for each robot, in the order of their ids.
     pub fn finish(&mut self, time: Time) {
         self.traffic.finish(time, self.world.radio_mut());
         self.recorder.collect(&mut self.journal);
     }
 
-    /// Records what becomes of the messages that were on their way to `robot` when the run ended.
+    /// Records the outcomes of the messages that were on their way to `robot` when the run ended.
     pub fn finish_radio(&mut self, robot: &mut Robot) {
         self.traffic.finish_robot(robot);
     }
 
-    /// Records where the movable objects start, once.
+    /// Records the initial poses of the movable objects, once.
     pub fn record_starts(&mut self) {
         if !std::mem::replace(&mut self.has_recorded_starts, true) {
             let all = (0..self.world.object_count()).map(ObjectId::from_index);
@@ -162,19 +162,19 @@ impl Environment {
         }
     }
 
-    /// Records where a movable object is at `at`.
+    /// Records the pose of a movable object at `at`.
     pub fn record_object(&mut self, at: Time, object: ObjectId) {
         record_objects(&mut self.journal, &self.world, at, std::iter::once(object));
     }
 
-    /// Puts a robot or an object elsewhere, at the slot's end.
+    /// Places a robot or an object elsewhere, at the slot's end.
     fn place(&mut self, placement: &Placement, robots: &mut [&mut Robot]) {
         let Placement { by, what, pose, .. } = *placement;
         let slot_end = self.world.slot_end();
         match what {
             Placeable::Robot(id) => {
                 let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) else { return };
-                // Whoever asked has made sure that it is a place, here and below.
+                // The pose was validated with the request, here and below.
                 let _ = robots[place].motion.place(slot_end, pose);
                 robots[place].record_placed(slot_end, by, &pose);
             }
@@ -188,7 +188,7 @@ impl Environment {
     }
 }
 
-/// Records where these movable objects are at `at`.
+/// Records the poses of these movable objects at `at`.
 fn record_objects(journal: &mut Journal, world: &World, at: Time, objects: impl Iterator<Item = ObjectId>) {
     for object in objects {
         let pose = world.object_pose(object, at);

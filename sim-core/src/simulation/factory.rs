@@ -1,4 +1,4 @@
-//! From a scene to the robots and the world of a simulation.
+//! Factory of the robots and the world of a simulation from a scene.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,41 +14,41 @@ use crate::spec::{NoiseRef, RobotSpec, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 
-/// Makes robots of a scene: those of its start, and those that come later.
+/// Factory of the robots of a scene, at its start and during the run.
 #[derive(Clone, Debug)]
 pub struct RobotFactory {
     seed: u64,
     slot: Time,
     is_verbose: bool,
     walls: Arc<Walls>,
-    /// What legged robots walk on.
+    /// Ground for legged robots.
     ground: Arc<Ground>,
-    /// By the files of the types.
+    /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
-    /// The noise profiles of the robots, each made once.
+    /// Cache of the robots' noise profiles.
     profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,
 }
 
-/// Why a scene cannot be simulated.
+/// Reason why a scene cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FactoryError {
-    /// A robot type, or the errors of its drive, with which nothing can be computed.
+    /// A robot type, or the noise model of its drive, has an invalid value.
     #[error("robot type `{file}`: {part}{error}")]
     Robot {
         /// The file of the robot's type.
         file: String,
-        /// `noise of the drive: ` where its errors are meant; empty for its type.
+        /// `noise of the drive: ` if the noise model is invalid; empty for the type.
         part: &'static str,
-        /// A value with which nothing can be computed.
+        /// The invalid value.
         error: ModelError,
     },
-    /// The scene has so many movable objects, and this build has no [rigid bodies](Bodies).
+    /// The scene has this many movable objects, and this build has no [rigid bodies](Bodies).
     #[error("movable objects (the scene has {0}) need the feature `objects` of sim-core")]
     Objects(usize),
 }
 
 impl RobotFactory {
-    /// The factory of a run of `scene` with `seed` and slots of length `slot`; `is_verbose` says whether somebody wants to see calls.
+    /// Factory for a run of `scene` with `seed` and slots of length `slot`; `is_verbose` turns the recording of calls on.
     pub fn new(scene: &SceneSpec, seed: u64, slot: Time, is_verbose: bool) -> Self {
         Self {
             seed,
@@ -61,10 +61,10 @@ impl RobotFactory {
         }
     }
 
-    /// The robot of `spec`, which comes at `since`, and what happens to its messages.
+    /// Makes the robot of `spec`, present from `since` on, and the noise model of its radio.
     ///
     /// # Errors
-    /// A robot type, or errors of its drive, with which nothing can be computed.
+    /// [`FactoryError::Robot`] if the robot type, or the noise model of its drive, has an invalid value.
     pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, Radio), FactoryError> {
         let failed = |part| move |error| FactoryError::Robot { file: spec.robi.file.clone(), part, error };
         let new_model = || Arc::new(build::model(&spec.robi));
@@ -80,8 +80,8 @@ impl RobotFactory {
         Ok((robot, profile.radio))
     }
 
-    /// The world of `scene`, which is this factory's, at time 0 with these robots, in the order of their ids, each with what happens
-    /// to its messages.
+    /// Makes the world of `scene` (the scene of this factory) at time 0 with these robots, in the order of their ids; `heard` are the
+    /// noise models of their radios.
     ///
     /// # Errors
     /// [`FactoryError::Objects`] in a build without the feature `objects`.
@@ -102,7 +102,7 @@ impl RobotFactory {
         Ok(world.with_objects(objects).with_space(build::space(scene)).with_radio(radio))
     }
 
-    /// The noise profile of a robot; `None` where it has no errors.
+    /// Noise profile of a robot; `None` if it has no errors.
     fn profile(&mut self, robot: &RobotSpec) -> Option<Arc<Profile>> {
         let noise = robot.noise.as_ref()?;
         if let Some((_, made)) = self.profiles.iter().find(|(known, _)| known == noise) {

@@ -1,4 +1,4 @@
-//! What people do to a simulation, at the start of a slot, while no robot acts: first validated, then recorded, then applied.
+//! User interventions at the start of a slot, while no robot acts: validated first, then recorded, then applied.
 
 use std::sync::Arc;
 
@@ -14,19 +14,19 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// Farthest from the origin that anything can be put, m: farther than any world reaches.
+/// Greatest coordinate of a placement, m: beyond any world.
 const FAR: f64 = 1e6;
 
-/// Greatest heading that can be given, rad.
+/// Greatest heading of a placement, rad.
 const MAX_HEADING: f64 = 1e6;
 
-/// Why an action is refused, in words for who asked for it.
+/// Reason why an action is refused, worded for the user.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// The run ends before it.
+    /// The run ends before the action.
     #[error("the run is over by then")]
     Over,
-    /// The simulation stands within a slot.
+    /// The simulation is paused within a slot.
     #[error("an intervention acts at the start of a slot: the next one starts at {0}")]
     WithinSlot(Time),
     /// There is no such robot.
@@ -35,27 +35,27 @@ pub enum Refusal {
     /// There is no such object.
     #[error("there is no movable object {0}")]
     NoObject(u32),
-    /// A robot has no such sensor.
+    /// The robot has no such sensor.
     #[error("robot {robot} has no sensor `{sensor}`: it has {known}")]
     NoSensor {
         /// The robot.
         robot: u32,
-        /// The name that was asked for.
+        /// The requested name.
         sensor: String,
-        /// Those that it has.
+        /// Names of the robot's sensors.
         known: String,
     },
     /// There is no such type.
     #[error("there is no type of {what} `{name}`, accepted: {known}")]
     NoType {
-        /// Of what.
+        /// Kind of the type: robots or movable objects.
         what: &'static str,
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
-        /// Those that there are.
+        /// Known names.
         known: String,
     },
-    /// Nothing can be there.
+    /// The pose is out of range.
     #[error(
         "x {x_m} m, y {y_m} m, phi {phi_rad} rad is no place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
     )]
@@ -67,27 +67,27 @@ pub enum Refusal {
         /// rad
         phi_rad: f64,
     },
-    /// Something stands where a robot is to come.
+    /// An obstacle occupies the place of a new robot.
     #[error("there is no room for a robot: {} in its place", in_the_way(.0))]
     Occupied(Thing),
-    /// It would be the last robot that leaves.
+    /// The last robot cannot be removed.
     #[error("robot {0} is the last one: a world has at least one robot")]
     LastRobot(u32),
-    /// More would come than may.
+    /// The limit of added robots or objects is reached.
     #[error("{most} {what} have been added to this run, and no more may be")]
     Full {
-        /// How many may.
+        /// The limit.
         most: usize,
-        /// Of what.
+        /// Robots or movable objects.
         what: &'static str,
     },
-    /// No key.
+    /// Not a key.
     #[error(transparent)]
     Key(#[from] UnknownKey),
-    /// No number of a noise profile, or a value that it cannot have.
+    /// Not a number of a noise profile, or a value out of its range.
     #[error(transparent)]
     Noise(#[from] ParameterError),
-    /// It takes more than a simulation: programs, or a run that can end.
+    /// The action needs more than a simulation: programs, or a run that can end.
     #[error("{0}")]
     Other(String),
 }
@@ -100,39 +100,39 @@ fn in_the_way(thing: &Thing) -> String {
     }
 }
 
-/// An action that has been validated: it cannot fail any more.
+/// A validated action, which cannot fail any more.
 #[derive(Clone, Debug)]
 pub enum Intervention {
-    /// A robot's key is pressed, its display touched, or a key of a remote control pressed.
+    /// Presses a robot's key, touches its display, or presses a key of a remote control.
     Press(RobotId, Touch),
-    /// A robot is put elsewhere.
+    /// Moves a robot to another pose.
     PlaceRobot(RobotId, Pose),
-    /// A movable object is put elsewhere.
+    /// Moves a movable object to another pose.
     PlaceObject(ObjectId, Pose),
-    /// Robots get these errors.
+    /// Sets the noise profiles of robots.
     SetNoise(Vec<(RobotId, Profile)>),
-    /// Sensors of a robot are switched on or off.
+    /// Switches the sensors of this name of a robot on or off.
     SwitchSensor(RobotId, String, bool),
-    /// A robot leaves; who drives it has halted it.
+    /// Removes a robot; the caller has halted it.
     RemoveRobot(RobotId),
-    /// A movable object comes.
+    /// Adds a movable object.
     AddObject(Box<ObjectSpec>),
-    /// A movable object leaves.
+    /// Removes a movable object.
     RemoveObject(ObjectId),
 }
 
-/// Whom an intervention has concerned.
+/// Effect of an intervention.
 #[derive(Clone, Debug, Default)]
 pub struct Effect {
-    /// What these robots wait for may have come, or their motion has changed.
+    /// Robots whose wait may be over, or whose motion has changed.
     pub robots: Vec<RobotId>,
-    /// This movable object has come.
+    /// The movable object that was added.
     pub came: Option<ObjectId>,
 }
 
 /// Access to robots, one at a time.
 pub trait Robots {
-    /// Lets `act` look at robot `id` and change it.
+    /// Calls `act` with robot `id`.
     fn with<R>(&mut self, id: RobotId, act: impl FnOnce(&mut Robot) -> R) -> R;
 }
 
@@ -143,11 +143,11 @@ impl Robots for [Robot] {
 }
 
 impl Intervention {
-    /// What `action` means in `world`, at the start of its present slot or of one that follows before anything happens. That a
-    /// robot comes and that the run ends is for who owns the run: [`Refusal::Other`].
+    /// Validates `action` against `world`, at the start of its present slot, or of a later slot if nothing happens in between. Adding
+    /// robots and ending the run are left to the owner of the run: [`Refusal::Other`].
     ///
     /// # Errors
-    /// [`Refusal`] for what is not there or makes no sense.
+    /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
     pub fn validate(
         action: &Action,
         robots: &mut (impl Robots + ?Sized),
@@ -200,8 +200,8 @@ impl Intervention {
 }
 
 impl Environment {
-    /// Records `action`, which has been validated, at `at`, the start of a slot before which nothing happens any more, and lets the
-    /// world stand there.
+    /// Records a validated `action` at `at`, the start of a slot before which nothing happens any more, and advances the
+    /// world to it.
     pub fn record_intervention(&mut self, at: Time, action: &Action) {
         self.world.advance_to(at);
         self.record_starts();
@@ -209,7 +209,7 @@ impl Environment {
         self.journal().record(at, &Event::Intervention { action: ActionText(&text) });
     }
 
-    /// Does what was validated and recorded, at the start of the world's present slot.
+    /// Applies a validated and recorded intervention at the start of the world's present slot.
     pub fn intervene(&mut self, intervention: &Intervention, robots: &mut (impl Robots + ?Sized)) -> Effect {
         let world = &mut self.world;
         let at = world.slot_start();
@@ -266,7 +266,7 @@ impl Environment {
         Effect::default()
     }
 
-    /// A robot comes, which has the next id, at the start of the present slot; `heard` is what happens to its messages.
+    /// Adds a robot, which has the next id, at the start of the present slot; `heard` is the noise model of its radio.
     pub fn admit(&mut self, robot: &mut Robot, heard: Radio) {
         let figure = Arc::new(build::robot_figure(&robot.spec));
         self.world.add_robot(&mut robot.motion, Some(figure));
@@ -281,7 +281,7 @@ impl Effect {
     }
 }
 
-/// The robots that are in the world now.
+/// Robots that are in the world at the start of the present slot.
 fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
     let all = (0..world.robot_count()).map(RobotId::from_index);
     all.filter(|id| world.is_robot_there(*id, world.slot_start()))
@@ -296,9 +296,9 @@ fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
     known.filter(|id| world.is_object_there(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
 }
 
-/// A place that somebody can mean.
+/// Checks the range of a placement and returns its pose.
 pub(super) fn pose_of([x_m, y_m, phi_rad]: [f64; 3]) -> Result<Pose, Refusal> {
-    // Not a number is not within.
+    // NaN fails these comparisons.
     let is_place = x_m.abs() <= FAR && y_m.abs() <= FAR && phi_rad.abs() <= MAX_HEADING;
     if is_place { Ok(Pose::new(x_m, y_m, phi_rad)) } else { Err(Refusal::Place { x_m, y_m, phi_rad }) }
 }

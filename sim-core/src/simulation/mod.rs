@@ -1,8 +1,8 @@
 //! The simulation: robots with their devices in one environment, advanced slot by slot.
 //!
-//! [`Robot`] is all that is known of one robot, [`Environment`] what they share; [`Simulation`] is both as one value, for callers that
-//! drive robots themselves. Programs, threads and files are not known here: whoever runs programs lets each robot act within the slot,
-//! at its own virtual time, and ends the slot.
+//! [`Robot`] is the state of one robot, [`Environment`] the state that robots share; [`Simulation`] is both as one value, for callers
+//! that drive robots themselves. Programs, threads and files are not known here: a host of programs lets each robot act within the
+//! slot, at the robot's virtual time, and ends the slot.
 
 mod actuator;
 mod camera;

@@ -1,23 +1,23 @@
-//! Requests of robots to put something elsewhere.
+//! Requests of robots to place a robot or an object elsewhere.
 
 use crate::pose::Pose;
 use crate::time::Time;
 use crate::{ObjectId, RobotId};
 
-/// What a robot wants to be put elsewhere at the slot's end.
+/// A robot's request to place a robot or an object elsewhere at the slot's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// When it was asked for.
+    /// Time of the request.
     pub time: Time,
-    /// Who asked.
+    /// Robot that made the request.
     pub by: RobotId,
-    /// What.
+    /// Robot or object to place.
     pub what: Placeable,
-    /// Where to.
+    /// New pose.
     pub pose: Pose,
 }
 
-/// What can be put elsewhere.
+/// An entity that can be placed elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placeable {
     /// Another robot.

@@ -1,4 +1,4 @@
-//! One robot: its virtual time, its motion, its devices and what it has recorded.
+//! One robot: its virtual time, motion, devices and journal.
 
 use std::sync::Arc;
 
@@ -21,59 +21,59 @@ use crate::world::{Contact, LegTouch, World};
 
 use super::Placement;
 
-/// A robot with all that the simulation knows of it; what a running program keeps is not part of it.
+/// State of a robot in the simulation; the state of a running program is not part of it.
 ///
-/// Within a slot it changes only itself, at its own virtual time, and looks at the world as it was made public at the slot's start.
+/// Within a slot a robot changes only itself, at its own virtual time, and reads the world as published at the slot's start.
 #[derive(Clone, Debug)]
 pub struct Robot {
-    /// Its number.
+    /// Id of the robot.
     pub id: RobotId,
-    /// Its virtual time: the end of its last call, or the beginning of the one in progress.
+    /// Virtual time: the end of the last call, or the beginning of the one in progress.
     pub now: Time,
-    /// Where it is and how it moves.
+    /// Pose and motion.
     pub motion: Motion,
-    /// What its robi file says.
+    /// Robot type, from the robi file.
     pub spec: Arc<RobiSpec>,
-    /// What it did and read in the present slot.
+    /// Events of the present slot.
     pub journal: Journal,
-    /// What it carries.
+    /// Devices.
     pub devices: Devices,
-    /// Its radio; none before it was first switched on.
+    /// Radio; `None` until it is first switched on.
     pub station: Option<Box<Station>>,
-    /// What it has asked for in the present slot to be put elsewhere, in order.
+    /// Placements that the robot has requested in the present slot, in order.
     pub placements: Vec<Placement>,
-    /// It has been taken out of the world.
+    /// The robot has been removed from the world.
     pub is_removed: bool,
-    /// The errors of its devices, its drive and its radio.
+    /// Noise models of devices, drive and radio.
     noise: Profile,
     /// Seed of the run.
     seed: u64,
-    /// The pose that was recorded last.
+    /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// How it walked and held itself, of a robot with legs.
+    /// Recorded walk, of a robot with legs.
     pub walk: WalkRecord,
 }
 
-/// How often is looked at what legs touch. Source: our choice.
+/// Interval at which contacts of legs are checked. Source: our choice.
 const TOUCH_GRID: Time = Time::from_millis(10);
 
-/// What has been recorded of a robot's legs.
+/// Recorded state of a robot's legs.
 #[derive(Clone, Debug, Default)]
 pub struct WalkRecord {
-    /// The posture that was recorded last.
+    /// Last recorded posture.
     posture: Option<(f64, Vec<f64>)>,
-    /// What its parts touched when that was looked at last, and when that was.
+    /// Contacts of the robot's parts at the last check.
     touching: Vec<(Touching, Thing)>,
     looked_at: Time,
-    /// How often a foot has come down.
+    /// Number of footfalls.
     pub footfalls: u64,
-    /// How often a part has begun to touch something.
+    /// Number of contacts of parts that have begun.
     pub touches: u64,
 }
 
 impl Robot {
-    /// A robot of this type at its start, at virtual time `start`, in a run with `seed`; `is_verbose` says whether somebody wants to
-    /// see its calls.
+    /// A robot of this type at its start pose, at virtual time `start`, in a run with `seed`; `is_verbose` turns the recording of its
+    /// calls on.
     pub fn new(mut motion: Motion, spec: Arc<RobiSpec>, start: Time, seed: u64, is_verbose: bool) -> Self {
         let id = motion.id();
         let recorded_pose = Some(motion.pose(start));
@@ -94,10 +94,10 @@ impl Robot {
         }
     }
 
-    /// From `at` on, the start of the present slot, it has these errors; those of its radio are the channel's.
+    /// Sets the noise models from `at` on, the start of the present slot; the caller sets that of the radio at the channel.
     ///
     /// # Errors
-    /// The first number that makes no sense for its drive; nothing changes then.
+    /// The first number that is invalid for the drive; nothing changes then.
     pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
         let imperfection = profile.motion.imperfection(self.motion.model().kind, self.seed, self.id);
         if imperfection != self.motion.imperfection() {
@@ -108,17 +108,17 @@ impl Robot {
         Ok(())
     }
 
-    /// Seed of its run.
+    /// Seed of the run.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// The errors of its devices, its drive and its radio.
+    /// Noise models of devices, drive and radio.
     pub fn noise(&self) -> &Profile {
         &self.noise
     }
 
-    /// The numbers of its errors that concern what it has.
+    /// Noise parameters that apply to the devices of this robot.
     pub fn noise_parameters(&self) -> Vec<Parameter> {
         let spec = &*self.spec;
         let has_table = |table: &str| match table {
@@ -133,12 +133,12 @@ impl Robot {
         parameters.filter(|parameter| has_table(parameter.table)).collect()
     }
 
-    /// Its sensors by name, and whether they are switched on.
+    /// Sensors by name, each with true if it is switched on.
     pub fn sensors_on(&self) -> Vec<(&str, bool)> {
         switch::sensors(&self.spec).map(|(name, sensor)| (name, self.devices.switches.is_on(sensor))).collect()
     }
 
-    /// Switches its sensors of this name on or off at `at`, the start of a slot; false if it has none.
+    /// Switches the sensors of this name on or off at `at`, the start of a slot; returns false if there is none.
     pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
         let spec = Arc::clone(&self.spec);
         let mut has_any = false;
@@ -152,7 +152,7 @@ impl Robot {
         has_any
     }
 
-    /// Gives its drive a command now.
+    /// Commands the drive now.
     ///
     /// # Errors
     /// [`CommandError`] for what the drive cannot do; nothing changes then.
@@ -161,29 +161,29 @@ impl Robot {
         self.motion.command(self.now, command, &touching)
     }
 
-    /// What range sensor `index` reads now; nothing while it is switched off.
+    /// Reading of range sensor `index` now; no return while it is switched off.
     pub fn read_range(&mut self, world: &World, index: usize) -> Reading {
         let Self { now, motion, devices, .. } = self;
         measure_range(devices, motion, world, index, *now)
     }
 
-    /// The value of range sensor `index` that its driver measured last; `None` before the end of a first cycle.
+    /// Latest sample of range sensor `index` taken by its driver; `None` before the end of a first cycle.
     pub fn measured_range(&mut self, world: &World, index: usize) -> Option<Measured> {
         let now = self.now;
         self.with_psds(world, |psds, measure| psds.read(index, now, measure))
     }
 
-    /// The angle that the compass measured last, rad clockwise from north; `None` before the end of a first cycle.
+    /// Latest sample of the compass, rad clockwise from north; `None` before the end of a first cycle.
     pub fn read_compass(&mut self) -> Option<f64> {
         let Self { now, motion, spec, devices, .. } = self;
         let errors = devices.compass.errors.clone();
         devices.compass.read(*now, |at| compass::measure(spec.compass.as_ref(), motion, at, errors.as_ref()))
     }
 
-    /// Computes what sensors have measured that end to measure now.
+    /// Computes the values of measurements that have ended by now.
     ///
-    /// To be called when virtual time reaches [`Devices::due`]: the world remembers for 100 ms only what a sensor saw, and a
-    /// value may be asked for much later. Sensors that measure without end need it not.
+    /// Must be called when virtual time reaches [`Devices::due`]: the world keeps a history of only 100 ms, and a
+    /// value may be read much later. Continuous measurements do not need it.
     pub fn settle(&mut self, world: &World) {
         if self.now < self.devices.due() {
             return;
@@ -195,7 +195,7 @@ impl Robot {
         }
     }
 
-    /// Lets the driver of the range sensors act with what a sensor sees at an instant.
+    /// Calls `act` with the driver of the range sensors and a function that gives a sensor's reading at an instant.
     fn with_psds<R>(
         &mut self,
         world: &World,
@@ -208,7 +208,7 @@ impl Robot {
         result
     }
 
-    /// Stops its motors, as at the end of its program.
+    /// Stops the motors, as at the end of a program.
     pub fn halt(&mut self, world: &World) {
         let touching = world.touching(&mut self.motion, self.now);
         if let Err(error) = self.motion.command(self.now, Command::Halt, &touching) {
@@ -216,14 +216,14 @@ impl Robot {
         }
     }
 
-    /// Records where it is when it comes into a running world; of a robot that is there from the start the scene says it.
+    /// Records the pose of a robot added to a running world; for a robot present from the start the scene has it.
     pub fn record_arrival(&mut self, world: &World) {
         self.recorded_pose = None;
         self.record_walk(world, self.now);
         self.record_pose(self.now);
     }
 
-    /// Records where it is at the end of a slot, if it has moved since the last record.
+    /// Records the pose at the end of a slot, if it has changed since the last record.
     pub fn record_pose(&mut self, slot_end: Time) {
         let pose = self.motion.pose(slot_end);
         if self.recorded_pose != Some(pose) {
@@ -235,8 +235,8 @@ impl Robot {
         }
     }
 
-    /// Records where the feet of a robot with legs have trod in the slot, and how it holds itself at its end, if that has
-    /// changed since the last record.
+    /// Records the footfalls of a legged robot in the slot, and its posture at the slot's end, if that has changed since the last
+    /// record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
         if self.motion.legs().is_none() {
             return;
@@ -257,8 +257,8 @@ impl Robot {
         }
     }
 
-    /// Records what thighs, shanks and body have begun to touch since that was looked at last, each [`TOUCH_GRID`]; of slots
-    /// longer than what the world remembers only the end is looked at.
+    /// Records contacts of thighs, shanks and body that have begun since the last check, checked every [`TOUCH_GRID`]; of a slot
+    /// longer than the world's history only the last part is checked.
     fn record_touches(&mut self, world: &World, slot_end: Time) {
         let first = self.walk.looked_at.max(slot_end - HISTORY);
         let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
@@ -279,7 +279,7 @@ impl Robot {
         }
     }
 
-    /// The name of a part in events: that of its link, or `body`.
+    /// Name of a part in events: that of its link, or `body`.
     fn part_name(&self, part: Touching) -> String {
         let (leg, link) = match part {
             Touching::Body => return "body".to_owned(),
@@ -297,19 +297,19 @@ impl Robot {
         self.journal.record(contact.time, &event);
     }
 
-    /// Records that robot `by` has put it at `pose` at `at`.
+    /// Records that robot `by` has placed this one at `pose` at `at`.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
         let Pose { position, heading } = pose;
         let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };
         self.journal.record(at, &event);
     }
 
-    /// Records that its program, of this name, begins; the name is empty for a robot without one.
+    /// Records the start of the program of this name; the name is empty for a robot without a program.
     pub fn record_start(&mut self, program: &str) {
         self.record(Event::ProgramStarted { program });
     }
 
-    /// Tells the user of a likely mistake.
+    /// Records a hint to the user about a likely mistake.
     pub fn hint(&mut self, text: &str) {
         self.journal.record(self.now, &Event::Hint { text });
     }
@@ -320,14 +320,14 @@ impl Robot {
     }
 }
 
-/// What range sensor `index` reads at `at`; nothing while it is switched off.
+/// Reading of range sensor `index` at `at`; no return while it is switched off.
 fn measure_range(devices: &Devices, motion: &mut Motion, world: &World, index: usize, at: Time) -> Reading {
     let Devices { ranges, servos, switches, .. } = devices;
     let is_on = switches.is_on(Sensor::Range(index));
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.nothing(index) }
 }
 
-/// What was met, as it is recorded.
+/// Obstacle as it is recorded.
 fn obstacle(thing: Thing) -> Obstacle {
     match thing {
         Thing::Wall(_) | Thing::Fixed(_) => Obstacle::Wall,

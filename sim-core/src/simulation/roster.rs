@@ -1,4 +1,4 @@
-//! Who is and was in a simulation, and the types of which more can be added.
+//! Roster: all robots and objects that a simulation ever had, and the types of which more can be added.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use crate::pose::Pose;
 use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use crate::world::World;
 
-/// Most robots that may come into a simulation after its start, those that have left again included: each keeps its number and
+/// Limit of robots added after the start of a simulation, removed ones included: each keeps its number and
 /// its record. Our choice.
 pub const MOST_ROBOTS: usize = 1_000;
 
-/// The same of movable objects.
+/// Limit of movable objects added after the start of a simulation, removed ones included. Our choice.
 pub const MOST_OBJECTS: usize = 10_000;
 
-/// The robots and movable objects that ever were in a simulation, in the order of their ids, as they came; and the types by name of
-/// which more can be added.
+/// All robots and movable objects that a simulation ever had, in the order of their ids, with their initial poses; and the named
+/// types of which more can be added.
 #[derive(Clone, Debug)]
 pub struct Roster {
     /// Types of robots.
@@ -27,24 +27,24 @@ pub struct Roster {
     pub object_types: Types<ObjectType>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// How many of each were there at the start.
+    /// Numbers of robots and objects at the start.
     at_start: [usize; 2],
-    /// The errors of robots of which nothing else is said.
+    /// Default noise profile of robots.
     noise: Option<NoiseRef>,
 }
 
-/// Types by their names, each once.
+/// Types by name, without duplicates.
 #[derive(Clone, Debug)]
 pub struct Types<T> {
-    /// What they are types of.
+    /// Kind of the types: robots or movable objects.
     what: &'static str,
     types: Vec<(String, Arc<T>)>,
-    /// The name and the file of each.
+    /// Name and file of each type.
     known: Vec<[String; 2]>,
 }
 
 impl Roster {
-    /// That of `scene`, with its types.
+    /// Roster of `scene`, with its types.
     pub fn of(scene: &SceneSpec) -> Self {
         let mut robot_types = Types::of("robots");
         for robi in scene.robots.iter().map(|robot| &robot.robi) {
@@ -69,11 +69,11 @@ impl Roster {
         &self.objects
     }
 
-    /// One more robot of the type called `kind` at x and y (m) and heading (rad) `start`, which is to run the program of
-    /// `program_of`. Its errors are those of that robot, else of the first one of its type, else of the scene.
+    /// Spec of a new robot of the type called `kind` at x and y (m) and heading (rad) `start`, which runs the program of
+    /// `program_of`. Its noise profile is that of `program_of`, else of the first robot of its type, else of the scene.
     ///
     /// # Errors
-    /// [`Refusal`] for what is not known, or does not fit in.
+    /// [`Refusal`] if a name or number is unknown, the place is occupied, or the limit is reached.
     pub fn robot(
         &self,
         kind: &str,
@@ -82,7 +82,7 @@ impl Roster {
         world: &World,
     ) -> Result<RobotSpec, Refusal> {
         let start = pose_of(start)?;
-        // The program of one that has been removed is still known.
+        // The program of a removed robot is still known.
         let number_of =
             |number: u32| self.robots.get((number as usize).wrapping_sub(1)).ok_or(Refusal::NoRobot(number));
         let model = program_of.map(number_of).transpose()?;
@@ -106,22 +106,22 @@ impl Roster {
         })
     }
 
-    /// One more movable object of the type called `kind` at `pose`.
+    /// Spec of a new movable object of the type called `kind` at `pose`.
     ///
     /// # Errors
-    /// [`Refusal`] for a type that is not known, or more objects than may come.
+    /// [`Refusal`] if the type is unknown, or the limit is reached.
     pub fn object(&self, kind: &str, pose: Pose) -> Result<ObjectSpec, Refusal> {
         let kind = self.object_types.find(kind)?;
         check_room(self.objects.len() - self.at_start[1], MOST_OBJECTS, "movable objects")?;
         Ok(ObjectSpec { friction: kind.friction, kind, pose, span: Default::default() })
     }
 
-    /// This robot has come.
+    /// Adds a robot that has joined the simulation.
     pub fn keep_robot(&mut self, spec: RobotSpec) {
         self.robots.push(spec);
     }
 
-    /// This movable object has come.
+    /// Adds a movable object that has joined the simulation.
     pub fn keep_object(&mut self, spec: ObjectSpec) {
         self.objects.push(spec);
     }
@@ -136,7 +136,7 @@ impl<T> Types<T> {
         Self { what, types: Vec::new(), known: Vec::new() }
     }
 
-    /// Adds the type called `name` of `file`, unless it is known; where another one has the name already, by its file.
+    /// Adds the type called `name` of `file`, unless it is known; if the name is taken by another type, under the name of its file.
     pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
         let both = [name, file].map(str::to_owned);
         if self.known.contains(&both) {
@@ -148,12 +148,12 @@ impl<T> Types<T> {
         self.known.push(both);
     }
 
-    /// Their names.
+    /// Names of the types.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.types.iter().map(|(name, _)| &**name)
     }
 
-    /// The type of this name.
+    /// The type with this name.
     ///
     /// # Errors
     /// [`Refusal::NoType`].

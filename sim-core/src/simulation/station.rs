@@ -1,4 +1,4 @@
-//! A robot's radio within the simulation: its station, and what is recorded of messages.
+//! Radio of a robot within the simulation: its station, and the events recorded for messages.
 
 use super::Robot;
 use crate::radio::{Address, Delivery, Full, Member, Message, Sending, Station};
@@ -7,30 +7,30 @@ use crate::time::Time;
 use crate::world::World;
 
 impl Robot {
-    /// Address and speed of its radio; `None` while that is off.
+    /// Address and speed of the radio; `None` while it is off.
     pub fn radio_member(&self) -> Option<Member> {
         self.station.as_ref()?.member()
     }
 
-    /// How many messages wait to be read by now.
+    /// Number of messages that wait to be read now.
     pub fn radio_waiting(&mut self) -> usize {
         self.settle_radio(self.now);
         self.station.as_ref().map_or(0, |station| station.waiting())
     }
 
-    /// From when on the next message on its way is visible; [`Time::NEVER`] for none.
+    /// Time when the next message on its way becomes visible; [`Time::NEVER`] for none.
     pub fn next_message(&self) -> Time {
         self.station.as_ref().map_or(Time::NEVER, |station| station.next_visible())
     }
 
-    /// Switches its radio on.
+    /// Switches the radio on.
     pub fn switch_radio_on(&mut self, world: &World, address: u32, baud: u32) {
         let id = self.id;
         let station = self.station.get_or_insert_with(|| Box::new(Station::new(id, world.radio().model())));
         station.switch_on(address, baud);
     }
 
-    /// Switches its radio off, see [`Station::switch_off`]; how many messages are never sent.
+    /// Switches the radio off, see [`Station::switch_off`]; returns the number of messages that are never sent.
     pub fn switch_radio_off(&mut self) -> usize {
         let now = self.now;
         self.settle_radio(now);
@@ -44,10 +44,10 @@ impl Robot {
     /// Sends a message now.
     ///
     /// # Errors
-    /// [`Full`] when the station has no room for it.
+    /// [`Full`] if the station's buffer has no room for it.
     ///
     /// # Panics
-    /// If its radio is off.
+    /// If the radio is off.
     pub fn send_message(&mut self, world: &World, to: Address, payload: &[u8]) -> Result<(), Full> {
         let now = self.now;
         self.settle_radio(now);
@@ -64,7 +64,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Takes the next message that it has received by now.
+    /// Takes the next message that has been received by now.
     pub fn receive_message(&mut self) -> Option<Message> {
         self.settle_radio(self.now);
         let message = self.station_on()?.receive()?;
@@ -72,7 +72,7 @@ impl Robot {
         Some(message)
     }
 
-    /// Puts what is visible at `by` into the buffer of its station.
+    /// Moves messages that are visible at `by` into the station's buffer.
     pub fn settle_radio(&mut self, by: Time) {
         let Some(station) = &mut self.station else { return };
         for fate in station.settle(by) {
@@ -80,14 +80,14 @@ impl Robot {
         }
     }
 
-    /// A message is on its way to it.
+    /// Queues a message that is on its way to this robot.
     pub(super) fn deliver(&mut self, delivery: Delivery) {
         if let Some(station) = &mut self.station {
             station.deliver(delivery);
         }
     }
 
-    /// The run ends: records what becomes of the messages that are on their way.
+    /// Records the outcomes of the messages on their way at the end of the run.
     pub(super) fn finish_radio(&mut self, end: Time) {
         let Some(station) = &mut self.station else { return };
         for fate in station.finish() {

@@ -1,4 +1,4 @@
-//! The messages between robots at a slot's end: what was sent goes to the channel, and what becomes of it to those whom it concerns.
+//! Messages at a slot's end: sent ones go to the channel, outcomes to the robots affected.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,23 +8,23 @@ use crate::RobotId;
 use crate::radio::{Channel, Delivery, Sending};
 use crate::time::Time;
 
-/// What is under way.
+/// Messages between stations and channel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traffic {
-    /// What was sent in the present slot.
+    /// Messages sent in the present slot.
     sendings: Vec<Sending>,
-    /// What the channel has decided at the present slot's end.
+    /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
-    /// What has left the buffers of its senders by then.
+    /// Messages that have left the buffers of their senders by then: (sender, number).
     left: Vec<(RobotId, u64)>,
-    /// When something becomes visible, and to whom.
+    /// Times when messages become visible, with their receivers.
     visible: BinaryHeap<Reverse<(Time, RobotId)>>,
-    /// When the run ended.
+    /// End of the run.
     end: Time,
 }
 
 impl Traffic {
-    /// Takes what `robot` has sent in the slot that ends, and tells the channel whether its radio is on.
+    /// Takes the messages that `robot` has sent in the slot that ends, and reports switching of its radio to the channel.
     pub fn collect(&mut self, robot: &mut Robot, channel: &mut Channel) {
         let Some(station) = &mut robot.station else { return };
         if let Some(change) = station.take_change() {
@@ -33,11 +33,11 @@ impl Traffic {
         self.sendings.append(&mut station.take_sent());
     }
 
-    /// Lets the channel decide what it can by `slot_end`; whom that concerns, and to whom something became visible in the slot.
+    /// Lets the channel decide by `slot_end`; adds to `concerned` the robots affected and those for which a message became visible.
     pub fn exchange(&mut self, slot_end: Time, channel: &mut Channel, concerned: &mut Vec<RobotId>) {
         if !self.sendings.is_empty() || channel.due() <= slot_end {
             self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
-            // Those of one robot that become visible together stand together.
+            // Deliveries to one robot that become visible together are adjacent.
             concerned.extend(self.decided.chunk_by(|one, other| one.to == other.to).map(|chunk| chunk[0].to));
             self.left = channel.take_left();
             concerned.extend(self.left.iter().map(|(robot, _)| *robot));
@@ -50,8 +50,8 @@ impl Traffic {
         }
     }
 
-    /// Gives each robot what concerns it and settles the slot that ends; `robots` are those that [`Traffic::exchange`] named, and
-    /// others, in the order of their ids. To whom something comes, and when it is visible.
+    /// Delivers the outcomes and settles the slot that ends; `robots` are at least those that [`Traffic::exchange`] named, in the order
+    /// of their ids. Returns the receivers of messages, each with the time when the message becomes visible.
     pub fn deliver(&mut self, slot_end: Time, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
         for (robot, sequence) in self.left.drain(..) {
             if let Ok(place) = robots.binary_search_by_key(&robot, |robot| robot.id)
@@ -78,15 +78,15 @@ impl Traffic {
         heard
     }
 
-    /// The run ends at `end`: what becomes of the messages about which `channel` has not decided.
+    /// Ends the run at `end`: takes the messages that `channel` has not decided, as losses.
     pub fn finish(&mut self, end: Time, channel: &mut Channel) {
         self.decided = channel.finish(end);
-        // The first robot's come last, where they are taken from.
+        // `finish_robot` pops from the end, beginning with the first robot.
         self.decided.reverse();
         self.end = end;
     }
 
-    /// Records what becomes of the messages on their way to `robot`, when the run has ended.
+    /// Records the outcomes of the messages on their way to `robot` at the end of the run.
     pub fn finish_robot(&mut self, robot: &mut Robot) {
         while let Some(fate) = self.decided.pop_if(|fate| fate.to == robot.id) {
             robot.deliver(fate);
@@ -94,7 +94,7 @@ impl Traffic {
         robot.finish_radio(self.end);
     }
 
-    /// When a slot is to be run for messages though nobody is due; [`Time::NEVER`] if none is under way.
+    /// Time whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if none is on its way.
     pub fn due(&self, channel: &Channel) -> Time {
         self.visible.peek().map_or(Time::NEVER, |Reverse((visible, _))| *visible).min(channel.due())
     }

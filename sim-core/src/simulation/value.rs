@@ -1,4 +1,4 @@
-//! A whole simulation as one value: owned, advanced, looked at, copied and set back by its caller.
+//! A whole simulation as one value, which its caller owns, advances, reads, copies and restores.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -15,14 +15,14 @@ use crate::spec::SceneSpec;
 use crate::time::Time;
 use crate::world::World;
 
-/// Robots in their environment, without programs: their caller drives them through the devices, noise and timing that a program
+/// Robots in their environment, without programs: the caller drives them, with the devices, noise and timing that a program
 /// would get.
 ///
-/// It is a value: a [`Clone`] is a snapshot, and assigning that back restores it. Whatever happens to a copy, the original goes on as
-/// if there were none, and both go on alike, to the bit. Walls, meshes and types are shared between copies.
+/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original,
+/// and evolve identically, to the bit. Walls, meshes and types are shared between copies.
 ///
 /// A command acts at the present time, [`Simulation::now`]; other robots see it from the next slot on. Within a slot the order in which
-/// robots act changes nothing. Nothing here reads a file, a clock or anything else from outside.
+/// robots act has no effect. There is no access to files, clocks or other outside state.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     environment: Environment,
@@ -31,30 +31,30 @@ pub struct Simulation {
     /// Robots that may have acted in the present slot.
     acted: Vec<RobotId>,
     now: Time,
-    /// What cameras see, once somebody has said it.
+    /// Visuals for cameras, once they are set.
     visuals: Option<Arc<Visuals>>,
-    /// Who is in it, and what more of them are made of.
+    /// All robots and objects, and the types of which more can be added.
     roster: Arc<Roster>,
     factory: Arc<RobotFactory>,
 }
 
-/// What a simulation is told beside its scene.
+/// Options of a simulation besides its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Seed of all randomness; that of the scene, else 0, where none is given.
+    /// Seed of all randomness; default: that of the scene, else 0.
     pub seed: Option<u64>,
-    /// Length of a slot; that of the scene, else 50 ms, where none is given. Positive.
+    /// Length of a slot, positive; default: that of the scene, else 50 ms.
     pub slot: Option<Time>,
 }
 
-/// Length of a slot where nobody says anything else.
+/// Default length of a slot.
 pub const DEFAULT_SLOT: Time = Time::from_millis(50);
 
 impl Simulation {
     /// The simulation of `scene` at time 0.
     ///
     /// # Errors
-    /// A robot type, or errors of its drive, with which nothing can be computed; movable objects in a build without them.
+    /// [`FactoryError`] for an invalid robot type or noise model of a drive, and for movable objects in a build without rigid bodies.
     ///
     /// # Panics
     /// If the slot is not positive.
@@ -70,8 +70,8 @@ impl Simulation {
         Ok(Self::of(environment, robots, Roster::of(scene), factory))
     }
 
-    /// The simulation of these robots, in the order of their ids, in their environment, at the start of its present slot: copies of
-    /// those of a run, with what more of them are made of.
+    /// Simulation of these robots, in the order of their ids, in their environment, at the start of its present slot: copies of the
+    /// robots of a run, with roster and factory for adding more.
     pub fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
         let now = environment.world.slot_start();
         robots.iter_mut().for_each(|robot| robot.now = now);
@@ -80,17 +80,17 @@ impl Simulation {
         Self { environment, robots, acted, now, visuals: None, roster, factory }
     }
 
-    /// The present time, that of all robots.
+    /// Present time of all robots.
     pub fn now(&self) -> Time {
         self.now
     }
 
-    /// The world, as it was made public at the start of the present slot.
+    /// The world, as published at the start of the present slot.
     pub fn world(&self) -> &World {
         &self.environment.world
     }
 
-    /// Number of robots; their ids are 1 to this.
+    /// Number of robots; their ids run from 1 to this number.
     pub fn robot_count(&self) -> usize {
         self.robots.len()
     }
@@ -103,7 +103,7 @@ impl Simulation {
         &self.robots[id.index()]
     }
 
-    /// Lets `act` read and change robot `id` now: devices, radio, drive.
+    /// Calls `act` with robot `id` at the present time, to read and change it: devices, radio, drive.
     ///
     /// # Panics
     /// If there is no such robot.
@@ -114,7 +114,7 @@ impl Simulation {
         act(&mut self.robots[id.index()], &self.environment.world)
     }
 
-    /// Gives the drive of robot `id` a command now.
+    /// Commands the drive of robot `id` now.
     ///
     /// # Errors
     /// [`CommandError`] for what the drive cannot do; nothing changes then.
@@ -125,14 +125,14 @@ impl Simulation {
         self.with_robot(id, |robot, world| robot.command(world, command))
     }
 
-    /// Carries out an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
+    /// Applies an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
     ///
-    /// Robots that come have no program; they and objects are of the types of the scene, and of those that were
-    /// [added](Simulation::roster_mut). A robot that is removed stays known by its id and is not in the world any more.
+    /// Added robots have no program; they and added objects are of the types of the scene, and of types
+    /// [added](Simulation::roster_mut) to it. A removed robot stays known by its id and is not in the world any more.
     ///
     /// # Errors
-    /// [`Refusal`] for what is not there or makes no sense, [within a slot](Refusal::WithinSlot), and for what only a run with
-    /// programs can do: programs of robots that come, and its end. Nothing changes then.
+    /// [`Refusal`] for unknown names and invalid values, [within a slot](Refusal::WithinSlot), and for actions that need a run with
+    /// programs: programs of added robots, and the end of the run. Nothing changes then.
     pub fn act(&mut self, action: &Action) -> Result<(), Refusal> {
         if self.now != self.world().slot_start() {
             return Err(Refusal::WithinSlot(self.world().slot_end()));
@@ -168,24 +168,24 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets cameras see somebody who has come: as others of the type look, else as its colliders are.
+    /// Makes a spawned entity visible to cameras: with the looks of others of its type, else with the shape of its colliders.
     fn show(&mut self, newcomer: Newcomer) {
         if let Some(visuals) = &mut self.visuals {
             Arc::make_mut(visuals).add([newcomer], &mut NoMeshes);
         }
     }
 
-    /// Who is in it, and the types of which more can be added.
+    /// All robots and objects, and the types of which more can be added.
     pub fn roster(&self) -> &Roster {
         &self.roster
     }
 
-    /// The same, so that types can be added.
+    /// Mutable roster, to add types.
     pub fn roster_mut(&mut self) -> &mut Roster {
         Arc::make_mut(&mut self.roster)
     }
 
-    /// What range sensor `index` of robot `id` reads now, with its errors, m; `None` when nothing is within its reach.
+    /// Reading of range sensor `index` of robot `id` now, with its errors, m; `None` if out of range.
     ///
     /// # Panics
     /// If there is no such robot.
@@ -201,7 +201,7 @@ impl Simulation {
         self.robots[id.index()].motion.pose(self.now)
     }
 
-    /// Pose of robot `id` by its odometry, now, in the frame in which it started.
+    /// Odometry pose of robot `id`, now, in the frame in which it started.
     ///
     /// # Panics
     /// If there is no such robot.
@@ -209,15 +209,15 @@ impl Simulation {
         self.robots[id.index()].motion.odometry(self.now)
     }
 
-    /// Lets cameras see this from now on; all copies share it. Without it there are no images.
+    /// Sets the visuals for cameras from now on; all copies share them. Without visuals there are no images.
     pub fn set_visuals(&mut self, visuals: Visuals) {
         self.visuals = Some(Arc::new(visuals));
     }
 
-    /// The image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with the camera's errors,
-    /// exposed [a read-out](crate::device::camera::READ_OUT) ago. It counts and is recorded as a program's.
+    /// Takes the image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with the camera's errors,
+    /// exposed [a read-out](crate::device::camera::READ_OUT) ago. The image is counted and recorded as in a program.
     ///
-    /// A camera that is off is switched on first, for images of 320 x 240 pixels; another [`Setting`] is set by
+    /// A camera that is off is switched on first, for images of 320 x 240 pixels; to use another [`Setting`], call
     /// [`Simulation::with_robot`] and [`Camera::switch_on`](crate::device::camera::Camera::switch_on).
     ///
     /// # Errors
@@ -235,7 +235,7 @@ impl Simulation {
         })
     }
 
-    /// How far away what each pixel of the last image of robot `id` shows is, without errors: m along the line of sight through
+    /// Depth of each pixel of the last image of robot `id`, without errors: m along the line of sight through
     /// the pixel's middle; infinite for the sky.
     ///
     /// # Errors
@@ -247,7 +247,7 @@ impl Simulation {
         self.robots[id.index()].take_depth()
     }
 
-    /// What each pixel of the last image of robot `id` shows, without errors: sky, ground, a wall, an object or a robot.
+    /// Label of each pixel of the last image of robot `id`, without errors: sky, ground, a wall, an object or a robot.
     ///
     /// # Errors
     /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
@@ -258,15 +258,16 @@ impl Simulation {
         self.robots[id.index()].take_labels()
     }
 
-    /// Goes on to `time`; nothing happens if that is not later than [`Simulation::now`].
+    /// Advances to `time`; does nothing if `time` is not later than [`Simulation::now`].
     pub fn advance_to(&mut self, time: Time) {
         let Ok(()) = self.advance_with(time, |_| Ok::<(), Infallible>(()));
     }
 
-    /// Goes on to `time`; `show` gets what is recorded at the end of each slot, in order of (virtual time, robot, sequence), as far as
-    /// it is of [interest](Recorder::set_interest).
+    /// Advances to `time`; `show` gets the recorded events of [interest](Recorder::set_interest) at the end of each slot, in order of
+    /// (virtual time, robot, sequence).
     ///
     /// # Errors
+    /// The first error of `show`; the simulation is then at the end of that slot.
     /// The first error of `show`; the simulation then stands at the end of that slot.
     pub fn advance_with<E>(&mut self, time: Time, mut show: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<(), E> {
         while self.now < time {
@@ -283,17 +284,17 @@ impl Simulation {
         Ok(())
     }
 
-    /// Shows events of these kinds to who [looks on](Simulation::advance_with).
+    /// Sets the kinds of events that [`Simulation::advance_with`] shows.
     pub fn set_interest(&mut self, interest: KindSet) {
         self.environment.recorder().set_interest(interest);
     }
 
-    /// The digest of everything recorded up to the last slot that has ended.
+    /// Digest of all events up to the last ended slot.
     pub fn digest(&self) -> Digest {
         self.environment.digest()
     }
 
-    /// Lets all robots pass to `time`, within the present slot or at its end; measurements are computed on the way that end.
+    /// Advances all robots to `time`, within the present slot or at its end, and computes measurements that end on the way.
     fn pass_to(&mut self, time: Time) {
         let Self { environment, robots, now, .. } = self;
         let slot_end = environment.world.slot_end();
@@ -311,14 +312,14 @@ impl Simulation {
         let Self { environment, robots, acted, .. } = self;
         let concerned = environment.concerned(acted, &mut robots[..]);
         acted.clear();
-        // The robots and their ids are in the same order.
+        // Both lists are in the order of the ids.
         let mut next = concerned.iter().copied().peekable();
         let is_concerned = |robot: &&mut Robot| next.next_if_eq(&robot.id).is_some();
         let mut states: Vec<&mut Robot> = robots.iter_mut().filter(is_concerned).collect();
         environment.end_slot(&mut states);
     }
 
-    /// Skips the slots before `time` in which nothing happens.
+    /// Skips slots before `time` in which nothing happens.
     fn skip_to(&mut self, time: Time) {
         let world = &self.environment.world;
         let following = world.slot_start();

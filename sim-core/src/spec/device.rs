@@ -1,4 +1,4 @@
-//! Devices of a robot: sensors, servos, display, and what is connected to its inputs.
+//! Device specs of a robot: sensors, servos, display, and connections of its inputs.
 
 use std::f64::consts::{FRAC_PI_3, TAU};
 use std::sync::Arc;
@@ -13,19 +13,19 @@ use crate::spec::Span;
 /// Greatest distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
 pub const DEFAULT_PSD_RANGE: f64 = 0.8;
 
-/// Greatest distance of a PSD sensor in a robot file of EyeSim VR, in metres: where EyeSim VR caps its readings.
+/// Greatest distance of a PSD sensor in a robot file of EyeSim VR, in metres: the cap of EyeSim VR's readings.
 pub const VR_PSD_RANGE: f64 = 9.999;
 
-/// Name of the laser scanner among the sensors, in noise profiles.
+/// Name of the laser scanner in lists of sensors and in noise profiles.
 pub const LIDAR: &str = "LIDAR";
 
-/// Points of a laser scanner that does not say.
+/// Default number of points of a laser scanner.
 pub const DEFAULT_LIDAR_POINTS: u32 = 360;
 
-/// Height of a laser scanner that does not say, in metres. Source: our choice.
+/// Default height of a laser scanner, in metres. Source: our choice.
 pub const DEFAULT_LIDAR_HEIGHT: f64 = 0.1;
 
-/// Greatest distance of a laser scanner that does not say, in metres: the 9999 mm that stand for nothing.
+/// Default greatest distance of a laser scanner, in metres: the 9999 mm that programs get for no return.
 pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 
 /// A PSD distance sensor.
@@ -33,43 +33,43 @@ pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 pub struct PsdSpec {
     /// Name, `PSD_FRONT`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
     /// Origin of the beam in the robot's frame (x forward, y left, z up), in metres.
     pub position: DVec3,
     /// Direction of the beam in the floor plane, counter-clockwise from forward, in radians.
     pub angle: f64,
-    /// Angle of the beam above the floor plane of what it sits on, in radians.
+    /// Angle of the beam above the floor plane of the body or link that carries it, in radians.
     pub pitch: f64,
-    /// The link that it sits on; `None`: the body.
+    /// Link that carries the sensor; `None`: the body.
     pub on: Option<PathRef>,
-    /// Greatest distance that it measures, in metres.
+    /// Greatest measurable distance, in metres.
     pub range: f64,
-    /// Its line.
+    /// Place of its line in the file.
     pub span: Span,
 }
 
-/// Most sonars on one bus: the SRF08 can be given 16 addresses. Source: Gois & Hiller, section 6.
+/// Greatest number of sonars on one bus: the SRF08 has 16 addresses. Source: Gois & Hiller, section 6.
 pub const MAX_SONARS_ON_BUS: usize = 16;
 
-/// A range sensor beside the PSDs.
+/// A range sensor other than a PSD.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeSpec {
     /// Name, `US_FRONT`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
-    /// Where it sits; x is the middle of its beam.
+    /// Mounting pose; x is the middle of its beam.
     pub mount: MountSpec,
-    /// How it measures.
+    /// Measuring principle.
     pub model: RangeModel,
-    /// Standard deviation of its noise N, a share of what it measures.
+    /// Standard deviation of its noise N, relative to the measured value.
     pub sigma: f64,
     /// Mean of N.
     pub mean: f64,
-    /// The bus that a sonar is on, from 1; `None` for sensors of other kinds, which are on none.
+    /// Bus of a sonar, from 1; `None` for other sensors.
     pub bus: Option<u32>,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
@@ -89,20 +89,20 @@ impl Default for RangeSpec {
     }
 }
 
-/// Horizontal field of view of a camera that does not say, in radians: 60 degrees, near that of the EyeCam. Source: our choice;
-/// the files do not say.
+/// Default horizontal field of view of a camera, in radians: 60 degrees, near that of the EyeCam. Source: our choice;
+/// the files give none.
 pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
-/// Widest horizontal field of view of a pinhole camera, in degrees: beyond, the edges of its images show hardly anything else.
+/// Widest horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all of the image.
 pub const MAX_FIELD_OF_VIEW_DEG: f64 = 170.0;
 
-/// Points per side of a pixel at which a camera looks that does not say. Source: our choice, see docs/camera.md.
+/// Default number of samples per side of a pixel. Source: our choice, see docs/camera.md.
 pub const DEFAULT_SAMPLES: u32 = 2;
 
-/// Most of them.
+/// Greatest number of samples per side of a pixel.
 pub const MAX_SAMPLES: u32 = 8;
 
-/// The lens of a camera that does not say.
+/// Default lens of a camera.
 pub const DEFAULT_LENS: Lens = Lens::Pinhole { fov: DEFAULT_FIELD_OF_VIEW };
 
 /// The camera.
@@ -110,17 +110,17 @@ pub const DEFAULT_LENS: Lens = Lens::Pinhole { fov: DEFAULT_FIELD_OF_VIEW };
 pub struct CameraSpec {
     /// Position in the robot's frame, in metres.
     pub position: DVec3,
-    /// Turn about the vertical axis, counter-clockwise.
+    /// Rotation about the vertical axis, counter-clockwise.
     pub pan: JointSpec,
-    /// Turn upwards.
+    /// Rotation upwards.
     pub tilt: JointSpec,
-    /// Largest image: width and height in pixels; `None` where the line does not say.
+    /// Largest image: width and height in pixels; `None` if the line gives none.
     pub image: Option<[u32; 2]>,
     /// Its lens.
     pub lens: Lens,
-    /// Points per side of a pixel at which it looks, 1 to [`MAX_SAMPLES`]; their colours are averaged.
+    /// Samples per side of a pixel, 1 to [`MAX_SAMPLES`]; their colours are averaged.
     pub samples: u32,
-    /// Its line.
+    /// Place of its line in the file.
     pub span: Span,
 }
 
@@ -141,17 +141,17 @@ impl Default for CameraSpec {
 /// A laser scanner: distances all around, at equal angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarSpec {
-    /// Where it sits; x is the middle of its scan.
+    /// Mounting pose; x is the middle of its scan.
     pub mount: MountSpec,
-    /// Greatest distance that it measures along a ray, in metres.
+    /// Greatest measurable distance along a ray, in metres.
     pub range: f64,
     /// Number of points of a scan.
     pub points: u32,
     /// Angle of the scanning plane above the floor plane, in radians.
     pub tilt: f64,
-    /// Angle that a scan covers, half of it to either side of forward, in radians: a whole turn where nothing says less.
+    /// Angle that a scan covers, half of it on either side of forward, in radians; default: a full turn.
     pub sweep: f64,
-    /// Its line.
+    /// Place of its line in the file.
     pub span: Span,
 }
 
@@ -164,35 +164,35 @@ impl Default for LidarSpec {
     }
 }
 
-/// An infrared proximity switch: tells whether something is nearer than its range.
+/// An infrared proximity switch: detects bodies nearer than its range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InfraredSpec {
     /// Name, `IR_LF`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
     pub id: Option<i32>,
     /// Origin of the beam in the robot's frame, in metres.
     pub position: DVec3,
     /// Direction of the beam, counter-clockwise from forward, in radians.
     pub angle: f64,
-    /// Distance below which it answers, in metres.
+    /// Detection distance, in metres.
     pub range: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// A bumper: an arc of the robot's circumference that feels contacts.
+/// A bumper: an arc of the robot's circumference that detects contacts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BumperSpec {
     /// Name, `BUMP_FRONT`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
     pub id: Option<i32>,
-    /// Where the arc begins, in radians counter-clockwise from forward.
+    /// Start of the arc, in radians counter-clockwise from forward.
     pub from: f64,
-    /// Where it ends, counter-clockwise from `from`: `from < to <= from + 2 pi`.
+    /// End of the arc, counter-clockwise from `from`: `from < to <= from + 2 pi`.
     pub to: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
@@ -201,13 +201,13 @@ pub struct BumperSpec {
 pub struct ServoSpec {
     /// Name, `SERVO1`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
     pub id: Option<i32>,
     /// Angle at position 0, in radians.
     pub from: f64,
     /// Angle at position 255, in radians.
     pub to: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
@@ -232,21 +232,21 @@ impl Default for LcdSpec {
 pub struct CompassSpec {
     /// Name, `COMPASS`.
     pub name: String,
-    /// Number under which programs ask for it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
     pub id: Option<i32>,
     /// World direction (radians counter-clockwise from x) in which the compass reads 0.
     pub north: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// Voltage of the battery where nobody says, in volts: two lithium cells. Source: our choice.
+/// Default voltage of the battery, in volts: two lithium cells. Source: our choice.
 pub const DEFAULT_VOLTAGE: f64 = 7.2;
 
-/// What the microphone reads in silence: the middle of its range.
+/// Reading of the microphone in silence: the middle of its range.
 pub const DEFAULT_MICROPHONE: u8 = 128;
 
-/// What the inputs read that are connected to nothing simulated.
+/// Readings of inputs that are not connected to a simulated device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputSpec {
     /// A/D converter: (channel 0..=15, value 0..=1023), in order of the channels.
@@ -257,7 +257,7 @@ pub struct InputSpec {
     pub digital: Vec<(u8, u8)>,
     /// Voltage of the battery in volts.
     pub voltage: f64,
-    /// What the microphone reads.
+    /// Reading of the microphone.
     pub microphone: u8,
     /// Data register of the parallel port.
     pub parallel_data: u8,
@@ -279,25 +279,25 @@ impl Default for InputSpec {
     }
 }
 
-/// What is connected to a serial interface.
+/// Connection of a serial interface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SerialSpec {
     /// Number of the interface, 1..=16.
     pub interface: u8,
-    /// What is at the line's other end.
+    /// Device at the other end of the line.
     pub line: SerialLine,
 }
 
 /// The other end of a serial line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SerialLine {
-    /// Everything that is sent comes back.
+    /// Sends every byte back.
     Loopback,
     /// A device that sends the bytes of a file.
     File {
         /// The file.
         path: PathRef,
-        /// Its bytes; empty where it has not been read.
+        /// Contents of the file; empty if it has not been read.
         bytes: Arc<[u8]>,
     },
 }

@@ -1,36 +1,36 @@
-//! What only cameras see of a world: its light, its sky, the colour of its floor.
+//! Looks of a world, for cameras only: its light, its sky, the colour of its floor.
 
 use crate::unit::radians_from_degrees;
 
-/// Colour of a floor that does not say: light grey, apart from that of the walls. Source: our choice.
+/// Default colour of the floor: light grey, distinct from that of the walls. Source: our choice.
 pub const DEFAULT_FLOOR_COLOUR: [u8; 3] = [196, 192, 184];
 
-/// What only cameras see of a world.
+/// Looks of a world, for cameras only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LooksSpec {
     /// Red, green, blue of a floor without an image; `None`: [`DEFAULT_FLOOR_COLOUR`].
     pub colour: Option<[u8; 3]>,
     /// The light.
     pub light: LightSpec,
-    /// What is seen where nothing stands.
+    /// Background.
     pub sky: SkySpec,
 }
 
-/// The light: a sun, and an even light from everywhere.
+/// The light: a sun, and uniform ambient light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSpec {
-    /// Direction in the floor plane in which the sun stands, counter-clockwise from x, in radians.
+    /// Direction of the sun in the floor plane, counter-clockwise from x, in radians.
     pub azimuth: f64,
-    /// Its angle above the floor plane, in radians: above 0, at most a right angle.
+    /// Elevation of the sun above the floor plane, in radians: above 0, at most a right angle.
     pub elevation: f64,
-    /// Share of the light that comes evenly from everywhere, 0 to 1.
+    /// Share of the ambient light, 0 to 1.
     pub ambient: f64,
-    /// Whether things cast shadows.
+    /// Bodies cast shadows.
     pub shadows: bool,
 }
 
 impl Default for LightSpec {
-    /// A sun high up from one side, so that walls in the four directions have four shades; no shadows. Source: our choice.
+    /// A high sun from one side, so that walls in the four directions have four shades; no shadows. Source: our choice.
     fn default() -> Self {
         Self {
             azimuth: radians_from_degrees(-120.0),
@@ -41,7 +41,7 @@ impl Default for LightSpec {
     }
 }
 
-/// What is seen where nothing stands: red, green, blue.
+/// Background colours where a camera sees no body: red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkySpec {
     /// The sky at the horizon.

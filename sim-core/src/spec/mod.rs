@@ -1,7 +1,7 @@
-//! Scenes, robots, objects and their errors as plain data in SI units: metres, radians, seconds. The frames are those of
-//! `docs/conventions.md`. `sim-format` reads it from texts and prints it, [`build`](crate::build) makes of it what is simulated.
+//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. The frames are those of
+//! `docs/conventions.md`. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
 //!
-//! Every value in a spec is a finite number within its documented range, whatever the text was.
+//! Every value in a spec is a finite number within its documented range, for any input text.
 
 mod device;
 mod legs;
@@ -37,7 +37,7 @@ pub use crate::unit::MAX_LENGTH;
 pub struct PathRef {
     /// As written, without quotes.
     pub text: String,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 

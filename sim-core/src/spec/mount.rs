@@ -1,4 +1,4 @@
-//! Where devices sit: poses in space, links, joints of the camera.
+//! Mounting of devices: poses in three dimensions, links, joints of the camera.
 
 use glam::DVec3;
 
@@ -27,49 +27,49 @@ impl Default for JointSpec {
     }
 }
 
-/// Name of the body among the links.
+/// Name that stands for the body in references to links.
 pub const BODY: &str = "body";
 
-/// A pose on the body or on a link: x forward, y left, z up there.
+/// A pose on the body or on a link: x forward, y left, z up in the frame of the body or link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MountSpec {
     /// The link; `None`: the body.
     pub on: Option<PathRef>,
-    /// Place of the origin, in metres.
+    /// Position of the origin, in metres.
     pub position: DVec3,
-    /// Turn about x, the left side upwards, in radians; the first of the three turns.
+    /// Rotation about x, the left side upwards, in radians; the first of the three rotations.
     pub roll: f64,
-    /// Turn of x upwards, in radians; the second.
+    /// Rotation of x upwards, in radians; the second.
     pub pitch: f64,
-    /// Turn about z, counter-clockwise, in radians; the third.
+    /// Rotation about z, counter-clockwise, in radians; the third.
     pub yaw: f64,
 }
 
 impl MountSpec {
-    /// True for what sits on the body and looks along the floor.
+    /// Returns true for a device on the body with a horizontal line of sight.
     pub fn is_level(&self) -> bool {
         self.on.is_none() && self.roll == 0.0 && self.pitch == 0.0
     }
 }
 
-/// What turns a link.
+/// Joint of a link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnSpec {
-    /// About which axis of the link: about y, positive angles turn x upwards, as a pitch does.
+    /// Axis of rotation in the link's frame; about y, positive angles turn x upwards, as a pitch does.
     pub axis: Axis,
-    /// Name of the servo whose angle it has.
+    /// Name of the servo that sets the angle.
     pub servo: PathRef,
 }
 
 /// A rigid part on the body or on another link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkSpec {
-    /// Its name; never [`BODY`].
+    /// Name of the link; never [`BODY`].
     pub name: String,
-    /// Where it is while its servo stands at angle 0.
+    /// Pose at servo angle 0.
     pub mount: MountSpec,
-    /// What turns it; `None` for a fixed one.
+    /// Joint; `None` for a fixed link.
     pub turn: Option<TurnSpec>,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }

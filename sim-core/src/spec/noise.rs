@@ -1,4 +1,4 @@
-//! What a noise profile says.
+//! Noise profiles as specs.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use super::{PathRef, Span};
 use crate::noise::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
 use crate::noise::{Profile, RangeKind};
 
-/// A profile that is compiled in: its name and its numbers.
+/// A built-in noise profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
-    /// Its name.
+    /// Name of the preset.
     pub name: &'static str,
-    /// Its numbers, as those of a [`NoiseSpec`].
+    /// Numbers of the preset, as in a [`NoiseSpec`].
     pub entries: Arc<[NoiseEntry]>,
 }
 
@@ -23,25 +23,25 @@ impl Default for Preset {
 }
 
 impl Preset {
-    /// The errors of all devices.
+    /// Noise models of all devices.
     pub fn profile(&self) -> Profile {
         changed(Profile::default(), &self.entries)
     }
 }
 
-/// Where a scene or a robot takes its noise profile from.
+/// Source of the noise profile of a scene or a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoiseRef {
     /// A preset.
     Preset(Preset),
     /// A file.
     File(PathRef),
-    /// The scene itself; or a file that was read.
+    /// A profile given in the scene, or read from a file.
     Profile(Arc<NoiseSpec>),
 }
 
 impl NoiseRef {
-    /// The profile; `None` where there are no errors, or where it is a file that was not read.
+    /// The profile; `None` if there are no errors, or if it is a file that was not read.
     pub fn profile(&self) -> Option<Profile> {
         match self {
             Self::Preset(preset) => (!preset.entries.is_empty()).then(|| preset.profile()),
@@ -54,14 +54,14 @@ impl NoiseRef {
     }
 }
 
-/// A noise profile: a preset and what is different from it.
+/// A noise profile: a preset and the changes to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoiseSpec {
     /// Name of the file.
     pub file: String,
-    /// What it starts from.
+    /// Preset that the profile starts from.
     pub base: Preset,
-    /// What it changes, in the order of the sections, single sensors last, by their names.
+    /// Changes in the order of the sections; single sensors last, by name.
     pub entries: Vec<NoiseEntry>,
 }
 
@@ -74,37 +74,37 @@ pub struct NoiseEntry {
     pub key: &'static str,
     /// The number in SI units; a percentage is a share.
     pub value: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
 /// A section of a profile.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoiseSection {
-    /// All sensors of distance of a kind.
+    /// All distance sensors of a kind.
     Range(RangeKind),
     /// The compass.
     Compass,
     /// The camera.
     Camera,
-    /// What lies between command and motion.
+    /// Errors between command and motion.
     Drive,
-    /// What lies between motion and odometry.
+    /// Errors between motion and odometry.
     Odometry,
-    /// What the radio receives.
+    /// Reception of the radio.
     Radio,
-    /// The sensor of distance of this name.
+    /// The distance sensor with this name.
     Sensor(String),
 }
 
 impl NoiseSpec {
-    /// The errors of all devices.
+    /// Noise models of all devices.
     pub fn profile(&self) -> Profile {
         changed(self.base.profile(), &self.entries)
     }
 }
 
-/// The profile with these numbers in the place of its own.
+/// `profile` with the numbers of `entries`.
 fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
     for NoiseEntry { section, key, value, .. } in entries {
         let (key, value) = (*key, *value);
@@ -125,7 +125,7 @@ fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
     profile
 }
 
-/// Sets the number of `model` for which `key` stands.
+/// Sets the number of `model` that belongs to `key`.
 fn set<M>(keys: &[Keys<M>], model: &mut M, key: &str, value: f64) {
     if let Some(known) = keys.iter().copied().flatten().find(|known| known.name == key) {
         *(known.place)(model) = value;

@@ -7,16 +7,16 @@ use glam::DVec3;
 use super::{Collider, ModelSpec, Surface, stem};
 use crate::scene::Mesh;
 
-/// Mass of an object type that does not say, in kg, as in EyeSim VR's graphics library.
+/// Default mass of an object type, in kg, as in EyeSim VR's graphics library.
 pub const DEFAULT_OBJECT_MASS: f64 = 1.0;
 
-/// Friction between floor and an object type that does not say: cardboard on a hard floor. Source: our choice.
+/// Default coefficient of friction between floor and an object: cardboard on a hard floor. Source: our choice.
 pub const DEFAULT_FRICTION: f64 = 0.4;
 
-/// Rolling resistance of an object type of spheres alone that does not say: a ball on short carpet. Source: our choice.
+/// Default rolling resistance of an object made of spheres only: a ball on short carpet. Source: our choice.
 pub const DEFAULT_ROLLING: f64 = 0.02;
 
-/// Restitution of an object type that does not say. Source: our choice.
+/// Default restitution of an object type. Source: our choice.
 pub const DEFAULT_RESTITUTION: f64 = 0.3;
 
 /// Diameter and height of an object without a collider, in metres.
@@ -25,43 +25,43 @@ const DEFAULT_SIZE: f64 = 0.1;
 /// Names of the built-in object types.
 pub const BUILT_IN_OBJECTS: [&str; 4] = ["Can", "Soccer", "Crate", "Golf"];
 
-/// A type of passive object: built in, or an `.esObj` file, or a mesh alone.
+/// A type of passive object: built in, described by an `.esObj` file, or a mesh alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectType {
     /// The file that describes it: an `.esObj`, or the sim file that names a mesh alone; of a built-in type, its name.
     pub file: String,
-    /// Name under which scenes place it.
+    /// Name by which scenes refer to it.
     pub name: String,
-    /// Its looks.
+    /// Mesh that cameras and the window show.
     pub model: Option<ModelSpec>,
     /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
     pub scale: f64,
-    /// Its shape; where the file gives none, a default.
+    /// Shape; a default if the file gives none.
     pub colliders: Vec<Collider>,
     /// Mass in kg; positive.
     pub mass: f64,
     /// Centre of mass in the object's frame, in metres.
     pub centre_of_mass: DVec3,
-    /// True for what nothing can move.
+    /// The object is immovable.
     pub is_fixed: bool,
     /// Coefficient of sliding friction on the floor; not negative.
     pub friction: f64,
-    /// Coefficient of rolling resistance: deceleration over gravity; `None` for what slides.
+    /// Coefficient of rolling resistance: deceleration over gravity; `None` for an object that slides.
     pub rolling: Option<f64>,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
-    /// Red, green, blue where no mesh shows it.
+    /// Red, green, blue if no mesh gives the colour.
     pub colour: Option<[u8; 3]>,
-    /// How it reflects.
+    /// Reflection properties.
     pub surface: Surface,
-    /// What range sensors in space see of it.
+    /// Shape for three-dimensional range sensors.
     pub solid: Solid,
-    /// Volume in cubic metres by which it floats; 0 for none. Without meaning on dry land.
+    /// Buoyant volume in cubic metres; 0 for none. Without effect on dry land.
     pub buoyancy: f64,
 }
 
 impl Default for ObjectType {
-    /// What a file says that leaves all out: an upright cylinder.
+    /// The type of a file without any entries: an upright cylinder.
     fn default() -> Self {
         Self {
             file: String::new(),
@@ -88,18 +88,18 @@ impl Default for ObjectType {
 }
 
 impl ObjectType {
-    /// An object type with the defaults for all that a file leaves out, named by the file's stem.
+    /// An object type with all defaults, named by the file's stem.
     pub fn with_defaults(file: &str) -> Self {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 }
 
-/// What range sensors in space see of an object.
+/// Shape of an object for three-dimensional range sensors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Solid {
     /// Its colliders.
     #[default]
     Colliders,
-    /// Its mesh; contacts stay those of the colliders. `None` as long as the mesh has not been read.
+    /// Its mesh; contacts still use the colliders. `None` until the mesh has been read.
     Mesh(Option<Arc<Mesh>>),
 }

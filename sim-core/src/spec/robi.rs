@@ -1,4 +1,4 @@
-//! Robot types: body, drive, and all that is on them.
+//! Robot types: body, drive and devices.
 
 use std::collections::BTreeMap;
 use std::collections::BTreeSet;
@@ -12,13 +12,13 @@ use super::{
 
 use crate::unit::radians_from_degrees;
 
-/// Mass of a robot type that does not say, in kg. Source: our choice.
+/// Default mass of a robot type, in kg. Source: our choice.
 pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
 
-/// Friction between wheels and floor of a robot type that does not say: rubber on a hard floor. Source: our choice.
+/// Default coefficient of friction between wheels and floor: rubber on a hard floor. Source: our choice.
 pub const DEFAULT_TRACTION: f64 = 0.6;
 
-/// Body of a robot that does not say, in metres. With the other defaults: a small robot with two wheels.
+/// Default diameter of the body, in metres. With the other defaults: a small robot with two wheels.
 const DEFAULT_DIAMETER: f64 = 0.18;
 const DEFAULT_MAX_SPEED: f64 = 0.6;
 const DEFAULT_MAX_TURN_DEG: f64 = 300.0;
@@ -28,17 +28,17 @@ const DEFAULT_TICKS: f64 = 1000.0;
 const DEFAULT_TRACK: f64 = 0.09;
 const MAX_STEER_DEG: f64 = 45.0;
 
-/// A motor of the drive and what belongs to it.
+/// A motor of the drive and its encoder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MotorSpec {
     /// Name of the motor, `MOTOR_LEFT`.
     pub motor: String,
-    /// Name of its encoder, `QUAD_LEFT`; `None` where the file names none.
+    /// Name of its encoder, `QUAD_LEFT`; `None` if the file names none.
     pub encoder: Option<String>,
 }
 
 impl MotorSpec {
-    /// Motors with their encoders from names in turns.
+    /// Motors with their encoders, from alternating names.
     pub fn pairs(names: &[&str]) -> Vec<Self> {
         let motor =
             |pair: &[&str]| MotorSpec { motor: pair[0].to_owned(), encoder: pair.get(1).map(|&name| name.to_owned()) };
@@ -49,13 +49,13 @@ impl MotorSpec {
 /// The drive: its kind and the names of its devices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveSpec {
-    /// How the robot drives.
+    /// Kind of the drive.
     pub kind: DriveKind,
-    /// Motors in the order that [`DriveKind`] gives.
+    /// Motors in the order of [`DriveKind`].
     pub motors: Vec<MotorSpec>,
     /// Name of the servo that steers; only for [`DriveKind::Ackermann`].
     pub steering: Option<String>,
-    /// Distance between front and rear axle in metres; for [`DriveKind::Differential`] without meaning.
+    /// Distance between front and rear axle in metres; unused for [`DriveKind::Differential`].
     pub wheelbase: f64,
     /// Steering angle at the servo's ends (0 and 255), in radians; for [`DriveKind::Ackermann`].
     pub max_steer: f64,
@@ -63,7 +63,7 @@ pub struct DriveSpec {
     pub wheel_lag: f64,
 }
 
-/// The wheels, all alike.
+/// The wheels, which are all alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSpec {
     /// Diameter in metres.
@@ -92,7 +92,7 @@ impl Default for WheelSpec {
 pub struct RobiSpec {
     /// Name of the `.robi` file; of a built-in type, its name.
     pub file: String,
-    /// Name of the robot type; the file's stem where it does not say.
+    /// Name of the robot type; by default the file's stem.
     pub name: String,
     /// Diameter of the body, a circle about the robot's centre, in metres.
     pub diameter: f64,
@@ -100,68 +100,68 @@ pub struct RobiSpec {
     pub max_speed: f64,
     /// Largest turning speed in rad/s.
     pub max_turn: f64,
-    /// Place of the wheel axis on the robot's x axis, in metres; positive: ahead of the centre.
+    /// Position of the wheel axis on the robot's x axis, in metres; positive: ahead of the centre.
     pub axis_offset: f64,
     /// The wheels.
     pub wheel: WheelSpec,
     /// The drive.
     pub drive: DriveSpec,
-    /// Links in the order of the file; none hangs on itself.
+    /// Links in the order of the file; without cycles.
     pub links: Vec<LinkSpec>,
     /// PSD sensors in the order of the file.
     pub psds: Vec<PsdSpec>,
-    /// Range sensors beside the PSDs: lasers, ultrasonic, reflectance sensors, sonars, each in the order of the file.
+    /// Range sensors other than PSDs: lasers, ultrasonic, reflectance sensors, sonars, each in the order of the file.
     pub ranges: Vec<RangeSpec>,
     /// The camera.
     pub camera: Option<CameraSpec>,
     /// The laser scanner.
     pub lidar: Option<LidarSpec>,
-    /// The body's looks.
+    /// Mesh of the body that cameras and the window show.
     pub model: Option<ModelSpec>,
-    /// The body's shape in space where the file gives it; contacts are those of the disc of `diameter`.
+    /// Three-dimensional shape of the body, if the file gives it; contacts use the disc of `diameter`.
     pub colliders: Vec<Collider>,
-    /// How the body reflects.
+    /// Reflection properties of the body.
     pub surface: Surface,
     /// Mass in kg; positive.
     pub mass: f64,
     /// Centre of mass in the robot's frame, in metres.
     pub centre_of_mass: DVec3,
-    /// Coefficient of friction between wheels and floor: what the robot can push with, over its weight.
+    /// Coefficient of friction between wheels and floor: greatest pushing force over the robot's weight.
     pub traction: f64,
-    /// Legs, of a robot with [`DriveKind::Legged`]; `None` where no file describes them.
+    /// Legs of a robot with [`DriveKind::Legged`]; `None` if no file describes them.
     pub legs: Option<LegsSpec>,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.
     pub bumpers: Vec<BumperSpec>,
-    /// Servos beyond those of camera and steering, and those two where the companion says more about them.
+    /// Servos beyond those of camera and steering, and also those two if the companion file says more about them.
     pub servos: Vec<ServoSpec>,
     /// The compass.
     pub compass: Option<CompassSpec>,
     /// The colour display of RoBIOS-7.
     pub lcd: LcdSpec,
-    /// What unconnected inputs read.
+    /// Readings of unconnected inputs.
     pub inputs: InputSpec,
-    /// What is connected to the serial interfaces, in order of their numbers; nothing where none is listed.
+    /// Connections of the serial interfaces, in order of their numbers; interfaces that are not listed are not connected.
     pub serials: Vec<SerialSpec>,
-    /// Further entries of the hardware description table: (name of a device, number under which programs ask for it), in
-    /// order of the names. They go before `hdt_sem.h`.
+    /// Further entries of the hardware description table: (name of a device, number by which programs address it), in
+    /// order of the names. They take precedence over `hdt_sem.h`.
     pub hdt: Vec<(String, i32)>,
 }
 
-/// A servo of a robot, wherever its files name it.
+/// A servo of a robot, from any of the entries that name it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoRef<'r> {
-    /// Its name.
+    /// Name of the servo.
     pub name: &'r str,
-    /// Number under which programs ask for it, where the files give one.
+    /// Number by which programs address it, if the files give one.
     pub id: Option<i32>,
     /// Angles at positions 0 and 255, in radians.
     pub swing: [f64; 2],
 }
 
 impl Default for RobiSpec {
-    /// What a file says that leaves all out.
+    /// The type of a file without any entries.
     fn default() -> Self {
         Self {
             file: String::new(),
@@ -204,15 +204,15 @@ impl Default for RobiSpec {
 }
 
 impl RobiSpec {
-    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
+    /// A robot type with all defaults, named by the file's stem.
     pub fn with_defaults(file: &str) -> Self {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
-    /// All servos: that of the steering first, then those of the companion, then the camera's. That is the order in which
-    /// programs number them.
+    /// All servos: that of the steering first, then those of the companion file, then the camera's. Programs number them in
+    /// this order.
     ///
-    /// Where a servo is named twice, what its own table says counts.
+    /// For a servo that is named twice, its own table takes precedence.
     pub fn all_servos(&self) -> Vec<ServoRef<'_>> {
         let camera = self.camera.iter().flat_map(|camera| [&camera.pan, &camera.tilt]);
         let joints = camera.filter_map(|joint| match joint {

@@ -1,4 +1,4 @@
-//! Scenes: what a sim file or a scene in TOML says, and what it is once all its files are read.
+//! Scenes: contents of a sim file or of a scene in TOML, and the scene after all its files have been read.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -12,44 +12,44 @@ use crate::radio;
 use crate::spec::Span;
 use crate::time::Time;
 
-/// A passive object as a line places it.
+/// A line that places a passive object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectLine {
-    /// Its type.
+    /// Type of the object.
     pub kind: TypeRef,
     /// Pose in the world frame.
     pub pose: Pose,
-    /// Friction where the line gives one (classic `object` lines), else that of the type.
+    /// Friction given by the line (classic `object` lines); `None`: that of the type.
     pub friction: Option<f64>,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
 /// A passive object of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectSpec {
-    /// Its type; objects of one type share it.
+    /// Type of the object, shared by objects of one type.
     pub kind: Arc<ObjectType>,
     /// Pose in the world frame.
     pub pose: Pose,
     /// Coefficient of sliding friction on the floor.
     pub friction: f64,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// A flat spot of colour on the floor, which nothing touches and no distance sensor sees.
+/// A flat spot of colour on the floor, without contacts and invisible to distance sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerSpec {
-    /// Its middle in the world frame, in metres.
+    /// Centre in the world frame, in metres.
     pub position: DVec2,
     /// Red, green, blue and opacity.
     pub colour: [u8; 4],
-    /// Its line.
+    /// Place of its line in the file.
     pub span: Span,
 }
 
-/// How a line names the type of a robot or an object.
+/// Reference of a line to the type of a robot or an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TypeRef {
     /// By its file.
@@ -65,7 +65,7 @@ impl Default for TypeRef {
 }
 
 impl TypeRef {
-    /// The file's or the type's name as written.
+    /// Name of the file or type as written.
     pub fn written(&self) -> &PathRef {
         match self {
             TypeRef::File(reference) | TypeRef::Name(reference) => reference,
@@ -73,7 +73,7 @@ impl TypeRef {
     }
 }
 
-/// Which kind of file a sim file takes its world from.
+/// Kind of the file that a sim file takes its world from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldKind {
     /// A `.wld`.
@@ -89,90 +89,90 @@ pub struct WorldLine {
     pub kind: WorldKind,
     /// The file.
     pub path: PathRef,
-    /// What the scene says about the looks of the world; the file itself says nothing.
+    /// Looks of the world, from the scene; world files have none.
     pub looks: LooksSpec,
 }
 
-/// Where a robot of a scene starts.
+/// Start pose of a robot, or of a group, as a scene gives it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum StartRef {
-    /// At the next start of the world that no robot before has taken.
+    /// The next start of the world that no earlier robot has taken.
     #[default]
     Next,
-    /// With its centre at this pose in the world frame.
+    /// This pose of the robot's centre in the world frame.
     Pose(Pose),
-    /// In the cell of the maze that bears a start letter.
+    /// The maze cell with a start letter.
     Letter {
         /// The letter, in upper case.
         letter: char,
         /// Heading in radians; `None`: that of the letter.
         heading: Option<f64>,
     },
-    /// Several robots that differ in nothing but their start.
+    /// A group of robots that differ only in their start.
     Many {
-        /// How many; at least 1.
+        /// Number of robots; at least 1.
         count: u32,
-        /// How they stand.
+        /// Arrangement of the group.
         layout: Layout,
     },
 }
 
-/// How several robots stand. Lengths in metres, angles in radians, world frame.
+/// Arrangement of a group of robots. Lengths in metres, angles in radians, world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Layout {
-    /// Each at the next start of the world that no robot before has taken.
+    /// Each at the next start of the world that no earlier robot has taken.
     #[default]
     Starts,
     /// On a line at equal distances, the first and the last at its ends.
     Line {
-        /// Place of the first.
+        /// Position of the first robot.
         from: DVec2,
-        /// Place of the last.
+        /// Position of the last robot.
         to: DVec2,
-        /// Heading of all.
+        /// Heading of all robots.
         heading: f64,
     },
-    /// In rows along x, filled from left to right, then the next one above.
+    /// In rows along x, each filled from left to right, with the next row above.
     Grid {
-        /// Place of the first.
+        /// Position of the first robot.
         from: DVec2,
-        /// Distance of columns and of rows.
+        /// Distance between columns and between rows.
         spacing: DVec2,
-        /// How many stand in a row; `None`: as many as make rows and columns alike.
+        /// Number of robots in a row; `None`: chosen for a square.
         columns: Option<u32>,
-        /// Heading of all.
+        /// Heading of all robots.
         heading: f64,
     },
     /// On a circle at equal angles, counter-clockwise.
     Circle {
-        /// Its middle.
+        /// Centre of the circle.
         centre: DVec2,
-        /// Its radius; positive.
+        /// Radius; positive.
         radius: f64,
-        /// Direction in which the first stands, seen from the middle.
+        /// Direction of the first robot from the centre.
         first: f64,
-        /// Heading of each against its direction from the middle: 0 looks outwards, pi inwards.
+        /// Heading of each robot relative to its direction from the centre: 0 faces outwards, pi inwards.
         facing: f64,
     },
-    /// At random places where there is room, drawn from the seed.
+    /// At random free positions, drawn from the seed.
     Random {
-        /// Lower left and upper right corner of the rectangle that the bodies stand in; `None`: the floor.
+        /// Lower left and upper right corner of the rectangle that contains the bodies; `None`: the floor.
         area: Option<[DVec2; 2]>,
-        /// Smallest distance from walls and others.
+        /// Smallest distance from walls and other robots.
         clearance: f64,
-        /// Heading of all; `None`: drawn, too.
+        /// Heading of all robots; `None`: random.
         heading: Option<f64>,
     },
 }
 
 impl Layout {
-    /// The pose of the robot at `index` of `count`; `None` for those layouts that need to know the world.
+    /// Pose of the robot at `index` of `count`; `None` for layouts that depend on the world.
     pub fn pose(&self, index: u32, count: u32) -> Option<Pose> {
         let (place, heading) = match *self {
             Layout::Starts | Layout::Random { .. } => return None,
             Layout::Line { from, to, heading } => {
                 let share = if count > 1 { f64::from(index) / f64::from(count - 1) } else { 0.0 };
-                // Exactly `to` at the end, whatever rounding does.
+                // Exactly `to` at the end, in spite of rounding.
                 (if share == 1.0 { to } else { from + (to - from) * share }, heading)
             }
             Layout::Grid { from, spacing, columns, heading } => {
@@ -189,44 +189,44 @@ impl Layout {
     }
 }
 
-/// Side of the smallest square that holds `count`.
+/// Side of the smallest square with at least `count` cells.
 fn smallest_square(count: u32) -> u32 {
     let root = count.isqrt();
     (if root * root < count { root + 1 } else { root }).max(1)
 }
 
-/// What a scene says about its run; the command line goes before it.
+/// Run options of a scene; the command line takes precedence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunSpec {
     /// Seed of all random numbers.
     pub seed: Option<u64>,
     /// Length of a time slot; positive.
     pub slot: Option<Time>,
-    /// When the run ends at the latest; positive.
+    /// Time limit of the run; positive.
     pub until: Option<Time>,
-    /// How much virtual time calls take.
+    /// Virtual time that calls take.
     pub costs: Option<CostsRef>,
     /// Generation of the RoBIOS API that the robots' programs are written for: 6 or 7.
     pub api: Option<u32>,
-    /// What errors devices and drives have.
+    /// Noise profile of devices and drives.
     pub noise: Option<NoiseRef>,
 }
 
-/// Where a scene takes its cost table from.
+/// Source of the cost table of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CostsRef {
     /// A file.
     File(PathRef),
-    /// The scene itself; or a file that was read.
+    /// A table given in the scene, or read from a file.
     Table(CostTable),
 }
 
-/// A cost table: how much virtual time calls take. The names are those of the host, not checked here.
+/// A cost table: the virtual time that calls take. The host checks the names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CostTable {
     /// Name of the file.
     pub file: String,
-    /// In the order of the file.
+    /// Entries in the order of the file.
     pub entries: Vec<CostEntry>,
 }
 
@@ -235,48 +235,48 @@ pub struct CostTable {
 pub struct CostEntry {
     /// Generation of the API: the name of its section, `robios6`.
     pub generation: String,
-    /// Name of a function, or the beginning of names and `*`.
+    /// Name of a function, or a prefix followed by `*`.
     pub function: String,
-    /// What a call takes, 1 us to an hour.
+    /// Duration of a call, 1 us to an hour.
     pub cost: Time,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// What a scene describes itself instead of naming a file.
+/// Descriptions within a scene, in place of files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InlineSpec {
     /// The world.
     pub world: Option<WorldSpec>,
-    /// Robot types, each with the place where it is described.
+    /// Robot types, each with the place of its description.
     pub robot_types: Vec<(RobiSpec, Span)>,
-    /// Object types, likewise.
+    /// Object types, each with the place of its description.
     pub object_types: Vec<(ObjectType, Span)>,
 }
 
-/// One robot of a sim file.
+/// A line of a sim file that places a robot or a group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotLine {
-    /// Its number where the scene gives it one; no other line has the same. Robots without take the free numbers from 1, in the
+    /// Number given by the scene, unique among its lines. Robots without a number take the free numbers from 1, in the
     /// order of the file. A group has none.
     pub id: Option<RobotId>,
-    /// Its type.
+    /// Type of the robot.
     pub kind: TypeRef,
-    /// Its program; `None` for a robot that only stands there.
+    /// Program; `None` for a robot without a program.
     pub program: Option<PathRef>,
-    /// What the program gets behind its name.
+    /// Command-line arguments of the program.
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API that the program is written for: 6 or 7; `None`: that of the scene.
     pub api: Option<u32>,
-    /// What errors its devices and its drive have; `None`: those of the scene.
+    /// Noise profile of devices and drive; `None`: that of the scene.
     pub noise: Option<NoiseRef>,
-    /// Where it starts.
+    /// Start pose.
     pub start: StartRef,
-    /// The line.
+    /// Place of its line in the file.
     pub span: Span,
 }
 
-/// What EyeSim VR's `settings` line asks the window to show.
+/// Display options of the window, from EyeSim VR's `settings` line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
     /// The beams of distance sensors (`VIS`).
@@ -285,80 +285,80 @@ pub struct Settings {
     pub shows_trace: bool,
 }
 
-/// In which form a scene is written.
+/// File format of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneForm {
-    /// Lines of a `.sim`, where a type is loaded before it is used.
+    /// Lines of a `.sim`, in which a type is loaded before it is used.
     #[default]
     Sim,
-    /// Our own, in TOML, where the order of the sections means nothing.
+    /// Our own format in TOML, in which the order of the sections has no meaning.
     Toml,
 }
 
-/// A sim file or a scene of our own form.
+/// A sim file, or a scene in our own format.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimSpec {
     /// Name of the file.
     pub file: String,
-    /// How it is written.
+    /// File format.
     pub form: SceneForm,
-    /// The world; `None` where no usable line names one.
+    /// The world; `None` if no usable line names one.
     pub world: Option<WorldLine>,
-    /// What the window shows.
+    /// Display options of the window.
     pub settings: Settings,
     /// Files of robot types that lines load, in the order of the file.
     pub robot_types: Vec<PathRef>,
     /// Files of object types that lines load, in the order of the file.
     pub object_types: Vec<PathRef>,
-    /// Robots of built-in types and of types that their own line names by a file, in the order of the file.
+    /// Robots of built-in types, and of types whose file their own line names, in the order of the file.
     pub robots: Vec<RobotLine>,
-    /// Objects of built-in types and of types that their own line names by a file, in the order of the file.
+    /// Objects of built-in types, and of types whose file their own line names, in the order of the file.
     pub objects: Vec<ObjectLine>,
-    /// Robots and objects of types that other lines load, in the order of the file. Which of both a line places shows when
-    /// the type's file is read.
+    /// Robots and objects of types that other lines load, in the order of the file. Only the type's file tells whether a line
+    /// places a robot or an object.
     pub named: Vec<RobotLine>,
     /// Markers in the order of the file.
     pub markers: Vec<MarkerSpec>,
-    /// What the scene describes itself; only our own form does.
+    /// Descriptions within the scene; only in our own format.
     pub inline: InlineSpec,
-    /// What it says about its run; only our own form does.
+    /// Run options; only in our own format.
     pub run: RunSpec,
-    /// What carries messages between robots; only our own form says it.
+    /// Radio model; only in our own format.
     pub radio: radio::Model,
 }
 
 /// A robot of a scene, ready to be built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
-    /// Its number, from 1: the one that the scene gives it, else its place among the robots of the file.
+    /// Number from 1: given by the scene, else the position among the robots of the file.
     pub id: RobotId,
-    /// Its type; robots of one file share it.
+    /// Type of the robot, shared by robots of one file.
     pub robi: Arc<RobiSpec>,
-    /// Where it starts: pose of its centre in the world frame.
+    /// Start pose of the robot's centre in the world frame.
     pub start: Pose,
-    /// Its program, not yet looked for; `None` for a robot that only stands there.
+    /// Program, not yet resolved; `None` for a robot without a program.
     pub program: Option<PathRef>,
-    /// What the program gets behind its name.
+    /// Command-line arguments of the program.
     pub arguments: Vec<String>,
-    /// Generation of the RoBIOS API that the program is written for, 6 or 7, where the scene says it.
+    /// Generation of the RoBIOS API that the program is written for, 6 or 7, if the scene gives it.
     pub api: Option<u32>,
-    /// What errors its devices and its drive have: its own, else the scene's. A profile that is a file has been read.
+    /// Noise profile of devices and drive, from the robot's line, else from the scene. A profile in a file has been read.
     pub noise: Option<NoiseRef>,
-    /// Generation of the RoBIOS API of the simulator in whose dialect its line is written: 6 for `robi` lines, 7 for those of
-    /// EyeSim VR; `None` in our own form.
+    /// Generation of the RoBIOS API of the simulator whose dialect the line uses: 6 for `robi` lines, 7 for those of
+    /// EyeSim VR; `None` in our own format.
     pub dialect: Option<u32>,
-    /// Its line in the sim file.
+    /// Place of its line in the sim file.
     pub span: Span,
 }
 
 impl RobotSpec {
-    /// The program as the scene names it; empty where it names none.
+    /// Program as named in the scene; empty if there is none.
     pub fn program_name(&self) -> &str {
         self.program.as_ref().map_or("", |program| &program.text)
     }
 }
 
-/// A whole scene: what a sim file and all that it names say.
+/// A whole scene: a sim file and all files that it names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneSpec {
     /// Name of the sim file.
@@ -367,16 +367,16 @@ pub struct SceneSpec {
     pub folder: String,
     /// The world.
     pub world: WorldSpec,
-    /// Robots in order of their ids. A robot whose line or robi cannot be used is missing (and there is an error).
+    /// Robots in order of their ids. A robot whose line or robi is unusable is missing (and there is an error).
     pub robots: Vec<RobotSpec>,
-    /// Objects of the world and of the sim file. One whose type cannot be used is missing (and there is a warning).
+    /// Objects of the world and of the sim file. One whose type is unusable is missing (and there is a warning).
     pub objects: Vec<ObjectSpec>,
     /// Markers of the sim file.
     pub markers: Vec<MarkerSpec>,
-    /// What the window shows.
+    /// Display options of the window.
     pub settings: Settings,
-    /// What the scene says about its run. A cost table and a noise profile that are files have been read.
+    /// Run options. A cost table or noise profile in a file has been read.
     pub run: RunSpec,
-    /// What carries messages between robots.
+    /// Radio model.
     pub radio: radio::Model,
 }

@@ -1,17 +1,17 @@
-//! Shapes and looks of bodies: those of robots and of objects.
+//! Shapes and looks of robots and objects.
 
 use glam::{DVec2, DVec3};
 
 use super::PathRef;
 
-/// A mesh file and how it is put into the frame of the body that it shows.
+/// A mesh file and its pose in the frame of the body that it shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelSpec {
     /// The mesh file.
     pub path: PathRef,
-    /// Place of the mesh's origin in the body's frame (x forward, y left, z up), in metres.
+    /// Position of the mesh's origin in the body's frame (x forward, y left, z up), in metres.
     pub offset: DVec3,
-    /// Turns about the axes of the mesh file (X right, Y up, Z forward), in radians, as the line gives them.
+    /// Rotations about the axes of the mesh file (X right, Y up, Z forward), in radians, as the line gives them.
     pub turns: DVec3,
 }
 
@@ -29,11 +29,11 @@ pub enum Axis {
 /// A part of a body's shape, in the body's frame (x forward, y left, z up), in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Collider {
-    /// A box along the axes.
+    /// A box along the axes of the frame.
     Box {
         /// Its centre.
         centre: DVec3,
-        /// Its full sizes; all positive.
+        /// Its full side lengths; all positive.
         size: DVec3,
     },
     /// A sphere.
@@ -43,15 +43,15 @@ pub enum Collider {
         /// Its radius; positive.
         radius: f64,
     },
-    /// A cylinder with half spheres at its ends.
+    /// A cylinder with hemispheres at its ends.
     Capsule {
         /// Its centre.
         centre: DVec3,
         /// Its radius; positive.
         radius: f64,
-        /// Its full length with the half spheres; at least twice the radius.
+        /// Its full length including the hemispheres; at least twice the radius.
         height: f64,
-        /// Along which it lies.
+        /// Axis of its length.
         axis: Axis,
     },
     /// An upright cylinder.
@@ -95,7 +95,7 @@ impl Collider {
         }
     }
 
-    /// Radius of the smallest disc about the origin of the floor plane that holds all of it, seen from above, in metres.
+    /// Radius of the smallest disc about the origin of the floor plane that contains the collider in plan view, in metres.
     pub fn reach(&self) -> f64 {
         match *self {
             Collider::Box { centre, size } => (centre.truncate().abs() + 0.5 * size.truncate()).length(),

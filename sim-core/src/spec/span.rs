@@ -1,4 +1,4 @@
-//! Places in texts.
+//! Source locations in texts.
 
 use serde::Serialize;
 
@@ -9,14 +9,14 @@ pub struct Span {
     pub start: usize,
     /// Byte after the last.
     pub end: usize,
-    /// Line, from 1; 0 when the span means a file as a whole.
+    /// Line, from 1; 0 if the span stands for a file as a whole.
     pub line: u32,
     /// Column in characters, from 1; a byte order mark does not count.
     pub column: u32,
 }
 
 impl Span {
-    /// From the start of this span to the end of `last`, which begins on the same line or later.
+    /// Span from the start of this one to the end of `last`, which begins on the same line or later.
     pub fn to(self, last: Span) -> Span {
         Span { end: last.end.max(self.end), ..self }
     }

@@ -9,42 +9,42 @@ use crate::pose::Pose;
 use crate::scene::{Boulders, HeightField, Mesh, Relief, Steps};
 use crate::spec::Span;
 
-/// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
+/// Default height of a wall, in metres: that of the walls in EyeSim VR.
 pub const DEFAULT_WALL_HEIGHT: f64 = 0.2;
 
-/// Cell size of a maze that does not say, in metres.
+/// Default cell size of a maze, in metres.
 pub const DEFAULT_CELL: f64 = 0.36;
 
-/// Metres per unit of a terrain's mesh that does not say. Source: our choice, as meshes of robots have.
+/// Default scale of a terrain's mesh, in metres per unit. Source: our choice, the same as for meshes of robots.
 pub const DEFAULT_TERRAIN_SCALE: f64 = 1.0;
 
-/// A wall: the straight piece from `from` to `to`, standing on the floor.
+/// A wall: the straight segment from `from` to `to`, standing on the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallSpec {
     /// One end, in metres, world frame.
     pub from: DVec2,
     /// The other end; never equal to `from`.
     pub to: DVec2,
-    /// Thickness in metres, half of it on either side; 0 for a wall given by four numbers, which is a mere line.
+    /// Thickness in metres, half of it on either side; 0 for a wall given by four numbers, which is a line.
     pub thickness: f64,
     /// Height of the upper edge above the floor, in metres; positive.
     pub height: f64,
     /// Red, green, blue.
     pub colour: Option<[u8; 3]>,
-    /// How it reflects; `None`: as the world says.
+    /// Reflection properties; `None`: those of the world.
     pub surface: Option<Surface>,
-    /// The wall's line (in a maze: its first character).
+    /// Place of the wall's line (in a maze: of its first character).
     pub span: Span,
 }
 
-/// A place where a robot may start.
+/// A start pose for a robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartSpec {
     /// Pose of the robot's centre in the world frame.
     pub pose: Pose,
     /// The maze's letter, in upper case; `None` for a `position` line.
     pub letter: Option<char>,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
@@ -57,9 +57,9 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
-    /// How the floor reflects, and walls that do not say; else the floor is smooth and walls are rough.
+    /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
-    /// Ground that is not the plane z = 0: sensors and cameras see it, legs walk on it; wheels drive on the plane all the same.
+    /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it; wheels still drive on the plane.
     pub terrain: Option<TerrainSpec>,
     /// Light, sky and colour of the floor.
     pub looks: LooksSpec,
@@ -68,76 +68,76 @@ pub struct WorldSpec {
     /// Walls in the order of the file; in a maze, the vertical ones from left to right, then the horizontal ones from
     /// top to bottom.
     pub walls: Vec<WallSpec>,
-    /// Start places in the order of the file.
+    /// Start poses in the order of the file.
     pub starts: Vec<StartSpec>,
     /// Objects in the order of the file.
     pub objects: Vec<ObjectLine>,
 }
 
 impl WorldSpec {
-    /// Lower left and upper right corner of the box around floor and walls, in metres.
+    /// Lower left and upper right corner of the rectangle around floor and walls, in metres.
     pub fn bounds(&self) -> (DVec2, DVec2) {
         let ends = self.walls.iter().flat_map(|wall| [wall.from, wall.to]);
         ends.fold((DVec2::ZERO, self.floor), |(low, high), end| (low.min(end), high.max(end)))
     }
 }
 
-/// Ground that is not the plane z = 0.
+/// Ground other than the plane z = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TerrainSpec {
-    /// What it is made from.
+    /// Source of the shape.
     pub shape: TerrainShape,
-    /// Its surface in the world frame, which range sensors and cameras see; `None` as long as it has not been made.
+    /// Surface in the world frame, for range sensors and cameras; `None` until it has been made.
     pub mesh: Option<Arc<Mesh>>,
-    /// The same as heights, on which legs walk; `None` for a mesh file, and as long as it has not been made.
+    /// The surface as a height field, for legs; `None` for a mesh file, and until it has been made.
     pub field: Option<Arc<HeightField>>,
-    /// Where it is written.
+    /// Place in the file.
     pub span: Span,
 }
 
-/// What a terrain is made from.
+/// Source of a terrain's shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TerrainShape {
     /// A mesh.
     Mesh {
-        /// The mesh file and its place in the world.
+        /// The mesh file and its pose in the world.
         model: ModelSpec,
         /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
         scale: f64,
     },
     /// A grey image.
     Image(TerrainImage),
-    /// A function with a seed.
+    /// A random relief.
     Relief(Relief),
     /// Blocks and stairs.
     Steps(Steps),
 }
 
-/// A height field from an image: the middles of its pixels are the corners of the grid.
+/// A height field from an image: the centres of its pixels are the nodes of the grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TerrainImage {
     /// The image file.
     pub path: PathRef,
-    /// Place of the lower left pixel, in metres, world frame.
+    /// Position of the lower left pixel, in metres, world frame.
     pub origin: DVec2,
-    /// From there to the upper right pixel, in metres; positive.
+    /// Offset from there to the upper right pixel, in metres; positive.
     pub size: DVec2,
-    /// Height where it is black, in metres.
+    /// Height of black, in metres.
     pub base: f64,
-    /// As much higher it is where it is white, in metres; may be negative.
+    /// Height of white above black, in metres; may be negative.
     pub height: f64,
 }
 
-/// Greatest side of the cells of a random terrain that does not say, in metres. Source: our choice.
+/// Default greatest side of the cells of a random terrain, in metres. Source: our choice.
 pub const DEFAULT_TERRAIN_CELL: f64 = 0.05;
 
-/// Height of the relief of a random terrain that does not say, in metres. Source: our choice.
+/// Default height of the relief of a random terrain, in metres. Source: our choice.
 pub const DEFAULT_RELIEF: f64 = 0.1;
 
-/// Length of the longest hills of a random terrain that does not say, in metres. Source: our choice.
+/// Default length of the longest hills of a random terrain, in metres. Source: our choice.
 pub const DEFAULT_HILL_LENGTH: f64 = 2.0;
 
-/// The boulders of a random terrain that does not say. Source: our choice.
+/// Default boulders of a random terrain. Source: our choice.
 pub const DEFAULT_BOULDERS: Boulders = Boulders { count: 40, radius: [0.1, 0.4], height: [0.05, 0.3] };
 
 impl TerrainSpec {
@@ -146,7 +146,7 @@ impl TerrainSpec {
         Self { shape, mesh: None, field: None, span }
     }
 
-    /// The file that it names.
+    /// The file that the terrain names, if any.
     pub fn path_mut(&mut self) -> Option<&mut PathRef> {
         match &mut self.shape {
             TerrainShape::Mesh { model, .. } => Some(&mut model.path),

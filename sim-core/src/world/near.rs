@@ -1,4 +1,4 @@
-//! What stands near a place, with its shape.
+//! Geometry of the bodies and walls near a place.
 
 use std::sync::Arc;
 
@@ -14,9 +14,9 @@ use crate::{
     time::Time,
 };
 
-/// The geometry of a thing where it stands.
+/// Geometry of an obstacle at its current pose.
 pub(super) enum Geometry<'a> {
-    /// A face up to this height.
+    /// A vertical face from the floor to this height.
     Wall(&'a Segment, f64),
     /// A body of this shape.
     Body(&'a Pose, &'a Figure),
@@ -35,7 +35,7 @@ impl Geometry<'_> {
 }
 
 impl World {
-    /// The shape of a robot's body, and where it is; what it looks like from which side does not matter.
+    /// Shape and pose of a robot's body. The heading is 0: the shape is rotationally symmetric.
     pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
@@ -48,24 +48,25 @@ impl World {
         figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
     }
 
-    /// Whether all that a level ray at the height `z` may meet stands upright and reaches up to it, so that nothing above
-    /// or below a thing is nearer than the thing itself at that height; of the floor, see [`Space::floor`](super::Space).
+    /// Returns true if every obstacle that a level ray at height `z` may meet is a prism on the floor that reaches up
+    /// to `z`, so that no point above or below is nearer than the obstacle at that height. For the floor see
+    /// [`Space::floor`](super::Space).
     pub(crate) fn is_upright_at(&self, z: f64) -> bool {
         z >= 0.0 && z <= self.stage.plain_below
     }
 
-    /// Whether there is a mesh among the bodies.
+    /// Returns true if any body has a mesh.
     pub(crate) fn has_meshes(&self) -> bool {
         self.stage.has_meshes
     }
 
-    /// What the floor is made of; `None` where a body is the ground.
+    /// Material of the floor; `None` if a fixed body is the ground.
     pub(crate) fn floor_surface(&self) -> Option<Surface> {
         self.stage.space.floor
     }
 
-    /// Visits the point nearest to `point` of the floor, and of each wall and of each part of a body, but meshes, that may come within
-    /// `reach` metres of it, at the instant `at`, in a fixed order.
+    /// Visits, in a fixed order, the point nearest to `point` of the floor, of each wall and of each convex part of a
+    /// body that may come within `reach` metres at the instant `at`. Meshes and robot `by` are left out.
     pub(crate) fn for_each_nearest(
         &self,
         by: RobotId,
@@ -81,7 +82,8 @@ impl World {
         self.for_each_geometry(by, near, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
     }
 
-    /// Visits each thing but the floor and robot `by` that may reach into `near` at the instant `at`, in a fixed order.
+    /// Visits each obstacle that may reach into `near` at the instant `at`, in a fixed order; the floor and robot `by`
+    /// are left out.
     pub(super) fn for_each_geometry(
         &self,
         by: RobotId,

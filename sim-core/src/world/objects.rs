@@ -1,4 +1,4 @@
-//! The movable objects of a world: their rigid bodies, and what is public of each.
+//! The movable objects of a world: their rigid bodies and their published motion.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -15,18 +15,18 @@ use crate::{
     time::Time,
 };
 
-/// An object may be this far from a robot that is taken for near, m, besides what it covers in some steps.
+/// Distance in metres within which an object counts as near a robot, in addition to its travel in a few steps.
 const NEAR: f64 = 5e-3;
 
-/// What is public of one object.
+/// Published motion of one object.
 #[derive(Clone, Debug)]
 struct ObjectTrack {
     presence: Presence,
-    /// Trajectories with the slots' starts from which on they hold; never empty.
+    /// Trajectories, each with the slot start from which it is in force; never empty.
     publications: VecDeque<(Time, Drift)>,
-    /// Rectangle of the object in the time that the world remembers and publishes.
+    /// Bounds of the object over the published history and the present slot.
     bounds: Bounds,
-    /// It stays where it is, or it is gone, and has been so for as long as the world remembers.
+    /// The object has been at rest, or removed, for as long as the history reaches.
     is_resting: bool,
 }
 
@@ -47,15 +47,15 @@ impl ObjectTrack {
 pub(super) struct Objects {
     bodies: Bodies,
     tracks: Vec<ObjectTrack>,
-    /// Public rectangles.
+    /// Index over the published bounds.
     index: Moving<ObjectId>,
-    /// Until when the bodies have been stepped: on the grid of [`STEP`].
+    /// End of the last step of the bodies, on the grid of [`STEP`].
     stepped: Time,
     /// Objects that moved in the last slot, in ascending order.
     moved: Vec<ObjectId>,
-    /// Where objects are to be put at the slot's end, in order.
+    /// Pending placements for the end of the slot, in the order of the calls.
     places: Vec<(ObjectId, Pose)>,
-    /// Objects that were put somewhere and have not slept since: what they stand in has yet to push them out.
+    /// Objects that were placed and have not slept since: an overlap may still push them out.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
 }
@@ -83,7 +83,7 @@ impl Objects {
         self.tracks.len()
     }
 
-    /// One more object at `world_from_object` from `now` on, at rest and awake; its id is the next one.
+    /// Adds an object at `world_from_object` from `now` on, at rest and awake; its id is the next one.
     pub fn add(&mut self, properties: Arc<Properties>, world_from_object: Pose, now: Time) -> ObjectId {
         let object = self.bodies.add(properties, world_from_object);
         let track = ObjectTrack::new(&self.bodies, object, Presence::since(now), now);
@@ -93,7 +93,7 @@ impl Objects {
         object
     }
 
-    /// Takes an object out of the world: it is gone from `now` on.
+    /// Removes an object from `now` on.
     pub fn remove(&mut self, object: ObjectId, now: Time) {
         let track = &mut self.tracks[object.index()];
         track.presence.until = track.presence.until.min(now);
@@ -104,17 +104,17 @@ impl Objects {
         self.moved.retain(|moved| *moved != object);
     }
 
-    /// The body of a robot is gone.
+    /// Removes the body of a robot.
     pub fn remove_robot(&mut self, robot: RobotId) {
         self.bodies.remove_robot(robot);
     }
 
-    /// When an object is in the world.
+    /// Lifetime of an object in the world.
     pub fn presence(&self, object: ObjectId) -> Presence {
         self.tracks[object.index()].presence
     }
 
-    /// The first of the objects that are there whose footprint is nearer than `radius` to `centre`, at the start of the slot.
+    /// The first present object whose footprint is nearer than `radius` to `centre` at the start of the slot.
     pub fn first_within(&self, centre: DVec2, radius: f64) -> Option<ObjectId> {
         let ids = (0..self.len()).map(ObjectId::from_index);
         ids.filter(|object| !self.bodies.is_gone(*object)).find(|object| {
@@ -128,7 +128,7 @@ impl Objects {
         self.bodies.properties(object)
     }
 
-    /// Pose at `at` as it was public at `at`; of an object that is gone, where it was last.
+    /// Pose published for `at`; for a removed object, its last pose.
     pub fn pose(&self, object: ObjectId, at: Time) -> Pose {
         let ObjectTrack { publications, presence, .. } = &self.tracks[object.index()];
         let at = at.min(presence.until);
@@ -147,7 +147,7 @@ impl Objects {
         self.tracks[object.index()].is_resting = false;
     }
 
-    /// Keeps where an object is to be put at the slot's end.
+    /// Stores a placement for the end of the slot.
     pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
         assert!(object.index() < self.len(), "the scene has this object");
         if !self.bodies.is_gone(object) {
@@ -155,7 +155,7 @@ impl Objects {
         }
     }
 
-    /// Puts the objects where they are to be at the slot's end.
+    /// Carries out the pending placements.
     pub fn settle_places(&mut self) {
         for (object, world_from_object) in self.places.drain(..) {
             self.bodies.place(object, world_from_object);
@@ -168,17 +168,17 @@ impl Objects {
         &self.moved
     }
 
-    /// True while an object moves, or may yet be pushed out of where it was put.
+    /// Returns true while an object moves, or may still be pushed out of an overlap at its new place.
     pub fn is_moving(&self) -> bool {
         !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
-    /// Visits each object that is there at `at` whose public rectangle meets a ray, once.
+    /// Visits each object present at `at` whose published bounds meet a ray, once.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
         self.index.along_ray(origin, direction, range, |object| self.visit_if_there(object, at, &mut visit));
     }
 
-    /// Visits each object that is there at `at` whose public rectangle meets `bounds`, once, in ascending order.
+    /// Visits each object present at `at` whose published bounds meet `bounds`, once, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
         self.index.for_each_in(bounds, |object| self.visit_if_there(object, at, &mut visit));
     }
@@ -189,14 +189,14 @@ impl Objects {
         }
     }
 
-    /// Whether an object that sleeps, or is there at the slot's start, may come near `bounds`.
+    /// Returns true if an object that has not been removed, asleep or awake, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
         self.index.for_each_in(bounds.grown(NEAR), |object| is_near |= !self.bodies.is_gone(object));
         is_near
     }
 
-    /// The rectangles around the awake objects in the next step, with a margin.
+    /// Bounds of the awake objects during the next step, with a margin.
     pub fn awake_bounds(&self) -> Vec<Bounds> {
         let bounds = |object| {
             let state = self.bodies.state(object);
@@ -207,7 +207,7 @@ impl Objects {
         self.bodies.awake().map(bounds).collect()
     }
 
-    /// True when every object sleeps.
+    /// Returns true if every object is asleep.
     pub fn is_asleep(&self) -> bool {
         self.bodies.awake().next().is_none()
     }
@@ -217,19 +217,19 @@ impl Objects {
         self.stepped
     }
 
-    /// Goes on by one step, with these robots.
+    /// Advances all bodies by one step, pushed by these robots.
     pub fn step(&mut self, robots: &[Pusher]) -> &[Push] {
         self.bodies.step(robots, &mut self.pushes);
         self.stepped += STEP;
         &self.pushes
     }
 
-    /// Lets time pass in which nothing moves.
+    /// Advances the time of the next step without a step; nothing moves.
     pub fn skip_to(&mut self, until: Time) {
         self.stepped = self.stepped.max(until.floor_to(STEP));
     }
 
-    /// Makes public where the objects are at `now`, the start of the slot until `until`.
+    /// Publishes the objects' motion at `now`, the start of the slot that ends at `until`.
     pub fn publish(&mut self, now: Time, until: Time) {
         self.moved.clear();
         self.unsettled.retain(|object| !self.bodies.is_asleep(*object));
@@ -250,7 +250,7 @@ impl Objects {
             let (_, last) = track.publications[track.publications.len() - 1];
             let drift = Drift::new(self.stepped, state, properties);
             if last.state.is_resting() && state == last.state {
-                // It is where it was said to be.
+                // At rest as already published.
             } else {
                 self.moved.push(object);
                 track.publications.push_back((now, drift));

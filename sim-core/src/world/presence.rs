@@ -1,4 +1,4 @@
-//! Bodies that come into a running world, and bodies that leave it.
+//! Spawning and removing bodies in a running world.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,35 +16,35 @@ use crate::{
     time::Time,
 };
 
-/// When a body is in the world: from `since` on, before `until`.
+/// Lifetime of a body in the world: from `since`, inclusive, to `until`, exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Presence {
-    /// Its first instant.
+    /// First instant of the body.
     pub since: Time,
-    /// The first instant without it; [`Time::NEVER`] as long as it is there.
+    /// First instant without the body; [`Time::NEVER`] while it is present.
     pub until: Time,
 }
 
 impl Presence {
-    /// That of a body which was there at the start and has not left.
+    /// Lifetime of a body that was there at the start and has not been removed.
     pub const ALWAYS: Self = Self::since(Time(i64::MIN));
 
-    /// That of a body which has not left.
+    /// Lifetime of a body that has not been removed.
     pub const fn since(since: Time) -> Self {
         Self { since, until: Time::NEVER }
     }
 
-    /// Whether the body is there at `at`.
+    /// Returns true if the body is present at `at`.
     pub fn holds(&self, at: Time) -> bool {
         self.since <= at && at < self.until
     }
 }
 
-/// Bodies come and leave between two slots, at the start of the present one. Who is asked about an instant before it answers as
-/// the world was then. Numbers are never used again.
+/// Spawning and removal happen between two slots, at the start of the present one. Queries about earlier instants
+/// return the world as it was then. Ids are never reused.
 impl World {
-    /// One more robot from the start of the present slot on, at which its motion [starts](Motion::starting_at), with this shape for
-    /// rays in space (by default an upright cylinder as high as it takes).
+    /// Adds a robot from the start of the present slot on, at which its motion [starts](Motion::starting_at). `figure`
+    /// is its shape for rays in space (default: an upright cylinder of unlimited height).
     ///
     /// # Panics
     /// If its id is not the next one.
@@ -60,8 +60,8 @@ impl World {
         self.refresh_index();
     }
 
-    /// Takes the body of a robot out of the world, from the start of the present slot on. Its motion
-    /// is not to be given to [`World::advance`] again.
+    /// Removes the body of a robot from the world from the start of the present slot on. Its motion
+    /// must not be passed to [`World::advance`] again.
     ///
     /// # Panics
     /// If there is no such robot.
@@ -78,8 +78,9 @@ impl World {
         self.refresh_index();
     }
 
-    /// One more movable object at `world_from_object` from the start of the present slot on, at rest and awake, with this shape for
-    /// rays in space (by default its footprint, as high as it takes). Any place will do: in a wall or a body it is pushed out.
+    /// Adds a movable object at `world_from_object` from the start of the present slot on, at rest and awake. `figure`
+    /// is its shape for rays in space (default: its footprint, unlimited in height). Any place is allowed: inside a
+    /// wall or a body it is pushed out.
     ///
     /// # Errors
     /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
@@ -106,7 +107,7 @@ impl World {
         Ok(object)
     }
 
-    /// Takes a movable object out of the world, from the start of the present slot on.
+    /// Removes a movable object from the world from the start of the present slot on.
     ///
     /// # Panics
     /// If there is no such object.
@@ -115,12 +116,12 @@ impl World {
         self.objects.as_mut().expect("the scene has this object").remove(object, now);
     }
 
-    /// Number of robots, those that are gone included.
+    /// Number of robots, removed ones included.
     pub fn robot_count(&self) -> usize {
         self.tracks.len()
     }
 
-    /// When a robot is in the world.
+    /// Lifetime of a robot in the world.
     ///
     /// # Panics
     /// If there never was such a robot.
@@ -128,7 +129,7 @@ impl World {
         self.tracks[robot.index()].presence
     }
 
-    /// When a movable object is in the world.
+    /// Lifetime of a movable object in the world.
     ///
     /// # Panics
     /// If there never was such an object.
@@ -136,18 +137,19 @@ impl World {
         self.objects().presence(object)
     }
 
-    /// Whether there is a robot of this number at `at`.
+    /// Returns true if a robot with this id is present at `at`.
     pub fn is_robot_there(&self, robot: RobotId, at: Time) -> bool {
         self.tracks.get(robot.index()).is_some_and(|track| track.presence.holds(at))
     }
 
-    /// Whether there is a movable object of this number at `at`.
+    /// Returns true if a movable object with this id is present at `at`.
     pub fn is_object_there(&self, object: ObjectId, at: Time) -> bool {
         object.index() < self.object_count() && self.object_presence(object).holds(at)
     }
 
-    /// What a body of this radius in metres around `centre` would overlap at the start of the present slot: a wall or a fixed body,
-    /// of which it may be wholly inside, a robot or a movable object. What it only touches does not count.
+    /// The first obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present
+    /// slot: a wall or fixed body (also if the disc is wholly inside it), else a robot, else a movable object. Touching
+    /// is no overlap.
     pub fn overlapped(&self, centre: DVec2, radius: f64) -> Option<Thing> {
         let inner = (radius - TOUCH).max(0.0);
         let mut wall = self.surrounding(centre);
@@ -168,7 +170,7 @@ impl World {
         wall.map(Thing::Wall).or_else(|| robot().map(Thing::Robot)).or_else(|| object().map(Thing::Object))
     }
 
-    /// A side of the thick wall or the fixed body that `point` lies in.
+    /// A side of the thick wall or fixed body that contains `point`.
     fn surrounding(&self, point: DVec2) -> Option<WallId> {
         let space = &self.stage.space;
         let blocks = space.blocks.iter().map(|block| block.wall.0..block.wall.0 + 4);
@@ -176,7 +178,7 @@ impl World {
         blocks.chain(outlines).find(|walls| self.winds_around(walls.clone(), point)).map(|walls| WallId(walls.start))
     }
 
-    /// Whether closed outlines, all of one sense, wind around `point`.
+    /// Returns true if the closed outlines, all of one orientation, wind around `point`.
     fn winds_around(&self, walls: Range<u32>, point: DVec2) -> bool {
         let turn = |wall| {
             let segment = self.walls.segment(WallId(wall));

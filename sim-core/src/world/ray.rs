@@ -1,4 +1,4 @@
-//! Rays: what they meet first of walls, floor, bodies and objects.
+//! Ray casts against walls, floor, bodies and objects.
 
 use glam::{DVec2, DVec3};
 
@@ -13,31 +13,31 @@ use crate::{
     time::Time,
 };
 
-/// What a ray meets first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// Distance from the ray's origin, m; 0 when the origin lies inside a body.
+    /// Distance from the ray's origin, m; 0 for an origin inside a body.
     pub distance: f64,
-    /// What is met.
+    /// The wall, floor or body that was hit.
     pub thing: Thing,
-    /// The surface where it is met; `None` where only the distance is known: of a wall, robot or object that [`Ray::flat`] or
-    /// [`Ray::tilted`] takes for as high as it takes.
+    /// The surface at the hit; `None` if only the distance is known: for a wall, robot or object that [`Ray::flat`] or
+    /// [`Ray::tilted`] treats as unlimited in height.
     pub face: Option<Face>,
 }
 
-/// A surface where a ray meets it.
+/// Surface at the point where a ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Unit vector perpendicular to the surface, on the side from which the ray comes; against the ray when its origin lies
+    /// Unit normal of the surface on the side from which the ray comes; opposite to the ray if its origin lies
     /// inside.
     pub normal: DVec3,
-    /// What the surface is made of.
+    /// Acoustic properties of the surface.
     pub surface: Surface,
-    /// Principal curvatures of the surface, 1/m: 0 where it is plane, 1 over the radius where it bulges.
+    /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 / radius for a convex surface.
     pub curvature: DVec2,
 }
 
-/// The angle of a ray above the horizontal.
+/// The elevation angle of a ray above the horizontal, with its sine, cosine and tangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tilt {
     cos: f64,
@@ -46,18 +46,18 @@ pub struct Tilt {
 }
 
 impl Tilt {
-    /// That of `angle` rad, less than a right angle up or down.
+    /// The tilt of `angle` rad, less than a right angle up or down.
     pub fn new(angle: f64) -> Self {
         Self { cos: math::cos(angle), sin: math::sin(angle), tan: math::tan(angle) }
     }
 
-    /// The ray of this angle over the unit vector `trace`, a unit vector.
+    /// Direction of the ray with this tilt whose trace on the floor is `trace`, a unit vector.
     pub fn direction(&self, trace: DVec2) -> DVec3 {
         (trace * self.cos).extend(self.sin)
     }
 }
 
-/// What a ray takes for as high as it takes.
+/// Obstacles that a ray treats as unlimited in height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Endless {
     /// Walls, robots and objects.
@@ -68,32 +68,32 @@ enum Endless {
     Nothing,
 }
 
-/// A ray in space, with its trace on the floor.
+/// A ray in space, with its trace: its projection onto the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
-    /// Unit vector of the trace; that of x for a vertical ray.
+    /// Unit vector of the trace; x for a vertical ray.
     trace: DVec2,
     /// Distance along the trace over distance along the ray.
     level: f64,
-    /// Gain in height on each metre of the trace.
+    /// Gain in height per metre of the trace.
     rise: f64,
-    /// Distance along the ray at which it falls onto the floor; infinite when it does not.
+    /// Distance along the ray at which it reaches the floor; infinite if it does not.
     floor: f64,
     range: f64,
     endless: Endless,
 }
 
-/// Factor on a range along the floor that keeps what lies at its very end; distances are compared again along the ray.
+/// Factor on a range along the floor that keeps obstacles at its very end; distances are compared again along the ray.
 const END: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 impl Ray {
-    /// The ray from `origin` along the unit vector `direction` that meets what lies within `range` metres, that included.
+    /// The ray from `origin` along the unit vector `direction` that hits obstacles up to and including `range` metres.
     ///
-    /// Walls are faces up to their heights, met from either side; bodies are full, and read 0 from inside. The floor is met
-    /// by falling rays alone, at 0 from below it. Any direction will do, straight up and down too. A ray meets nothing that is
-    /// none: a coordinate or range that is NaN, a direction whose length is not 1 within 10^-6.
+    /// Walls are faces up to their heights, hit from either side; bodies are solid, and read 0 from inside. Only
+    /// falling rays hit the floor, at 0 from below it. Any direction is allowed, also straight up and down. An invalid
+    /// ray hits nothing: a coordinate or range that is NaN, a direction whose length is not 1 within 10^-6.
     ///
     /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest: our choice.
     pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
@@ -102,15 +102,15 @@ impl Ray {
         // A level ray is its own trace, to the bit.
         let level = if direction.z == 0.0 { 1.0 } else { across.length() };
         let trace = if level > 0.0 { across / level } else { DVec2::X };
-        // Of a vertical ray, there is only the origin: no height to gain.
+        // A vertical ray has no trace to gain height along.
         let rise = Some(direction.z / level).filter(|rise| rise.is_finite()).unwrap_or_default();
         let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
         let range = if is_ray { range } else { f64::NAN };
         Self { origin, direction, trace, level, rise, floor, range, endless: Endless::Nothing }
     }
 
-    /// The ray in the plane from `origin` along the unit vector `direction`: walls, robots and objects are as high as it takes, a
-    /// fixed body is its outline, meshes are not met.
+    /// The ray in the plane from `origin` along the unit vector `direction`. Walls, robots and objects are unlimited in
+    /// height, a fixed body is its outline, meshes are not hit.
     ///
     /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0: our choice.
     pub fn flat(origin: DVec2, direction: DVec2, range: f64) -> Self {
@@ -126,15 +126,15 @@ impl Ray {
         }
     }
 
-    /// This ray in the plane at this height above the floor, m: meshes are met where they are.
+    /// Puts this planar ray at a height above the floor, m, so that it also hits meshes at that height.
     pub fn at_height(mut self, height: f64) -> Self {
         self.origin.z = height;
         self
     }
 
-    /// As [`Ray::at_height`] for a ray that rises or falls by `tilt` over `trace`, a unit vector: it passes over walls that are
-    /// [lower](crate::scene::Walls::height) than the ray where it comes to them, or falls onto their upper faces or the floor. Robots
-    /// and objects are met at any height.
+    /// The ray from `origin` over `trace`, a unit vector, that rises or falls by `tilt`. It passes over walls that are
+    /// [lower](crate::scene::Walls::height) than the ray at their distance, or falls onto their upper faces or the
+    /// floor. Robots and objects are unlimited in height; meshes are hit as by [`Ray::at_height`].
     pub fn tilted(origin: DVec3, trace: DVec2, tilt: &Tilt, range: f64) -> Self {
         let floor = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
         let direction = tilt.direction(trace);
@@ -152,20 +152,21 @@ impl Ray {
     }
 }
 
-/// A ray on its way, with what it has met so far.
+/// The state of a ray cast: the ray and its nearest hit so far.
 struct Search<'a> {
     world: &'a World,
     ray: &'a Ray,
     by: RobotId,
     at: Time,
-    /// How far it is followed: the range, or the distance of the nearest thing so far.
+    /// Distance up to which the ray is followed: the range, or the distance of the nearest hit so far.
     range: f64,
     nearest: Option<RayHit>,
 }
 
 impl World {
-    /// What a ray of robot `by` meets first at the instant `at`: a wall, the floor, a fixed body, the body of another robot, or a
-    /// movable object, by their public trajectories. At equal distances the thing that comes first in [`Thing`] is met: our choice.
+    /// First hit of a ray of robot `by` at the instant `at`: a wall, the floor, a fixed body, the body of another
+    /// robot, or a movable object, by their published motion. Ties in distance go to the obstacle that comes first in
+    /// [`Thing`]: our choice.
     pub fn cast(&self, by: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
         let mut search = Search { world: self, ray, by, at, range: ray.range, nearest: None };
         search.meet_floor();
@@ -173,7 +174,7 @@ impl World {
         if search.meets_figures() {
             search.meet_fixed();
         }
-        // Nobody sees itself.
+        // A robot's own body is not seen.
         let is_alone = self.tracks.len() <= usize::from(by == RobotId::from_index(0));
         if !is_alone {
             search.meet_robots();
@@ -186,7 +187,7 @@ impl World {
 }
 
 impl Search<'_> {
-    /// How far the trace is followed, m.
+    /// Distance up to which the trace is followed, m.
     fn reach(&self) -> f64 {
         match self.ray.level {
             0.0 => 0.0,
@@ -195,7 +196,7 @@ impl Search<'_> {
         }
     }
 
-    /// Takes what is met into account, if it is nearest.
+    /// Records a hit if it is the nearest.
     fn meet(&mut self, distance: f64, thing: Thing, face: impl FnOnce() -> Option<Face>) {
         let is_nearer = match &self.nearest {
             Some(nearest) => (distance, thing) < (nearest.distance, nearest.thing),
@@ -238,7 +239,7 @@ impl Search<'_> {
                 (ray.endless == Endless::Nothing).then_some(face)
             });
         }
-        // Without a slope, the sides are all there is to meet.
+        // A level ray can only hit the sides.
         if ray.direction.z != 0.0 && !stage.blocks.is_empty() {
             stage.blocks.along_ray(origin, ray.trace, self.reach(), |place| {
                 let block = &stage.space.blocks[place as usize];
@@ -248,12 +249,12 @@ impl Search<'_> {
         }
     }
 
-    /// Whether figures are met, and not only what they cover of the floor.
+    /// Returns true if the ray hits bodies as shapes in space, not only as footprints.
     fn meets_figures(&self) -> bool {
         self.ray.endless == Endless::Nothing || self.world.stage.has_meshes && !self.ray.origin.z.is_nan()
     }
 
-    /// What it meets of a body of this shape: meshes alone, where bodies are as high as it takes.
+    /// Records the hit on a body of this shape; only meshes count if bodies are unlimited in height.
     fn meet_figure(&mut self, thing: Thing, pose: &Pose, figure: &Figure) {
         let cast = if self.ray.endless == Endless::Nothing { Figure::cast } else { Figure::cast_meshes };
         let met = cast(figure, pose, self.ray.origin, self.ray.direction, self.range);
@@ -315,7 +316,7 @@ impl Search<'_> {
     }
 }
 
-/// The normal of a wall on the side from which the ray comes; against the ray, where the wall has no length.
+/// Normal of a wall on the side from which the ray comes; opposite to the ray for a wall of no length.
 fn wall_normal(segment: &Segment, origin: DVec2, trace: DVec2) -> DVec3 {
     let normal = (segment.b - segment.a).perp().normalize_or(-trace);
     let side = normal.dot(origin - segment.a);

@@ -1,4 +1,4 @@
-//! What only rays in space tell apart: the shapes of bodies, tops of walls, and surfaces.
+//! Geometry that only rays in space distinguish: shapes of bodies, upper faces of walls, and surfaces.
 
 use std::sync::Arc;
 
@@ -11,24 +11,24 @@ use crate::{
     scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
 };
 
-/// What rays in space meet beside walls and bodies as they stand on the floor; by default the floor alone, which is smooth.
+/// Geometry for rays in space, in addition to the planar walls and bodies; by default only a smooth floor.
 ///
-/// Where a list ends, walls are rough and bodies are rough and as high as it takes.
+/// Walls beyond the end of `walls` are rough; bodies beyond the end of a list are rough and unlimited in height.
 #[derive(Clone, Debug)]
 pub struct Space {
-    /// The floor, z = 0, without end; `None` where the first of the fixed bodies is the ground.
+    /// Surface of the floor, the unbounded plane z = 0; `None` if the first of the fixed bodies is the ground.
     pub floor: Option<Surface>,
-    /// Surfaces of the walls, in the order of their numbers.
+    /// Surfaces of the walls, in the order of their ids.
     pub walls: Vec<Surface>,
-    /// The walls from this number on are outlines of the fixed bodies, for contacts: rays in space meet the bodies.
+    /// First wall that is an outline of a fixed body. Such walls serve contacts; rays in space meet the bodies instead.
     pub outlines: Option<WallId>,
-    /// Walls with a thickness, for their upper faces.
+    /// Walls with a thickness; they add the upper faces.
     pub blocks: Vec<Block>,
-    /// Bodies that never move, each with its pose.
+    /// Bodies that never move, each with its pose in the world.
     pub fixed: Vec<(Pose, Arc<Figure>)>,
-    /// Bodies of robots around their centres, in the order of the ids.
+    /// Shapes of the robots around their centres, in the order of their ids.
     pub robots: Vec<Arc<Figure>>,
-    /// Movable objects, in the order of the ids.
+    /// Shapes of the movable objects, in the order of their ids.
     pub objects: Vec<Arc<Figure>>,
 }
 
@@ -49,11 +49,11 @@ impl Default for Space {
 /// A wall with a thickness.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// The first of its sides.
+    /// The first of its four sides.
     pub wall: WallId,
-    /// Its frame, around its middle.
+    /// Pose of the block's frame, whose origin is the middle of the wall.
     pub world_from_block: Pose,
-    /// Its shape, one prism.
+    /// Shape: one prism.
     pub figure: Figure,
 }
 
@@ -72,19 +72,19 @@ impl Block {
     }
 }
 
-/// A space with what is found out about it once.
+/// A [`Space`] with data derived from it: indices and flags.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub space: Space,
-    /// Rectangles of the fixed bodies, by their places.
+    /// Index over the bounds of `space.fixed`.
     pub fixed: Moving<u32>,
-    /// Rectangles of the blocks, by their places.
+    /// Index over the bounds of `space.blocks`.
     pub blocks: Moving<u32>,
-    /// Up to this height all walls and bodies are prisms on the floor.
+    /// Height in metres up to which all walls and bodies are prisms on the floor.
     pub plain_below: f64,
-    /// Whether there is a mesh among the bodies.
+    /// At least one body has a mesh.
     pub has_meshes: bool,
-    /// Objects with a mesh, which may reach farther than the footprint that the index knows.
+    /// Objects with a mesh, which may extend beyond the footprint in the index.
     pub mesh_objects: Vec<ObjectId>,
 }
 
@@ -102,7 +102,7 @@ impl Stage {
         Self { space, fixed, blocks, plain_below, has_meshes, mesh_objects }
     }
 
-    /// One more robot has this shape; `radii` are those of the robots before.
+    /// Adds a robot of this shape; `radii` are those of the robots before.
     pub fn add_robot(&mut self, figure: Arc<Figure>, radii: impl Iterator<Item = f64>) {
         let without = radii.skip(self.space.robots.len());
         self.space.robots.extend(without.map(|radius| Arc::new(Figure::upright(radius))));
@@ -110,7 +110,7 @@ impl Stage {
         self.space.robots.push(figure);
     }
 
-    /// One more movable object has this shape; `properties` are those of the objects before.
+    /// Adds a movable object of this shape; `properties` are those of the objects before.
     pub fn add_object<'a>(&mut self, figure: Arc<Figure>, properties: impl Iterator<Item = &'a Arc<Properties>>) {
         let without = properties.skip(self.space.objects.len());
         self.space.objects.extend(without.map(|properties| Figure::endless(properties, Surface::default())));
@@ -131,7 +131,8 @@ impl Stage {
         self.space.walls.get(wall.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Whether rays in space meet this wall, and not a body whose outline it is.
+    /// Returns true if rays in space meet this wall itself, false if it is the outline of a body that they meet
+    /// instead.
     pub fn is_wall(&self, wall: WallId) -> bool {
         self.space.outlines.is_none_or(|first| wall < first)
     }

@@ -1,4 +1,4 @@
-//! What the parts of a robot's legs touch.
+//! Contacts of the parts of a robot's legs.
 
 use glam::DVec3;
 
@@ -11,41 +11,43 @@ use crate::{
     time::Time,
 };
 
-/// Rounds of the search for the place of a stretch that is nearest to a convex body: each leaves two thirds, so that of
-/// stretches of some metres all but 10^-12 m is gone.
+/// Rounds of the ternary search for the point of a segment nearest to a convex body: each keeps two thirds of the
+/// interval, which leaves less than 10^-12 m of a segment of some metres.
 const ROUNDS: u32 = 70;
 
-/// A part of a legged robot that touches something.
+/// A part of a legged robot in contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegTouch {
     /// The part.
     pub part: Touching,
-    /// What it touches; the terrain is [`Thing::Floor`].
+    /// The obstacle; terrain is [`Thing::Floor`].
     pub thing: Thing,
-    /// Where, in the world, m: a point of what is touched, on the ground below the part's axis.
+    /// Point of contact on the obstacle, in the world frame, m; for the ground, the point below the axis of the part.
     pub point: DVec3,
 }
 
-/// How near a legged robot is to what it should not touch.
+/// Contacts and ground clearance of a legged robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closeness {
-    /// What its parts touch, in the order of parts and things.
+    /// Contacts of its parts, in the order of parts and obstacles.
     pub touches: Vec<LegTouch>,
-    /// Least distance of thighs, shanks and body from the ground, m; negative where one is in it, and at most what was asked for.
+    /// Least distance of thighs, shanks and body from the ground, m; negative if a part is below it, and at most the
+    /// requested bound.
     pub clearance: f64,
 }
 
 impl World {
-    /// What thighs, shanks and body of a legged robot touch at `at`, and their clearance from the ground up to `within` metres;
-    /// `None` for a robot without legs. With `within` 0 only what touches is looked for, which is fastest.
+    /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground up to
+    /// `within` metres; `None` for a robot without legs. With `within` 0 only contacts are searched for, which is
+    /// fastest.
     ///
-    /// The ground counts for thighs, for the body, and for shanks down to three radii of the limb above their lower ends: there,
-    /// a leg may lean by up to 70 degrees, and feet may touch the ground. Feet themselves do not count. All else counts for the
-    /// whole of thighs and shanks; what the body meets beside the ground are contacts. Our choice.
+    /// Contact with the ground counts for thighs, for the body, and for shanks except for the lowest three radii of the
+    /// limb: a leg may lean there by up to 70 degrees, and feet may touch the ground. Feet do not count. Contact with
+    /// other obstacles counts for the whole of thighs and shanks; those of the body are ordinary contacts. Our choice.
     ///
-    /// For the ground the body is a disc at the height of its underside, and cells that the disc's edge crosses count as a
-    /// whole; a limb is exact, but see [`HeightField::clearance`](crate::scene::HeightField::clearance) for the ground beyond
-    /// a terrain's border.
+    /// For the ground, the body is a disc at the height of its underside, and cells crossed by the disc's edge count as
+    /// a whole; a limb is exact, but for the ground beyond a terrain's border see
+    /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
     pub fn closeness(&self, motion: &mut Motion, at: Time, within: f64) -> Option<Closeness> {
         motion.legs()?;
         let by = motion.id();
@@ -68,7 +70,7 @@ impl World {
             let piece = [upper, upper + counted * way];
             let distance = ground.clearance(piece, within + radius) - radius;
             clearance = clearance.min(distance);
-            // Where nothing is within reach, the distance is the reach.
+            // With nothing within reach, the distance is the reach.
             if distance < 0.0 {
                 let (_, point) = ground.least_gap(piece);
                 let point = point.with_z(ground.height(point.truncate()));
@@ -81,18 +83,18 @@ impl World {
         Some(Closeness { touches, clearance })
     }
 
-    /// What a capsule, part of robot `by`, touches at `at`, and a point of each where it does; in the order of [`Thing`] and each
-    /// once: walls up to their heights, fixed bodies, the bodies of other robots, movable objects, by their public
-    /// trajectories. The ground is not among them.
+    /// Obstacles in contact at `at` with a capsule, a part of robot `by`, each once with a point of contact, in the
+    /// order of [`Thing`]: walls up to their heights, fixed bodies, the bodies of other robots and movable objects, by
+    /// their published motion. The ground is left out.
     ///
-    /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; bodies that are meshes count where the capsule's
-    /// axis goes through their surface.
+    /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; a mesh counts if the capsule's axis crosses
+    /// its surface.
     pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
         self.for_each_geometry(by, near, at, |thing, geometry| {
-            // Without a floor the first of the fixed bodies is the ground.
+            // Without a floor, the first fixed body is the ground.
             let is_ground = thing == Thing::Fixed(0) && self.stage.space.floor.is_none();
             if !is_ground {
                 things.extend(touch_geometry(geometry, capsule).map(|point| (thing, point)));
@@ -104,9 +106,9 @@ impl World {
     }
 }
 
-/// Where a thing of this geometry comes as near to the capsule's axis as its radius, if it does.
+/// A point of the geometry within the capsule's radius of its axis; `None` if there is no such point.
 fn touch_geometry(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
-    // The parts are always visited in the same order.
+    // The parts are visited in the same order in every call.
     let mut count = 0;
     geometry.for_each_nearest(capsule.ends[0], |_| count += 1);
     let touch_part = |part: usize| {
@@ -130,8 +132,9 @@ fn touch_geometry(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
     })
 }
 
-/// Where a convex body comes as near to the capsule's axis as its radius, if it does; `nearest` is the body's point that is
-/// nearest to another one. The distance of a convex body is convex along a stretch, so thirds of it can be left out.
+/// A point of a convex body within the capsule's radius of its axis; `None` if there is no such point. `nearest` maps a
+/// point to the nearest point of the body. The distance from a convex body is convex along a segment, so a ternary
+/// search finds its minimum.
 fn touch_convex(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;
     let length = from.distance(to);
@@ -147,7 +150,7 @@ fn touch_convex(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<D
         if least <= radius {
             return Some(nearest(from.lerp(to, share)));
         }
-        // From one place to another the distance changes no more than the place does.
+        // Between two points, the distance changes by at most their separation.
         if least - (high - low) * length > radius {
             return None;
         }

@@ -1,4 +1,4 @@
-//! What is public of one robot: its trajectory, as it was known at each instant of the last 100 ms.
+//! Published motion of one robot, with its versions of the last 100 ms.
 
 use std::collections::VecDeque;
 
@@ -12,7 +12,7 @@ use crate::{
     time::Time,
 };
 
-/// A plan made public at the start of a slot: in force until the next one.
+/// A plan published at the start of a slot, in force until the next publication.
 #[derive(Clone, Debug)]
 struct Publication {
     since: Time,
@@ -27,18 +27,18 @@ pub(super) struct Track {
     radius: f64,
     /// Never empty.
     publications: VecDeque<Publication>,
-    /// Of the motion's plan that was published last.
+    /// Revision of the motion's plan that was published last.
     revision: u64,
-    /// Rectangle of the body in the time that the world remembers and publishes.
+    /// Bounds of the body over the published history and the present slot.
     bounds: Bounds,
-    /// The body stays where it is, and has done so for as long as the world remembers.
+    /// The body has been at rest for as long as the history reaches.
     is_resting: bool,
-    /// Legs that are not in use, for the next publication.
+    /// Spare buffer for the next publication.
     spare: Vec<Passage>,
 }
 
 impl Track {
-    /// That of a body with this motion, which is public from `from` to `until`.
+    /// The track of a body with this motion, published for the slot from `from` to `until`.
     pub fn new(motion: &mut Motion, presence: Presence, (from, until): (Time, Time)) -> Self {
         let mut passages = Vec::new();
         motion.passages(from, until, &mut passages);
@@ -58,17 +58,17 @@ impl Track {
         self.radius
     }
 
-    /// Centre of the body at `at`, as it was public at `at`.
+    /// Published centre of the body at `at`.
     pub fn centre(&self, at: Time) -> DVec2 {
         self.passage(at).centre(at.min(self.presence.until))
     }
 
-    /// Pose of the body at `at`, as it was public at `at`.
+    /// Published pose of the body at `at`.
     pub fn pose(&self, at: Time) -> Pose {
         self.passage(at).pose(at.min(self.presence.until))
     }
 
-    /// The passage in force at `at`, as it was public at `at`; of a body that is gone, when it left.
+    /// Published passage in force at `at`; for a removed body, the one at its removal.
     fn passage(&self, at: Time) -> &Passage {
         let at = at.min(self.presence.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
@@ -80,7 +80,7 @@ impl Track {
         &self.publications.back().expect("a track has a publication").passages
     }
 
-    /// Makes public what `motion` plans for the slot from `since` to `until`.
+    /// Publishes the plan of `motion` for the slot from `since` to `until`.
     pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
         let mut passages = std::mem::take(&mut self.spare);
         motion.passages(since, until, &mut passages);
@@ -91,7 +91,7 @@ impl Track {
         self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
         if self.revision == motion.revision() && passages.len() == 1 && last.passages.len() == 1 {
-            // The same plan, seen farther ahead: its past is what it was.
+            // The same plan with a later end: its past is unchanged.
             self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
             self.revision = motion.revision();
@@ -99,24 +99,24 @@ impl Track {
         }
     }
 
-    /// Rectangle of the body in all that is public, as of the last [`Track::refresh`].
+    /// Bounds of the body over all that is published, as of the last [`Track::refresh`].
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// The body is gone from `at` on.
+    /// Ends the lifetime of the body at `at`.
     pub fn end(&mut self, at: Time) {
         self.presence.until = at;
         self.is_resting = false;
     }
 
-    /// True when the body stays where it is, as of the last [`Track::refresh`], and nothing has been published since.
+    /// Returns true if the body was at rest at the last [`Track::refresh`] and nothing has been published since.
     pub fn is_resting(&self) -> bool {
         self.is_resting
     }
 
-    /// Finds the bounds of what is public from `from` to `to`, and forgets what is older. A resting track has no need, unless it is
-    /// gone.
+    /// Computes the bounds of what is published from `from` to `to`, and drops older publications. Not needed for a
+    /// resting track unless its body was removed.
     pub fn refresh(&mut self, from: Time, to: Time) {
         if self.presence.until <= from {
             self.bounds = Bounds::EMPTY;
@@ -143,7 +143,7 @@ impl Track {
     }
 }
 
-/// The rectangle of the centre on `passages` from `from` to `to`.
+/// Bounds of the centre on `passages` from `from` to `to`.
 pub(super) fn passages_bounds(passages: &[Passage], from: Time, to: Time) -> Bounds {
     let mut bounds = Bounds::EMPTY;
     for passage in passages {

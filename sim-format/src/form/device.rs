@@ -1,4 +1,4 @@
-//! Devices of a robot that measure no distances, and what is connected to its inputs.
+//! Devices of a robot other than distance sensors, and equipment connected to its inputs.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -23,17 +23,17 @@ use crate::spec::{
 use crate::table::Reader;
 use sim_core::unit::{degrees_from_radians, radians_from_degrees};
 
-/// Distance below which an infrared switch answers when the file does not say, in metres.
+/// Default range within which an infrared switch responds, in metres.
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
-/// Fewest pixels of the display in either direction: a menu with some text above it.
+/// Smallest width and height of the display in pixels: a menu with some text above it.
 const MIN_LCD_SIDE: i64 = 64;
-/// Most pixels of the display in a row.
+/// Greatest width of the display in pixels.
 const MAX_LCD_WIDTH: i64 = 1920;
-/// Most rows of pixels of the display.
+/// Greatest height of the display in pixels.
 const MAX_LCD_HEIGHT: i64 = 1200;
-/// Most pixels of an image's side.
+/// Greatest width and height of an image in pixels.
 const MAX_PIXELS: i64 = 65_536;
-/// Digital lines, and serial interfaces, numbered from 1.
+/// Number of digital lines, and of serial interfaces, numbered from 1.
 const LINES: u8 = 16;
 /// Greatest voltage of a battery.
 const MAX_VOLTAGE: f64 = 1000.0;
@@ -68,7 +68,7 @@ impl Form for BumperSpec {
 
 const BUMPER_END: Bounded = Bounded(Quantity::angle("end of the bumper").within(-360.0, 360.0));
 
-/// The end of an arc that begins at this angle: counter-clockwise from there, less than a turn.
+/// End of an arc that begins at this angle: counter-clockwise from there, at most a full turn.
 struct ArcEnd(f64);
 
 impl ArcEnd {
@@ -88,7 +88,7 @@ impl Kind<f64> for ArcEnd {
         BUMPER_END.read(at, old).map(|to| self.settled(to))
     }
 
-    /// An angle that the reader finds again, within -360 to 360 degrees.
+    /// Prints an angle within -360 to 360 degrees that reads back as the same end.
     fn print(&self, end: &f64) -> Value {
         let reads_back = |degrees: f64| self.settled(radians_from_degrees(degrees)) == *end;
         let near = degrees_from_radians(*end);
@@ -105,7 +105,7 @@ impl Kind<f64> for ArcEnd {
 const SERVO_END: Bounded = Bounded(Quantity::angle("end of the servo").within(-360.0, 360.0));
 
 impl Form for ServoSpec {
-    /// A half turn in all.
+    /// A range of half a turn.
     fn usual() -> Self {
         Self { from: -TAU / 4.0, to: TAU / 4.0, ..Self::default() }
     }
@@ -167,7 +167,7 @@ impl Form for InputSpec {
     }
 }
 
-/// A table whose keys are numbers: `3 = 512`.
+/// Table whose keys are numbers: `3 = 512`.
 struct Numbered {
     what: &'static str,
     numbers: RangeInclusive<u8>,
@@ -194,12 +194,12 @@ impl<T: Whole> Kind<Vec<(u8, T)>> for Numbered {
     }
 }
 
-/// A table in the order of its keys.
+/// Table sorted by its keys.
 pub(crate) fn by_name(entries: impl Iterator<Item = (String, Value)>) -> Value {
     Table::from_iter(entries.collect::<BTreeMap<String, Value>>()).into()
 }
 
-/// What is connected to the serial interfaces: `1 = "loopback"`, `2 = { file = "gps.txt" }`.
+/// Devices connected to the serial interfaces: `1 = "loopback"`, `2 = { file = "gps.txt" }`.
 pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
     read: |at| {
         let mut serials = Vec::new();
@@ -298,7 +298,7 @@ impl Form for CameraSpec {
     }
 }
 
-/// A fixed angle, or a servo that turns the camera.
+/// Declares the keys of a camera joint: a fixed angle, or a servo that turns the camera.
 fn joint(keys: &mut Keys<'_>, [angle, servo]: [&'static str; 2], about: [&'static str; 2], joint: &mut JointSpec) {
     let (mut fixed, mut turned) = match joint {
         _ if keys.reading().is_some() => (None, None),

@@ -1,4 +1,4 @@
-//! Kinds of values: how each is read, printed and described.
+//! Kinds of values, each with its reading, printing and schema.
 
 use std::ops::RangeInclusive;
 
@@ -12,26 +12,26 @@ use crate::print::number::in_unit;
 use crate::spec::PathRef;
 use crate::table::{Reader, Section};
 
-/// The place of a value that is read.
+/// Context of a value that is being read: reader, table and key.
 pub(crate) struct At<'r, 's> {
     pub(crate) reader: &'r mut Reader,
     pub(crate) section: &'r mut Section<'s, 's>,
     pub(crate) key: &'static str,
 }
 
-/// What stands behind a key.
+/// Kind of the value of a key.
 pub(crate) trait Kind<T> {
-    /// The value that is read, where it is there and good; a table changes the `old` one.
+    /// Reads the value; `None` if it is missing or invalid. A table is read on top of the `old` value.
     fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T>;
 
-    /// The value as it is written.
+    /// Prints the value.
     fn print(&self, value: &T) -> Value;
 
-    /// What it may be.
+    /// Schema of the value.
     fn describe(&self, generator: &mut SchemaGenerator) -> Json;
 }
 
-/// A kind of its own.
+/// Kind given by three functions.
 pub(crate) struct Custom<T> {
     pub(crate) read: fn(At<'_, '_>) -> Option<T>,
     pub(crate) print: fn(&T) -> Value,
@@ -67,7 +67,7 @@ impl Kind<f64> for Quantity {
     }
 }
 
-/// A number with a unit whose bounds stand in the schema.
+/// Number with a unit whose bounds appear in the schema.
 pub(crate) struct Bounded(pub(crate) Quantity);
 
 impl Kind<f64> for Bounded {
@@ -85,7 +85,7 @@ impl Kind<f64> for Bounded {
     }
 }
 
-/// As many numbers as a point has coordinates.
+/// A point or another fixed-length tuple of numbers with units.
 impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Quantity; N] {
     fn read(&self, at: At<'_, '_>, _: Option<&P>) -> Option<P> {
         at.reader.numbers(at.section, at.key, self).map(P::from)
@@ -101,12 +101,12 @@ impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Qua
     }
 }
 
-/// The schema of an array of `length` items.
+/// Schema of an array of `length` items.
 pub(crate) fn array(items: Json, length: usize) -> Json {
     json!({ "type": "array", "items": items, "minItems": length, "maxItems": length })
 }
 
-/// A text that is not empty; what a message says of it where it is none.
+/// Non-empty string; the field describes it in messages.
 #[derive(Clone, Copy)]
 pub(crate) struct Text(&'static str);
 
@@ -127,7 +127,7 @@ impl Kind<String> for Text {
     }
 }
 
-/// A file, or a name of something.
+/// Reference to a file, or a name.
 impl Kind<PathRef> for Text {
     fn read(&self, at: At<'_, '_>, _: Option<&PathRef>) -> Option<PathRef> {
         at.reader.reference_to(at.section, at.key, self.0)
@@ -159,13 +159,13 @@ impl Kind<bool> for Flag {
     }
 }
 
-/// A type of whole numbers.
+/// Integer type.
 pub(crate) trait Whole: Copy + TryFrom<i64> {
-    /// Its name in the schema.
+    /// Name of the type in the schema.
     const FORMAT: &'static str;
-    /// Its least and its greatest number, where the schema says them of the type.
+    /// Minimum and maximum of the type that the schema states.
     const LIMITS: [Option<i64>; 2];
-    /// The number.
+    /// The value as `i64`.
     fn number(self) -> i64;
 }
 
@@ -189,7 +189,7 @@ whole! {
     i32, "int32", [None; 2];
 }
 
-/// The schema of all numbers of a type.
+/// Schema of all values of an integer type.
 pub(crate) fn whole<T: Whole>() -> Json {
     let mut schema = json!({ "type": "integer", "format": T::FORMAT });
     for (name, limit) in ["minimum", "maximum"].into_iter().zip(T::LIMITS) {
@@ -198,7 +198,7 @@ pub(crate) fn whole<T: Whole>() -> Json {
     schema
 }
 
-/// A whole number between bounds.
+/// Integer within bounds.
 impl<T: Whole> Kind<T> for RangeInclusive<i64> {
     fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
         at.reader.integer(at.section, at.key, *self.start(), *self.end()).and_then(|number| T::try_from(number).ok())
@@ -215,7 +215,7 @@ impl<T: Whole> Kind<T> for RangeInclusive<i64> {
     }
 }
 
-/// The same, without bounds in the schema.
+/// Integer within bounds that do not appear in the schema.
 pub(crate) struct Loose(pub(crate) RangeInclusive<i64>);
 
 impl<T: Whole> Kind<T> for Loose {
@@ -232,7 +232,7 @@ impl<T: Whole> Kind<T> for Loose {
     }
 }
 
-/// Shades of colours, 0 to 255.
+/// Colour channels, 0 to 255.
 pub(crate) struct Shades;
 
 impl<const N: usize> Kind<[u8; N]> for Shades {
@@ -249,17 +249,17 @@ impl<const N: usize> Kind<[u8; N]> for Shades {
     }
 }
 
-/// Things that words stand for.
+/// Enumeration whose values are written as words.
 pub(crate) trait Words: Copy + PartialEq + 'static {
-    /// Name of their kind in the JSON schema.
+    /// Name of the enumeration in the JSON schema.
     const NAME: &'static str;
-    /// What they are, in a sentence.
+    /// Description of the enumeration, one sentence.
     const ABOUT: &'static str;
-    /// Each with its word and what it is.
+    /// Each value with its word and its description.
     const WORDS: &'static [(Self, &'static str, &'static str)];
 }
 
-/// One of several words.
+/// One word of an enumeration.
 pub(crate) struct Word;
 
 impl<W: Words> Kind<W> for Word {
@@ -282,7 +282,7 @@ impl<W: Words> Kind<W> for Word {
     }
 }
 
-/// A table, with an example of what it may say; none where that is empty.
+/// Table; the field is an example of its content for messages, empty for none.
 pub(crate) struct Part(pub(crate) &'static str);
 
 pub(crate) const PART: Part = Part("");
@@ -302,7 +302,7 @@ impl<F: Form> Kind<F> for Part {
     }
 }
 
-/// A table that says a part of something, whose keys this function declares.
+/// Table with some of a spec's properties, whose keys the function declares.
 pub(crate) struct PartOf<T>(pub(crate) fn(&mut T, &mut Keys<'_>));
 
 impl<T: Clone + Default> Kind<T> for PartOf<T> {
@@ -321,7 +321,7 @@ impl<T: Clone + Default> Kind<T> for PartOf<T> {
     }
 }
 
-/// Tables, at most as many; those that lack something are left out.
+/// Array of tables, limited to this many; incomplete tables are dropped.
 pub(crate) struct Parts(pub(crate) usize);
 
 pub(crate) const PARTS: Parts = Parts(usize::MAX);

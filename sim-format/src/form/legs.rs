@@ -14,11 +14,11 @@ use sim_core::drive::DriveKind;
 use sim_core::drive::legged::Foot;
 use sim_core::unit;
 
-/// Most legs of a robot, and most gaits.
+/// Greatest number of legs of a robot, and of gaits.
 const MOST: usize = 16;
 const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 
-/// `[legs]` and `[[leg]]` of a robot type.
+/// Declares `[legs]` and `[[leg]]` of a robot type.
 pub(crate) fn legs(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     let mut legs = robi.legs.take();
     let mut list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
@@ -78,7 +78,7 @@ impl Form for GaitSpec {
     }
 }
 
-/// What the joints of a gait follow.
+/// Curve followed by the joints of a gait.
 #[derive(Clone, Copy, PartialEq)]
 enum Curve {
     Plain,
@@ -94,7 +94,7 @@ impl Words for Curve {
     ];
 }
 
-/// Shares of a period, one a leg.
+/// Phase offsets as shares of a period, one per leg.
 const OFFSETS: Custom<Vec<f64>> = Custom {
     read: |at| {
         let items = at.reader.array(at.section, at.key, "an array of numbers, one a leg")?;
@@ -152,7 +152,7 @@ impl Form for Foot {
 }
 
 impl Reader {
-    /// The legs of a robot that is legged or not: reports what does not fit together, and legs that it cannot stand or walk on.
+    /// Validates the legs of a robot type: reports inconsistencies, and legs on which the robot cannot stand or walk.
     fn settle_legs(&mut self, mut legs: LegsSpec, is_legged: bool, has_legs: bool, span: Span) -> Option<LegsSpec> {
         if legs.legs.len() > MOST {
             let message = format!("the robot has {} legs", legs.legs.len());
@@ -187,7 +187,7 @@ impl Reader {
             is_good
         });
         if legs.legs.len() < count {
-            // What the offsets were for is no longer there.
+            // The legs that the offsets belong to have been removed.
             legs.gaits.iter_mut().for_each(|gait| gait.offsets.clear());
         }
         if legs.legs.is_empty() {

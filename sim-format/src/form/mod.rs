@@ -1,7 +1,7 @@
-//! Forms: what the tables of our own files in TOML may say.
+//! Forms: schemas of the tables in our own TOML files.
 //!
-//! Each key is declared in one place, with its name, its meaning, the kind of its values and its default. Three walks go over
-//! the declarations: one reads a table, one prints it, one describes it in the JSON schema. [`kind`] has the kinds of values.
+//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the
+//! declarations: one reads a table, one prints it, one describes it in the JSON schema. [`kind`] has the kinds of values.
 
 pub(crate) mod device;
 pub(crate) mod kind;
@@ -26,14 +26,14 @@ use crate::Span;
 use crate::table::{Reader, Section};
 use kind::{At, Flag, Kind};
 
-/// A spec that a table of TOML says.
+/// Spec that is written as a TOML table.
 pub(crate) trait Form: Clone + Default {
-    /// What a table without any key says.
+    /// Meaning of a table without any key.
     fn usual() -> Self {
         Self::default()
     }
 
-    /// The same of a table that says nothing but which variant it is.
+    /// Meaning of a table with no key but the variant's.
     fn bare(&self) -> Self {
         Self::usual()
     }
@@ -42,51 +42,51 @@ pub(crate) trait Form: Clone + Default {
     fn keys(&mut self, keys: &mut Keys<'_>);
 }
 
-/// A form of several variants, which the key `kind` tells apart.
+/// Form with several variants, selected by the key `kind`.
 pub(crate) trait Variants: Form + 'static {
     /// The variants.
     const KINDS: &'static [Variant<Self>];
 
-    /// The place of this variant among them.
+    /// Index of this variant in `KINDS`.
     fn place(&self) -> usize {
         let is_same = |made: Self| discriminant(&made) == discriminant(self);
         Self::KINDS.iter().position(|(.., make)| is_same(make())).unwrap_or_default()
     }
 }
 
-/// A variant: its word, what it is, and one about which nothing else is said.
+/// Variant: its word, its description, and a constructor of its default.
 pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 
-/// One walk over the keys of a table.
+/// One pass over the keys of a table.
 pub(crate) struct Keys<'k> {
     walk: Walk<'k>,
-    /// Whether nothing that is required is missing.
+    /// No required key is missing so far.
     is_complete: bool,
-    /// Whether the table cannot be understood, so that nothing is known of its other keys.
+    /// The table cannot be interpreted, so the validity of its other keys is unknown.
     is_abandoned: bool,
 }
 
-/// What is done with each key.
+/// Action for each key.
 enum Walk<'k> {
-    /// It is read from a table.
+    /// Reads the key from a table.
     Read(&'k mut Reader, Section<'k, 'k>),
-    /// It is printed, unless it says what is so without it, as in the second table.
+    /// Prints the key into the first table unless it equals the default in the second.
     Print(Table, Option<Table>),
-    /// Its description is added to that of the form.
+    /// Adds the key's description to that of the form.
     Describe(&'k mut SchemaGenerator, Description),
 }
 
-/// What the JSON schema says of a form.
+/// JSON schema of a form under construction.
 #[derive(Default)]
 struct Description {
     name: &'static str,
     about: &'static str,
     properties: Map<String, Json>,
-    /// The keys that must be there.
+    /// Required keys.
     required: Vec<&'static str>,
-    /// What the variant is that is described; `None` for the whole form.
+    /// Description of the variant; `None` for the whole form.
     variant: Option<&'static str>,
-    /// The variants of the whole form.
+    /// Schemas of the variants of the whole form.
     variants: Vec<Json>,
 }
 
@@ -108,20 +108,20 @@ impl Description {
     }
 }
 
-/// A key that is being declared: its last method says what is behind it.
+/// Key under declaration: the last method called gives its kind and variable.
 pub(crate) struct Key<'w, 'k> {
     keys: &'w mut Keys<'k>,
     name: &'static str,
     about: &'static str,
 }
 
-/// Whether a key must be there.
+/// Rules for omitting a key.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     Required,
-    /// It may be `null` in JSON, which stands for a key that is left out.
+    /// Printed if it has a value; may be `null` in JSON, equivalent to an omitted key.
     Nullable,
-    /// The same; it is left out where it is as usual.
+    /// Omitted if it equals the default; may be `null` in JSON.
     Usual,
     Optional,
 }
@@ -131,19 +131,20 @@ impl<'k> Keys<'k> {
         Self { walk, is_complete: true, is_abandoned: false }
     }
 
-    /// Declares the form: its name in the JSON schema, and what it is in a sentence.
+    /// Declares the form: its name and its description in the JSON schema.
     pub(crate) fn form(&mut self, name: &'static str, about: &'static str) {
         if let Walk::Describe(_, description) = &mut self.walk {
             (description.name, description.about) = (name, about);
         }
     }
 
-    /// Declares a key; `about` is what editors show of it.
+    /// Declares a key; `about` is its description in editors.
     pub(crate) fn key(&mut self, name: &'static str, about: &'static str) -> Key<'_, 'k> {
         Key { keys: self, name, about }
     }
 
-    /// Declares the key `kind` of `form`, which has that variant then; false if there is none such.
+    /// Declares the key `kind`, which sets `form` to its variant. Returns false if the variant is unknown and no further keys can be
+    /// declared.
     pub(crate) fn variant<F: Variants>(&mut self, form: &mut F) -> bool {
         let word = |form: &F| F::KINDS[form.place()].0;
         match &mut self.walk {
@@ -174,14 +175,14 @@ impl<'k> Keys<'k> {
         !self.is_abandoned
     }
 
-    /// Lets messages name these keys before those that follow.
+    /// Makes messages list these keys before those declared later.
     pub(crate) fn mention(&mut self, names: &[&'static str]) {
         if let Some((_, section)) = self.reading() {
             names.iter().for_each(|name| _ = section.get(name));
         }
     }
 
-    /// Where the table is written, for what has no place yet.
+    /// Sets `span` to the table's span if it is still unset.
     pub(crate) fn span(&mut self, span: &mut Span) {
         if let Some((_, section)) = self.reading()
             && *span == Span::default()
@@ -190,7 +191,7 @@ impl<'k> Keys<'k> {
         }
     }
 
-    /// The reader and the table while one is read: for what one key alone does not tell.
+    /// The reader and the table during a read, for checks that involve several keys.
     pub(crate) fn reading(&mut self) -> Option<(&mut Reader, &mut Section<'k, 'k>)> {
         match &mut self.walk {
             Walk::Read(reader, section) => Some((reader, section)),
@@ -198,41 +199,41 @@ impl<'k> Keys<'k> {
         }
     }
 
-    /// Whether nothing is missing so far that is required.
+    /// Returns true if no required key is missing so far.
     pub(crate) fn is_complete(&self) -> bool {
         self.is_complete
     }
 
-    /// Leaves the table out that is being read: it says nothing that can be used.
+    /// Marks the table that is being read as unusable.
     pub(crate) fn refuse(&mut self) {
         self.is_complete = false;
     }
 }
 
 impl Key<'_, '_> {
-    /// A value that must be there.
+    /// Value of a required key.
     pub(crate) fn required<T>(self, kind: impl Kind<T>, value: &mut T) {
         self.needed(&kind, value, Need::Required);
     }
 
-    /// A value that must be there unless another key, which excludes all others, stands for the whole table.
+    /// Value that is required unless another key, which excludes all others, replaces the whole table.
     pub(crate) fn expected<T>(self, kind: impl Kind<T>, value: &mut T) {
         self.needed(&kind, value, Need::Nullable);
     }
 
-    /// A value that may be left out, but is always printed.
+    /// Optional value that is always printed.
     pub(crate) fn always<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
         self.tell(&kind, Some(value), Need::Nullable);
     }
 
-    /// A value that is left out where a table without any key says the same.
+    /// Optional value, printed unless it is the default.
     pub(crate) fn optional<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
         self.tell(&kind, Some(value), Need::Usual);
     }
 
-    /// The same, but one that is no good spoils the whole table.
+    /// Optional value, printed unless it is the default; an invalid one makes the whole table unusable.
     pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         let name = self.name;
         let is_said = self.keys.reading().is_some_and(|(_, section)| section.has(name));
@@ -244,26 +245,26 @@ impl Key<'_, '_> {
         self.tell(&kind, Some(value), Need::Usual);
     }
 
-    /// A value without a default.
+    /// Optional value without a default.
     pub(crate) fn maybe<T>(mut self, kind: impl Kind<T>, value: &mut Option<T>) {
         *value = self.read(&kind, value.as_ref()).or(value.take());
         self.tell(&kind, value.as_ref(), Need::Nullable);
     }
 
-    /// Values that are added to others; left out where there are none.
+    /// Values appended to the existing ones; not printed if empty.
     pub(crate) fn list<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         values.extend(self.read(&kind, None).into_iter().flatten());
         self.tell(&kind, Some(values), Need::Optional);
     }
 
-    /// Values that others replace; left out where there are none.
+    /// Values that replace the existing ones; not printed if empty.
     pub(crate) fn items<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         let read = self.read(&kind, None).filter(|read| !read.is_empty());
         read.into_iter().for_each(|read| *values = read);
         self.tell(&kind, Some(values), Need::Optional);
     }
 
-    /// `true`, or left out.
+    /// Flag, printed only if true.
     pub(crate) fn flag(mut self, value: &mut bool) {
         *value = self.read(&Flag, None).unwrap_or(*value);
         self.tell(&Flag, Some(&*value).filter(|value| **value), Need::Optional);
@@ -289,7 +290,7 @@ impl Key<'_, '_> {
         kind.read(At { reader, section, key: self.name }, old)
     }
 
-    /// Prints the value where there is one, or describes what it may be.
+    /// Prints the value if there is one, or describes it in the schema.
     fn tell<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
         match &mut self.keys.walk {
             Walk::Read(..) => {}
@@ -327,7 +328,7 @@ fn is_empty(value: &Value) -> bool {
     }
 }
 
-/// A schema that allows `null`, too.
+/// Schema that also allows `null`.
 fn or_null(mut schema: Json) -> Json {
     match schema.get("type").cloned() {
         Some(kind) => {
@@ -338,12 +339,12 @@ fn or_null(mut schema: Json) -> Json {
     }
 }
 
-/// The table that says what `form` says.
+/// Table of `form`, without default values.
 pub(crate) fn print<F: Form>(form: &F) -> Table {
     print_beside(|keys| form.clone().keys(keys), |keys| form.bare().keys(keys))
 }
 
-/// The table with the keys that `declare` declares, but for those that say the same in the `bare` form.
+/// Table of the keys that `declare` declares, without those that have the same value in the `bare` form.
 pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnce(&mut Keys<'_>)) -> Table {
     let usual = print_table(None, bare);
     print_table(Some(usual), declare)
@@ -371,18 +372,18 @@ fn describe(
     }
 }
 
-/// The schema of the form that `declare` declares.
+/// Schema of the form that `declare` declares.
 pub(crate) fn schema(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
     describe(generator, Description::default(), declare).schema()
 }
 
-/// A reference to the form that `declare` declares, among the definitions of the schema.
+/// Reference to the schema of the form that `declare` declares, which is added to the definitions.
 pub(crate) fn reference(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
     let description = describe(generator, Description::default(), declare);
     definition(generator, description.name, |_| description.schema())
 }
 
-/// A reference to the definition `name` of the schema, which `make` describes.
+/// Reference to the definition `name` of the schema; `make` creates the definition.
 pub(crate) fn definition(
     generator: &mut SchemaGenerator,
     name: &str,
@@ -396,12 +397,12 @@ pub(crate) fn definition(
 }
 
 impl Reader {
-    /// Reads a table on top of what `form` says without it; `None` where something is missing that is required.
+    /// Reads a table, with `form` as defaults; `None` if a required key is missing.
     pub(crate) fn form<F: Form>(&mut self, section: Section<'_, '_>, mut form: F) -> Option<F> {
         self.table(section, |keys| form.keys(keys)).then_some(form)
     }
 
-    /// Reads the keys that `declare` declares and reports all others; false where something is missing that is required.
+    /// Reads the keys that `declare` declares and reports all others; returns false if a required key is missing.
     pub(crate) fn table(&mut self, section: Section<'_, '_>, declare: impl FnOnce(&mut Keys<'_>)) -> bool {
         let mut keys = Keys::new(Walk::Read(self, section));
         declare(&mut keys);

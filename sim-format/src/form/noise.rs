@@ -1,4 +1,4 @@
-//! Noise profiles: a preset, and what is different from it.
+//! Noise profiles: a preset, and the differences from it.
 
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ impl Reader {
 impl Form for NoiseSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ProfileForm", "A noise profile in place: a preset, and what is different from it.");
-        // Always: a file is known by it to be a profile.
+        // Always printed: the key marks a file as a profile.
         keys.key("base", "What it starts from; `none` if left out.").always(BASE, &mut self.base);
         let entries = &mut self.entries;
         let about = [
@@ -118,11 +118,11 @@ const BASE: Custom<Preset> = Custom {
     },
 };
 
-/// The numbers of a section.
+/// Parameters of a section.
 struct Errors(NoiseSection);
 
 impl Errors {
-    /// The keys that the section has.
+    /// Keys of the section.
     fn quantities(&self) -> Vec<(&'static str, &'static Quantity)> {
         fn of<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static Quantity)> {
             keys.iter().map(|key| (key.name, &key.quantity))
@@ -161,7 +161,7 @@ impl Kind<Vec<NoiseEntry>> for Errors {
         let quantities: BTreeMap<&str, &Quantity> = self.quantities().into_iter().collect();
         let number = |entry: &NoiseEntry| match quantities.get(entry.key) {
             Some(quantity) => shortest(entry.value / quantity.si(1.0), |number| quantity.si(number) == entry.value),
-            // A reader gives no key that its section has not.
+            // The reader admits only keys of the section.
             None => entry.value,
         };
         let own = entries.iter().filter(|entry| entry.section == self.0);
@@ -182,7 +182,7 @@ impl Kind<Vec<NoiseEntry>> for Errors {
     }
 }
 
-/// The numbers of single sensors.
+/// Parameters of individual sensors.
 const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
     read: |at| {
         let mut entries = Vec::new();

@@ -1,4 +1,4 @@
-//! Types of objects: all that an `.esObj` can say.
+//! Object types, with all properties of an `.esObj`.
 
 use super::kind::{Bounded, PART, PARTS, Shades, TEXT, Word, Words};
 use super::sensor::PLACE;
@@ -50,7 +50,7 @@ impl Form for ObjectType {
     }
 }
 
-/// What range sensors in space see of an object.
+/// Shape of an object that 3D range sensors see.
 #[derive(Clone, Copy, PartialEq)]
 enum Sight {
     Colliders,

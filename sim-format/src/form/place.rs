@@ -1,4 +1,4 @@
-//! What stands in a scene: robots, alone and in groups, objects, starts and markers.
+//! Entities of a scene: robots, alone and in groups, objects, starts and markers.
 
 use glam::DVec2;
 use schemars::SchemaGenerator;
@@ -17,20 +17,20 @@ use crate::table::{Reader, Section};
 use sim_core::RobotId;
 use sim_core::pose::{Heading, Pose};
 
-/// Robots that a scene may have at most.
+/// Greatest number of robots in a scene.
 pub(crate) const MAX_ROBOTS: u32 = 100_000;
 
-/// Extensions of files that are robot types, and of those that are object types.
+/// Extensions of files with robot types, and of files with object types.
 const ROBOT_FILES: TypeName = TypeName(&["robi"]);
 const OBJECT_FILES: TypeName = TypeName(&["esobj", "obj", "ms3d", "iv"]);
 
-/// Colour of a marker that does not say: red, as in sim files.
+/// Default colour of a marker: red, as in sim files.
 const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
 
 pub(crate) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 const HEADING: Quantity = Quantity::angle("heading");
 
-/// The name of a type, or its file where it ends as these do.
+/// Reference to a type: a file if it ends in one of these extensions, else a name.
 struct TypeName(&'static [&'static str]);
 
 impl Kind<TypeRef> for TypeName {
@@ -49,14 +49,14 @@ impl Kind<TypeRef> for TypeName {
     }
 }
 
-/// A heading with its whole turns.
+/// Heading with its whole turns.
 const FACING: Custom<Heading> = Custom {
     read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
     print: |heading| number::heading(*heading).into(),
     describe: |generator| HEADING.describe(generator),
 };
 
-/// Letters of mazes that a robot may start at.
+/// Letters of maze cells at which a robot may start.
 impl Words for char {
     const NAME: &'static str = "LetterForm";
     const ABOUT: &'static str = "A start letter.";
@@ -69,7 +69,7 @@ impl Words for char {
     ];
 }
 
-/// Texts, each of which may be empty.
+/// Array of strings, each of which may be empty.
 const ARGUMENTS: Custom<Vec<String>> = Custom {
     read: |at| Some(at.reader.texts(at.section, at.key)),
     print: |texts| texts.clone().into(),
@@ -117,7 +117,7 @@ impl Form for RobotLine {
     }
 }
 
-/// The keys of a start, as they are printed.
+/// Declares the keys of a start, for printing.
 fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     let pose = match start {
         StartRef::Pose(pose) => Some(*pose),
@@ -150,7 +150,7 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
 }
 
 impl Reader {
-    /// Where a robot or the robots of a group start; `None` if that cannot be read, which has been told.
+    /// Reads the start of a robot or of a group; `None` if it cannot be read, which is already reported.
     fn start<'s>(&mut self, section: &mut Section<'s, 's>) -> Option<StartRef> {
         let has_count = section.has("count");
         let count = self.integer(section, "count", 1, i64::from(MAX_ROBOTS)).map(|count| count as u32);
@@ -183,7 +183,7 @@ impl Reader {
         Some(StartRef::Next)
     }
 
-    /// `x_mm`, `y_mm` and `heading_deg`, which is 0 where it is left out.
+    /// Reads `x_mm`, `y_mm` and `heading_deg` (default 0).
     fn pose(&mut self, section: &mut Section<'_, '_>) -> Option<Pose> {
         let x = self.required(section, "x_mm", &POINT[0]);
         let y = self.required(section, "y_mm", &POINT[1]);
@@ -248,7 +248,7 @@ impl Form for Layout {
     }
 }
 
-/// Two corners of a rectangle; true unless only one of them is there.
+/// Declares two corners of a rectangle; returns true unless only one of them is given.
 fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
     let [mut from, mut to] = [area.map(|[from, _]| from), area.map(|[_, to]| to)];
     let mut is_said = false;

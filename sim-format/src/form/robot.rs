@@ -1,4 +1,4 @@
-//! Types of robots: all that a robi with its companion can say.
+//! Robot types, with all properties of a robi and its companion.
 
 use schemars::SchemaGenerator;
 use serde_json::Value as Json;
@@ -15,7 +15,7 @@ use crate::robi::{drive_devices, usual_wheelbase};
 use crate::spec::{LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
 use sim_core::drive::DriveKind;
 
-/// Most links of a robot: none needs a tenth of them.
+/// Greatest number of links of a robot, more than ten times what any robot needs.
 const MAX_LINKS: usize = 256;
 
 impl Form for RobiSpec {
@@ -56,7 +56,7 @@ impl Form for RobiSpec {
     }
 }
 
-/// The keys of a companion but for the PSDs.
+/// Declares the keys of a companion except for the PSDs.
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("body", "Mass and traction.").always(PartOf(body_table), robi);
     keys.key("drive", "The drive.").always(PartOf(drive_keys), robi);
@@ -64,14 +64,14 @@ pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     devices(keys, robi);
 }
 
-/// What devices sit on, and what it stands on.
+/// Declares the body's surface, the links that sensors are mounted on, and the legs.
 fn frame(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("surface", "How the body reflects.").optional(PART, &mut robi.surface);
     keys.key("link", "Links: parts that sensors sit on.").list(LINKS, &mut robi.links);
     legs(keys, robi);
 }
 
-/// Its devices but for the PSDs.
+/// Declares all devices except for the PSDs.
 fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     ranges(keys, &mut robi.ranges);
     keys.key("camera", "The camera.").maybe(PART, &mut robi.camera);
@@ -136,12 +136,12 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     drive_keys(robi, keys);
 }
 
-/// The wheelbase of a type that does not say.
+/// Default wheelbase of a robot type.
 fn wheelbase_of(robi: &RobiSpec) -> f64 {
     usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track)
 }
 
-/// What a drive has besides its kind and its devices.
+/// Declares the keys of a drive other than its kind and its devices.
 fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     let usual = wheelbase_of(robi);
     let drive = &mut robi.drive;
@@ -178,7 +178,7 @@ impl Form for MotorSpec {
     }
 }
 
-/// As many motors as the drive has.
+/// The motors of a drive, with their number.
 struct Motors(usize);
 
 impl Kind<Vec<MotorSpec>> for Motors {
@@ -205,7 +205,7 @@ impl Kind<Vec<MotorSpec>> for Motors {
     }
 }
 
-/// Links, of which no robot has too many.
+/// Links, up to the greatest number.
 const LINKS: Custom<Vec<LinkSpec>> = Custom {
     read: |at| {
         let At { reader, section, key } = at;

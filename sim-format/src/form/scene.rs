@@ -1,4 +1,4 @@
-//! Scenes: what one says about its run, and what it holds.
+//! Scenes: settings of the run, and content.
 
 use std::collections::BTreeSet;
 
@@ -76,14 +76,14 @@ impl Form for RunSpec {
     }
 }
 
-/// A seed: TOML has none above 2^63 - 1.
+/// Seed; TOML integers end at 2^63 - 1.
 const SEED: Custom<u64> = Custom {
     read: |at| at.reader.integer(at.section, at.key, 0, i64::MAX).map(i64::unsigned_abs),
     print: |seed| (*seed as i64).into(),
     describe: |_| json!({ "type": "integer", "format": "int64", "minimum": 0 }),
 };
 
-/// A span of time that is a whole number of microseconds.
+/// Duration in whole microseconds.
 struct WholeMicros(Quantity);
 
 impl Kind<Time> for WholeMicros {
@@ -91,7 +91,7 @@ impl Kind<Time> for WholeMicros {
         let At { reader, section, key } = at;
         let seconds = reader.number(section, key, &self.0)?;
         let micros = (seconds * 1e6).round();
-        // Closer than any decimal of a ms that is meant as something else.
+        // Smaller than any deviation written on purpose in decimal milliseconds.
         if (seconds * 1e6 - micros).abs() > 1e-5 {
             let span = reader.key_span(section, key);
             let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);
@@ -119,7 +119,7 @@ const UNTIL: Custom<Time> = Custom {
     describe: |generator| END.describe(generator),
 };
 
-/// A cost table: a file, or in place.
+/// Cost table: a file, or inline.
 const COSTS: Custom<CostsRef> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
@@ -153,7 +153,7 @@ impl Form for CostTable {
     }
 }
 
-/// The costs of a generation of the API.
+/// Costs of one generation of the API.
 struct CostsOf(&'static str);
 
 impl Kind<Vec<CostEntry>> for CostsOf {
@@ -214,14 +214,14 @@ impl Words for Medium {
     ];
 }
 
-/// A type of a scene.
+/// Entry of a type in a scene.
 enum TypeEntry<F> {
     File(PathRef),
-    /// In place, with the places of its table and of its name.
+    /// Inline type, with the spans of its table and of its name.
     Inline(F, Span, Span),
 }
 
-/// Types of a scene.
+/// Array of the types of a scene.
 struct Types;
 
 impl<F: Form> Kind<Vec<TypeEntry<F>>> for Types {
@@ -254,7 +254,7 @@ impl Reader {
         self.form(section, F::usual()).map(|form| TypeEntry::Inline(form, span, name))
     }
 
-    /// A type that is a file has no other keys.
+    /// Reports other keys beside `file` in an entry.
     fn alone(&mut self, section: &Section<'_, '_>) {
         for (key, _) in section.table {
             if key.get_ref() != "file" {
@@ -265,7 +265,7 @@ impl Reader {
         }
     }
 
-    /// Takes the types of a scene apart; those of a name that an earlier one has are reported and left out.
+    /// Splits the types of a scene into files and inline types; drops and reports a type whose name an earlier one has.
     fn split<F>(
         &mut self,
         types: Vec<TypeEntry<F>>,
@@ -280,7 +280,7 @@ impl Reader {
                 TypeEntry::Inline(mut form, span, name_span) => {
                     let (name, file) = name_and_file(&mut form);
                     if names.insert(name.to_owned()) {
-                        // No two types have the same.
+                        // Unique for each inline type.
                         *file = format!("{}#{}", self.sink.file(), name.replace(['/', '\\'], "_"));
                         inline.push((form, span));
                     } else {
@@ -294,13 +294,13 @@ impl Reader {
     }
 }
 
-/// The types of a scene: files first.
+/// Entries of a scene's types: files first.
 fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
     let files = files.iter().cloned().map(TypeEntry::File);
     files.chain(inline.iter().map(|(form, span)| TypeEntry::Inline(form.clone(), *span, Span::default()))).collect()
 }
 
-/// Robot types, object types and robots.
+/// Declares robot types, object types and robots.
 fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     let mut robot_types = entries(&sim.robot_types, &sim.inline.robot_types);
     let mut object_types = entries(&sim.object_types, &sim.inline.object_types);

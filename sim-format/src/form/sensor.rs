@@ -1,4 +1,4 @@
-//! Where devices sit, and the sensors of distance.
+//! Mounting poses of devices, and distance sensors.
 
 use std::mem::discriminant;
 
@@ -18,16 +18,16 @@ use crate::spec::{
 use sim_core::sensor::{Echo, RangeModel, SideLobes, Sonar};
 use sim_core::unit::mm_from_metres;
 
-/// Greatest number of a bus: a robot has more than one microcontroller for its sonars, but hardly a hundred.
+/// Greatest bus number: a robot has several microcontrollers for its sonars, but hardly a hundred.
 const MAX_BUS: i64 = 100;
-/// Most rays of a sonar's fan.
+/// Greatest number of rays of a sonar.
 const MAX_RAYS: i64 = 4096;
 
 const PITCH: Quantity = Quantity::angle("pitch");
 pub(crate) const PLACE: [Quantity; 3] =
     [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::coordinate("z")];
 
-/// Name and number of a device.
+/// Declares name and number of a device.
 pub(crate) fn device(keys: &mut Keys<'_>, about: &'static str, name: &mut String, id: &mut Option<i32>) {
     keys.key("name", about).required(TEXT, name);
     number(keys, id);
@@ -38,14 +38,14 @@ pub(crate) fn number(keys: &mut Keys<'_>, id: &mut Option<i32>) {
     keys.key("id", "Its number for programs; that of `hdt_sem.h` if left out.").maybe(any, id);
 }
 
-/// Place of a device on the body.
+/// Declares the position of a device on the body.
 pub(crate) fn position(keys: &mut Keys<'_>, [x, y, z]: [Quantity; 3], position: &mut DVec3) {
     keys.key("x_mm", "Place forward of the robot's centre in mm; 0 if left out.").optional(x, &mut position.x);
     keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
     keys.key("z_mm", "Height in mm; 0 if left out.").optional(z, &mut position.z);
 }
 
-/// A pose in space on the body or on a link.
+/// Declares a 3D pose on the body or on a link.
 fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
     let MountSpec { on, position, roll, pitch, yaw } = mount;
     let [x, y, z] = PLACE;
@@ -62,7 +62,7 @@ fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
     keys.key("yaw_deg", "Turn to the left in degrees, the third; 0 if left out.").optional(Quantity::angle("yaw"), yaw);
 }
 
-/// The link that something sits on.
+/// Declares the link that a device is mounted on.
 pub(crate) fn link_of(keys: &mut Keys<'_>, on: &mut Option<PathRef>) {
     keys.key("on", "The link that it sits on; `body` if left out.").maybe(TEXT, on);
     on.take_if(|link| link.text == BODY);
@@ -131,7 +131,7 @@ impl Form for PsdSpec {
 
 pub(crate) const RANGE_OF_PSDS: Quantity = Quantity::size("range of the PSDs");
 
-/// What a companion says of a PSD of the robi.
+/// Declares a companion's keys for a PSD of the robi.
 pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
     keys.key("range_mm", "Range in mm.").always(RANGE_OF_PSDS, &mut psd.range);
     keys.key("pitch_deg", "Angle of the beam upwards in degrees.").optional(PITCH, &mut psd.pitch);
@@ -155,7 +155,7 @@ impl Form for LidarSpec {
     }
 }
 
-/// The word for a kind of range sensor: its table in TOML.
+/// Name of the TOML table for a kind of range sensor.
 pub(crate) fn model_name(model: &RangeModel) -> &'static str {
     match model {
         RangeModel::Psd { .. } => "psd",
@@ -166,7 +166,7 @@ pub(crate) fn model_name(model: &RangeModel) -> &'static str {
     }
 }
 
-/// The range sensors beside the PSDs, each kind in tables of its own.
+/// Declares the range sensors other than PSDs, one array of tables per kind.
 pub(crate) fn ranges(keys: &mut Keys<'_>, ranges: &mut Vec<RangeSpec>) {
     keys.key("laser", "Laser range finders.").list(Ranges(RangeModel::Laser(Echo::LASER)), ranges);
     keys.key("ultrasonic", "Ultrasonic range sensors with one ray.")
@@ -176,7 +176,7 @@ pub(crate) fn ranges(keys: &mut Keys<'_>, ranges: &mut Vec<RangeSpec>) {
         .list(Ranges(RangeModel::Sonar(Sonar::srf08())), ranges);
 }
 
-/// Range sensors of one kind, with what they are where they say nothing.
+/// Range sensors of one kind, with the model as their default.
 struct Ranges(RangeModel);
 
 impl Ranges {
@@ -280,7 +280,7 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
     keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
 }
 
-/// Least and greatest distance. Two that leave nothing between them are reported and change nothing.
+/// Declares least and greatest distance. A pair that leaves an empty range is reported and ignored.
 fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 2]) {
     let usual = [*min, *max];
     keys.key("min_mm", about[0]).optional(Bounded(Quantity::length("least distance")), min);
@@ -297,7 +297,7 @@ fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 
     }
 }
 
-/// Sonars whose values are known.
+/// Sonar models with built-in parameters.
 #[derive(Clone, Copy, PartialEq)]
 enum SonarPreset {
     Srf08,

@@ -1,4 +1,4 @@
-//! Shapes and looks of bodies.
+//! Shapes and appearance of bodies.
 
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ impl Form for ModelSpec {
     }
 }
 
-/// How a mesh is turned.
+/// Declares the rotation of a mesh.
 pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
     keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").optional(TURNS, turns);
 }
@@ -51,7 +51,7 @@ impl Form for Collider {
                 keys.key("height_mm", "Its full length in mm, with the half spheres.")
                     .required(Quantity::size("height"), height);
                 keys.key("axis", "Along which it lies; z if left out.").always(Word, axis);
-                // A shorter one is a sphere, as in robi files.
+                // A shorter one becomes a sphere, as in robi files.
                 *height = height.max(2.0 * *width);
             }
             Self::Cylinder { radius: width, height, .. } => {

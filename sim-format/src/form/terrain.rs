@@ -1,4 +1,4 @@
-//! The terrain of a world: a mesh, an image, a function with a seed, or blocks and stairs.
+//! Terrain of a world: a mesh, an image, a function with a seed, or blocks and stairs.
 
 use glam::DVec2;
 use schemars::SchemaGenerator;
@@ -21,13 +21,13 @@ use crate::spec::{
 use crate::table::{Reader, Section};
 use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, Relief, Stairs, Steps, Way};
 
-/// Keys that say what a terrain is made from.
+/// Keys that select the source of a terrain.
 const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
-/// Keys of boulders.
+/// Keys of the function for boulders.
 const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
-/// Directions in which stairs go up, in the order of [`Way::ALL`].
+/// Directions in which stairs rise, in degrees, in the order of [`Way::ALL`].
 const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
-/// One of those keys for each way of making a terrain, and what that is.
+/// A key of each way to define a terrain, and its description.
 const ABOUT: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
     ("image", "A grey image."),
@@ -37,7 +37,7 @@ const ABOUT: [(&str, &str); 4] = [
 const DIRECTION: Quantity = Quantity::number("direction", -360.0, 360.0);
 const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
 
-/// `terrain = "FILE"`, or a table; the floor is as large as a terrain that does not say.
+/// `terrain = "FILE"`, or a table; the floor's size is the default size of a terrain.
 pub(crate) struct Terrain(pub(crate) DVec2);
 
 impl Kind<TerrainSpec> for Terrain {
@@ -86,7 +86,7 @@ impl Kind<TerrainSpec> for Terrain {
 }
 
 impl Terrain {
-    /// A terrain that is made from what this key says.
+    /// Default terrain of the kind selected by this key.
     fn shape(&self, kind: &str) -> TerrainShape {
         let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
         match kind {
@@ -118,7 +118,7 @@ fn terrain_keys(shape: &mut TerrainShape, keys: &mut Keys<'_>) {
 }
 
 impl Reader {
-    /// The key that says what the terrain is made from; `None`, with an error, where two of them do not go together.
+    /// The key that selects the source of the terrain; `None`, with an error, if two keys conflict.
     fn terrain_kind(&mut self, section: &Section<'_, '_>) -> Option<&'static str> {
         let mut kinds = KINDS.into_iter().filter(|kind| section.has(kind));
         let first = kinds.next().unwrap_or("file");
@@ -146,7 +146,7 @@ fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, scale);
 }
 
-/// Where a terrain lies: the corner with the least x and y, and its extent from there.
+/// Declares the extent of a terrain: the corner with the least x and y, and the size from there.
 fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
     let mut offset = origin.extend(*base);
     keys.key("offset_mm", about).optional(PLACE, &mut offset);
@@ -200,7 +200,7 @@ fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
     keys.key("clear", "Discs in which the ground is level and low.").list(PARTS, clear);
 }
 
-/// A function of places and a seed.
+/// Kind of a terrain function.
 #[derive(Clone, Copy, PartialEq)]
 enum Function {
     Hills,
@@ -214,7 +214,7 @@ impl Words for Function {
         &[(Function::Hills, "hills", "A smooth relief."), (Function::Boulders, "boulders", "The same with boulders.")];
 }
 
-/// A least and a greatest value.
+/// A minimum and a maximum.
 struct Between(Quantity);
 
 impl Kind<[f64; 2]> for Between {
@@ -254,7 +254,7 @@ fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
     let Steps { origin, size, base, stairs, blocks } = steps;
     let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
     extent(keys, about, (origin, base), size);
-    // Without blocks it tells what the terrain is made from.
+    // Without blocks the key selects the source of the terrain, so that it must be there.
     let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
     keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
     *stairs = flights.unwrap_or_default();
@@ -281,7 +281,7 @@ impl Form for Stairs {
     }
 }
 
-/// A direction in degrees along an axis.
+/// Direction along an axis, in degrees.
 const QUARTER_TURN: Custom<Way> = Custom {
     read: |at| {
         let At { reader, section, key } = at;

@@ -1,4 +1,4 @@
-//! The world of a scene: a file, or described in place by walls or by the drawing of a maze.
+//! World of a scene: a file, or inline by walls or by the drawing of a maze.
 
 use glam::DVec2;
 
@@ -14,12 +14,12 @@ use crate::spec::{
     DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
 };
 
-/// Keys that describe a world by its walls.
+/// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
-/// Keys that describe a world in place.
+/// Keys that describe an inline world.
 const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
 
-/// The world of a scene as its table says it.
+/// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
 pub(crate) struct World {
     file: Option<PathRef>,
@@ -31,7 +31,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    /// The world of `sim`: drawn where it is a maze that a drawing gives back, else by its walls.
+    /// The world of `sim`: as a drawing if it is a maze that a drawing reproduces, else by its walls.
     pub(crate) fn of(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
             (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
@@ -59,7 +59,7 @@ impl World {
         }
     }
 
-    /// What was read becomes the world of `sim`.
+    /// Stores the result of reading as the world of `sim`.
     pub(crate) fn put_into(self, sim: &mut SimSpec) {
         if self.is_in_place {
             sim.inline.world = Some(self.spec);
@@ -153,7 +153,7 @@ impl Words for WorldKind {
         &[(WorldKind::World, "world", "As a `.wld`."), (WorldKind::Maze, "maze", "As a `.maz`.")];
 }
 
-/// What only cameras see of a world.
+/// Declares properties of a world that only cameras see.
 fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
     keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Shades, &mut looks.colour);
     keys.key("light", "The light that cameras see by.")

@@ -1,11 +1,11 @@
-//! What is wrong in a mesh or material file: one diagnostic for each kind of mistake, however many lines share it.
+//! Mistakes in a mesh or material file: one diagnostic per kind, however many lines have it.
 
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::line::Line;
 use crate::{Code, Span};
 
-/// Mistakes of one file. A mesh of a hundred thousand faces repeats its mistake in each; the first is told and the others
-/// counted.
+/// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported, with the
+/// count of the others.
 pub(super) struct Faults {
     file: String,
     kinds: Vec<Kind>,
@@ -24,7 +24,7 @@ impl Faults {
         Self { file: file.to_owned(), kinds: Vec::new() }
     }
 
-    /// A line that is left out, or read as far as it goes.
+    /// Records a line that is skipped or read in part.
     pub(super) fn warn(
         &mut self,
         code: Code,

@@ -1,14 +1,14 @@
-//! Looks of bodies: meshes with their materials and images.
+//! Appearance of bodies: meshes with their materials and images.
 //!
-//! Nothing here can stop a scene: what is missing or broken is warned about, and the body is shown in its own shape. `check`,
-//! pictures and cameras read them through [`MeshReader`]. A run without a camera reads only those meshes that range sensors
-//! see, and cannot do without them ([`super::load`]).
+//! No mistake here stops a scene: missing or broken files give a warning, and the body is shown in its own shape. `check`,
+//! pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the meshes that range sensors
+//! see; those are indispensable ([`super::load`]).
 //!
 //! # Frames
 //! The numbers of an OBJ file are right-handed: x left, y up, z forward. EyeSim VR works in the left-handed frame of its
-//! graphics library (X right, Y up, Z forward) and turns the sign of x on reading; offset and turns of a `model` line are
-//! in that frame, the turn about Z first, then X, then Y, each clockwise as seen against its axis. Here a body's x is forward,
-//! y left and z up, so that a mesh's point (x, y, z) lies at (z, x, y) in the body if the line turns nothing.
+//! graphics library (X right, Y up, Z forward) and inverts x on reading; offset and rotation of a `model` line are
+//! in that frame: first about Z, then X, then Y, each clockwise as seen against its axis. Here a body's x is forward,
+//! y left and z up, so that a mesh's point (x, y, z) lies at (z, x, y) in the body if the line has no rotation.
 
 mod faults;
 mod mtl;
@@ -30,36 +30,36 @@ use super::{Code, Files, InputFile, Span, path};
 use sim_core::build::MeshSource;
 use sim_core::scene::{Material, Mesh, Texture};
 
-/// What is shown where a mesh is not.
+/// Fallback for a missing mesh, for messages.
 const SHAPE: &str = "the body's own shape is shown instead";
 
-/// What follows where range sensors see the mesh.
+/// Consequence if range sensors need the mesh, for messages.
 const SEEN: &str = "range sensors cannot do without it";
 
-/// Metres per unit of the mesh of a robot, which has no scale of its own.
+/// Metres per unit of a robot's mesh, which has no scale of its own.
 const ROBOT_SCALE: f64 = 1.0;
 
-/// Reads meshes and images, each once however many bodies they show.
+/// Reads meshes and images, each once however many bodies use it.
 pub struct MeshReader<'a> {
     loader: Loader<'a>,
-    /// By the file that mentions it and what it says.
+    /// By the file that refers to the mesh and the text of the reference.
     meshes: BTreeMap<(String, String), Option<Arc<Mesh>>>,
-    /// By the path at which it was found.
+    /// By the path of the image.
     textures: BTreeMap<String, Option<Arc<Texture>>>,
 }
 
 impl<'a> MeshReader<'a> {
-    /// A reader that takes its files from `files`.
+    /// Creates a reader on the file system `files`.
     pub fn new(files: &'a dyn Files) -> Self {
         Self { loader: Loader::new(files), meshes: BTreeMap::new(), textures: BTreeMap::new() }
     }
 
-    /// What was wrong in the files read, and the files.
+    /// Mistakes in the files that were read, and these files.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<InputFile>) {
         (self.loader.diagnostics, self.loader.inputs)
     }
 
-    /// `without` says what happens where there is none.
+    /// Reads a mesh; `without` is the consequence of a missing one, for messages.
     fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Arc<Mesh>> {
         let key = (file.to_owned(), model.path.text.clone());
         if let Some(known) = self.meshes.get(&key) {
@@ -102,10 +102,10 @@ impl<'a> MeshReader<'a> {
         Some(Mesh { positions: obj.positions, triangles: obj.triangles, materials })
     }
 
-    /// The materials that the faces name, in the order of their numbers.
+    /// Materials of the faces, in the order of their numbers.
     fn materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
         let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
-        // The file of each entry, against which its image is looked for.
+        // File of each entry; the reference to its image is relative to it.
         let mut homes: BTreeMap<String, String> = BTreeMap::new();
         let mut is_complete = true;
         for library in &obj.libraries {
@@ -124,7 +124,7 @@ impl<'a> MeshReader<'a> {
         let mut materials = Vec::with_capacity(obj.materials.len());
         for (name, span) in &obj.materials {
             let Some(entry) = entries.get(name) else {
-                // A missing file has been told.
+                // A missing file is already reported.
                 if is_complete && !name.is_empty() {
                     let message = format!("there is no material `{name}`; grey is shown instead");
                     self.warn(file, Code::MeshMaterial, *span, message, "a material of the files that `mtllib` names");
@@ -163,7 +163,7 @@ impl<'a> MeshReader<'a> {
         texture
     }
 
-    /// The file that `reference` in `file` names; all that is to be said about it is a warning.
+    /// Finds the file that `reference` in `file` refers to; all diagnostics become warnings.
     fn find(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<(String, Vec<u8>)> {
         let told = self.loader.diagnostics.len();
         let found = self.loader.find(file, path::folder_of(file), reference);
@@ -198,7 +198,7 @@ impl MeshSource for MeshReader<'_> {
     }
 }
 
-/// From the frame of a mesh file to that of the body.
+/// Transform from the frame of a mesh file to that of the body.
 struct Placement {
     rotation: DMat3,
     scale: f64,
@@ -210,7 +210,7 @@ impl Placement {
         let turns = DMat3::from_rotation_y(model.turns.y)
             * DMat3::from_rotation_x(model.turns.x)
             * DMat3::from_rotation_z(model.turns.z);
-        // Columns: where the axes X right, Y up, Z forward lie in the body; then where those of the file lie in these.
+        // Columns are axes: X right, Y up, Z forward in the body frame; then the axes of the file in the graphics frame.
         let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
         let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         Self { rotation: body_from_graphics * turns * graphics_from_file, scale, offset: model.offset }

@@ -1,4 +1,4 @@
-//! Wavefront MTL: lines `newmtl`, `Kd`, `d`, `Tr`, `map_Kd`. The other lines tell a renderer more than ours use.
+//! Wavefront MTL: lines `newmtl`, `Kd`, `d`, `Tr`, `map_Kd`. Our renderer does not use the other lines.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use crate::spec::PathRef;
 use crate::{Code, Diagnostic};
 use sim_core::scene::Material;
 
-/// Materials that a file may have.
+/// Greatest number of materials in a file.
 const MAX_MATERIALS: usize = 10_000;
 
-/// Options of `map_Kd` before the name of the image, with the greatest number of words that each takes.
+/// Options of `map_Kd` before the name of the image, with their greatest number of words.
 const OPTIONS: [(&str, usize); 10] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -26,14 +26,14 @@ const OPTIONS: [(&str, usize); 10] = [
     ("-texres", 1),
 ];
 
-/// A material with the image that is still to be read.
+/// Material, with a reference to an image that is not yet read.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) material: Material,
     pub(super) image: Option<PathRef>,
 }
 
-/// The materials by name; of several with one name the first counts.
+/// Reads materials by name; the first of several with one name counts.
 pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
     let mut faults = Faults::new(file);
@@ -67,7 +67,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
     let read = match keyword {
         "Kd" => {
             let parts: Vec<Option<f32>> = rest.split_whitespace().map(part).collect();
-            // One number means the same for all three.
+            // A single number applies to all three channels.
             match parts[..] {
                 [Some(grey)] => entry.material.colour = [grey; 3],
                 [Some(red), Some(green), Some(blue), ..] => entry.material.colour = [red, green, blue],
@@ -88,7 +88,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
         _ => return,
     };
     match read {
-        // Exporters of robot models write 0 for materials that they show as solid.
+        // Exporters of robot models write 0 for opaque materials.
         Some(0.0) => entry.material.opacity = 1.0,
         Some(opacity) => entry.material.opacity = opacity,
         None => complain(faults, line),
@@ -100,7 +100,7 @@ fn complain(faults: &mut Faults, line: &Line<'_>) {
     faults.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
 }
 
-/// The name of an image, which may have blanks, behind the options.
+/// Name of an image, possibly with blanks, after the options.
 fn without_options(mut rest: &str) -> &str {
     loop {
         let (word, after) = split_word(rest);

@@ -1,8 +1,8 @@
-//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Lines of other kinds say nothing about triangles.
+//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Lines of other kinds do not concern triangles.
 //!
-//! Our own reader; the tests compare it with `tobj` 4 on good files. That one is not used for real ones: `Kd` with one number
-//! panics there, numbers of `vt` that are out of range overflow, corners with and without `vt` in one object shift the places in
-//! the image of all that follow, the first mistake ends the file, and no mistake has a line.
+//! Our own reader; the tests compare it with `tobj` 4 on valid files. `tobj` is not used for real files: `Kd` with one number
+//! makes it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture
+//! coordinates of all later corners, reading stops at the first mistake, and errors carry no line number.
 
 use std::collections::BTreeMap;
 
@@ -14,25 +14,25 @@ use crate::spec::{MAX_LENGTH, PathRef};
 use crate::{Code, Diagnostic, Span};
 use sim_core::scene::Triangle;
 
-/// Triangles, and entries of each list, that a mesh may have: a hundred times what models of robots have.
+/// Greatest number of triangles, and of entries in each list: a hundred times that of typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
 const FACE: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
 
-/// What a file says, with its corners put into the body's frame.
+/// Content of a file, with its corners transformed into the body frame.
 #[derive(Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<DVec3>,
     pub(super) triangles: Vec<Triangle>,
-    /// Names of the materials in the order of the triangles' numbers, and where each is first asked for.
+    /// Names of the materials in the order of the triangles' numbers, with the span of the first use.
     pub(super) materials: Vec<(String, Span)>,
     /// The material files.
     pub(super) libraries: Vec<PathRef>,
-    /// True when the file has more than [`MAX_COUNT`] of something; what follows was not read.
+    /// The file has more than [`MAX_COUNT`] of some element; the rest was not read.
     pub(super) is_too_large: bool,
 }
 
-/// Reads the text of the file called `file`. `place` puts a point of the file into the body's frame, `turn` a direction.
+/// Reads the text of the file called `file`. `place` transforms a point of the file into the body frame, `turn` a direction.
 pub(super) fn read_obj(
     file: &str,
     text: &str,
@@ -75,17 +75,17 @@ pub(super) fn read_obj(
 
 struct Reader {
     faults: Faults,
-    /// `None` for lines that could not be read: they keep their number.
+    /// `None` for lines that could not be read, so that later ones keep their numbers.
     positions: Vec<Option<DVec3>>,
     uvs: Vec<Option<Vec2>>,
     normals: Vec<Option<Vec3>>,
-    /// Number of the material that is in force.
+    /// Number of the current material.
     material: Option<u32>,
     numbers_of_materials: BTreeMap<String, u32>,
     obj: Obj,
 }
 
-/// A corner of a face: its place, and what it adds for looks.
+/// Corner of a face: position, texture coordinates and normal.
 #[derive(Clone, Copy)]
 struct Corner {
     position: u32,
@@ -111,7 +111,7 @@ impl Reader {
         counts.iter().any(|count| *count > MAX_COUNT)
     }
 
-    /// The first `N` numbers of a line; a fault if there are fewer or one is not finite.
+    /// The first `N` numbers of a line; reports missing and non-finite ones.
     fn numbers<const N: usize>(&mut self, line: &Line<'_>, rest: &str) -> Option<[f64; N]> {
         let mut numbers = [0.0; N];
         let mut words = rest.split_whitespace();
@@ -127,7 +127,7 @@ impl Reader {
         Some(numbers)
     }
 
-    /// The triangles of a face: a fan about its first corner.
+    /// Splits a face into triangles: a fan about its first corner.
     fn face(&mut self, line: &Line<'_>, rest: &str) {
         let (mut first, mut last, mut count) = (None, None, 0);
         let start = self.obj.triangles.len();
@@ -152,7 +152,7 @@ impl Reader {
         }
     }
 
-    /// A corner of a face; `None`, with a fault, if there is none.
+    /// Corner of a face; `None`, with a fault, if it is invalid.
     fn corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
             let message = || format!("`{}` is no corner of a face", shortened(word));
@@ -162,7 +162,7 @@ impl Reader {
         let Some(place) = place_in_list(position, self.positions.len()) else {
             return self.not_there(line, word, "v", self.positions.len());
         };
-        // A corner whose `v` could not be read takes its faces with it.
+        // Faces with a corner whose `v` could not be read are dropped.
         self.positions[place]?;
         let uv = uv.and_then(|number| match place_in_list(number, self.uvs.len()) {
             Some(place) => self.uvs[place],
@@ -175,7 +175,7 @@ impl Reader {
         Some(Corner { position: place as u32, uv, normal })
     }
 
-    /// A fault; nothing in place of what is not there.
+    /// Records a reference to a missing entry and returns `None`.
     fn not_there<T>(&mut self, line: &Line<'_>, word: &str, keyword: &str, count: usize) -> Option<T> {
         let message = || format!("corner `{}` names none of the {count} `{keyword}` before it", shortened(word));
         self.faults.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
@@ -184,7 +184,7 @@ impl Reader {
 
     fn triangle(&mut self, line: &Line<'_>, corners: [Corner; 3]) {
         let [a, b, c] = corners.map(|corner| self.positions[corner.position as usize].unwrap_or_default());
-        // Exporters leave triangles without area behind; they show nothing.
+        // Exporters leave invisible triangles of zero area behind.
         if (b - a).cross(c - a).try_normalize().is_none() {
             return;
         }
@@ -212,7 +212,7 @@ impl Reader {
         number
     }
 
-    /// Several files may stand on one line, and a name may have blanks.
+    /// Reads the file names of a line; there may be several, and a name may contain blanks.
     fn libraries(&mut self, line: &Line<'_>, rest: &str) {
         let mut name = String::new();
         for word in rest.split(' ') {
@@ -233,7 +233,7 @@ impl Reader {
     }
 }
 
-/// The numbers in `V`, `V/T`, `V//N` or `V/T/N`; `None` if that is not what the word is.
+/// Indices in `V`, `V/T`, `V//N` or `V/T/N`; `None` for any other word.
 fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
     let mut numbers = [None; 3];
     for (place, part) in word.split('/').enumerate() {
@@ -245,8 +245,8 @@ fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
     Some(numbers)
 }
 
-/// The place in a list of `count` entries that a number of a corner means: 1 is the first, -1 the last. `None` if it means
-/// no entry.
+/// Converts a corner's number to an index in a list of `count` entries: 1 is the first, -1 the last. `None` if it is out of
+/// range.
 fn place_in_list(number: i64, count: usize) -> Option<usize> {
     let place = match number {
         1.. => usize::try_from(number - 1).ok(),
@@ -256,12 +256,12 @@ fn place_in_list(number: i64, count: usize) -> Option<usize> {
     place.filter(|place| *place < count)
 }
 
-/// The first word of a line and what follows.
+/// First word of a line, and the rest.
 pub(super) fn split_word(text: &str) -> (&str, &str) {
     text.split_once(char::is_whitespace).map_or((text, ""), |(word, rest)| (word, rest.trim()))
 }
 
-/// The user's own words, not a whole page of them.
+/// Quotation of the user's text, shortened.
 pub(super) fn shortened(text: &str) -> String {
     const LENGTH: usize = 60;
     if text.chars().count() <= LENGTH {

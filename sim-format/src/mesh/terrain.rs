@@ -1,4 +1,4 @@
-//! Terrains: their height fields and meshes, from what a world says.
+//! Terrains: their height fields and meshes, from the description in a world.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use crate::spec::{TerrainImage, TerrainShape, TerrainSpec, WorldSpec};
 use crate::{InputFile, path};
 use sim_core::scene::{FieldError, HeightField, MAX_CELLS};
 
-/// A picture in shades of grey, 0 to 65535.
+/// Greyscale picture, 0 to 65535.
 struct Grey {
     size: [usize; 2],
     /// Row by row from the top.
     shades: Vec<u16>,
-    /// Whether there was more than shades of grey.
+    /// The file has colours, not only shades of grey.
     has_colours: bool,
 }
 
 impl MeshReader<'_> {
-    /// Makes the surface of a world's terrain; what is wrong is said, and it stays without one then.
+    /// Builds the surface of a world's terrain; on a mistake it is reported and the terrain has no surface.
     pub fn terrain(&mut self, world: &mut WorldSpec) {
         let Some(mut terrain) = world.terrain.take() else { return };
         if let TerrainShape::Mesh { model, scale } = &terrain.shape {
@@ -93,8 +93,8 @@ impl MeshReader<'_> {
 }
 
 impl Grey {
-    /// The shades of an image. Of a colour they are its brightness, (2126 red + 7152 green + 722 blue) / 10000 of the written
-    /// numbers; opacity does not count.
+    /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the stored
+    /// values; opacity is ignored.
     ///
     /// Source: the weights are those of Recommendation ITU-R BT.709.
     fn read(bytes: &[u8]) -> Result<Self, TextureError> {

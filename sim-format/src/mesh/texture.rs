@@ -1,4 +1,4 @@
-//! Images: png, jpg and bmp, told apart by their first bytes.
+//! Images: png, jpg and bmp, identified by their first bytes.
 
 use std::io::Cursor;
 
@@ -6,24 +6,24 @@ use image::{DynamicImage, ImageReader, Limits};
 
 use sim_core::scene::Texture;
 
-/// Pixels that an image may have: 4096 times 4096.
+/// Greatest number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
-/// Bytes that a decoder may ask for, besides the image itself.
+/// Greatest memory that a decoder may allocate in addition to the image, in bytes.
 const MAX_BYTES: u64 = 16 * MAX_PIXELS;
 
-/// Why an image cannot be shown.
+/// Reason why an image cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum TextureError {
-    /// Its kind is not read, or its bytes are no image.
+    /// Unsupported format or invalid data.
     #[error("it is no png, jpg or bmp image that can be read: {0}")]
     Format(String),
-    /// It is too large.
+    /// The image is too large.
     #[error("it has {0} x {1} pixels")]
     Size(u32, u32),
 }
 
-/// The image in `bytes`.
+/// Decodes the image in `bytes` as a texture.
 pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
     let image = decode(bytes)?.into_rgba8();
     let (width, height) = image.dimensions();
@@ -31,7 +31,7 @@ pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
     Texture::new(width, height, pixels).ok_or_else(|| TextureError::Format("it is empty".to_owned()))
 }
 
-/// The image in `bytes`, of whatever kind of pixels.
+/// Decodes the image in `bytes`, with any pixel format.
 pub(super) fn decode(bytes: &[u8]) -> Result<DynamicImage, TextureError> {
     let unreadable = |error: &dyn std::fmt::Display| TextureError::Format(error.to_string());
     let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| unreadable(&error));
@@ -83,7 +83,7 @@ mod tests {
         for bytes in [&b""[..], b"GIF89a", &png[..png.len() / 2], &png[..20], b"BM", b"\xff\xd8\xff"] {
             assert!(matches!(read_texture(bytes), Err(TextureError::Format(_))), "{bytes:?}");
         }
-        // A bmp header that promises 65535 x 65535 pixels.
+        // A bmp header that claims 65535 x 65535 pixels.
         let mut bomb = encoded(ImageFormat::Bmp);
         bomb[18..26].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
         assert_eq!(read_texture(&bomb), Err(TextureError::Size(65535, 65535)));

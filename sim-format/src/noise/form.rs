@@ -1,8 +1,8 @@
-//! What the numbers of a noise profile are, for the schema.
+//! Schema of the sections of a noise profile.
 
 use schemars::JsonSchema;
 
-/// Types of which the schema alone is made: what is printed are tables of the keys that a profile sets.
+/// Defines types that serve only to generate the schema; profiles are printed as tables of the keys that they set.
 macro_rules! sections {
     ($($(#[$about:meta])* $name:ident { $($(#[$meta:meta])* $key:ident: [$min:literal, $max:literal],)+ })+) => {
         $(
@@ -17,7 +17,7 @@ macro_rules! sections {
     };
 }
 
-/// The keys of all sensors of distance, before others.
+/// Defines a section with the keys common to all distance sensors, followed by its own.
 macro_rules! range_section {
     ($(#[$about:meta])* $name:ident { $($(#[$meta:meta])* $key:ident: [$min:literal, $max:literal],)* }) => {
         sections! {

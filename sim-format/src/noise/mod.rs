@@ -1,6 +1,6 @@
-//! Noise profiles: what errors the devices of a robot have.
+//! Noise profiles: error models of a robot's devices.
 //!
-//! A profile starts from a preset and changes some of its numbers, by the kind of the device and then of single sensors. The
+//! A profile starts from a preset and changes some of its parameters, by the kind of the device and then of individual sensors. The
 //! presets are profiles themselves, compiled in.
 
 pub(super) mod form;
@@ -15,19 +15,19 @@ use super::path;
 use super::spec::{LIDAR, NoiseRef, NoiseSection, NoiseSpec, Preset, RobiSpec, RobotSpec};
 use super::table::{Reader, Section};
 
-/// Names that a message lists at most.
+/// Greatest number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// Ending of the names of profiles by which they are known without a look at their content.
+/// Suffix of file names that identifies a profile without reading its content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
 
-/// Names of the presets, from the least errors to the most: none; good devices, well looked after; what data sheets and published
-/// measurements say of devices of this class; bad light, a slippery floor, worn devices.
+/// Names of the presets, from the smallest errors to the largest: none; good, well-maintained devices; data sheets and published
+/// measurements of devices of this class; bad light, a slippery floor, worn devices.
 pub const PRESETS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
-/// The preset of this name.
+/// Preset named `name`.
 pub fn preset(name: &str) -> Option<Preset> {
-    // Its text, like that of all presets, says that it stands on this one.
+    // The text of every preset, this one included, names this preset as its base.
     if name == Preset::default().name {
         return Some(Preset::default());
     }
@@ -36,7 +36,7 @@ pub fn preset(name: &str) -> Option<Preset> {
     Some(Preset { name, entries })
 }
 
-/// The preset of this name as a text, with the reasons for its numbers.
+/// Text of the preset named `name`, with the reasons for its numbers.
 pub fn preset_text(name: &str) -> Option<&'static str> {
     match name {
         "none" => Some(include_str!("none.toml")),
@@ -47,7 +47,7 @@ pub fn preset_text(name: &str) -> Option<&'static str> {
     }
 }
 
-/// True for a TOML file that is a noise profile: its name ends in `.noise.toml`, or it has `base` at its top level.
+/// Returns true for a TOML file that is a noise profile: its name ends in `.noise.toml`, or it has `base` at its top level.
 pub fn is_noise(path: &str, text: &str) -> bool {
     path.to_lowercase().ends_with(NOISE_EXTENSION)
         || path::extension(path) == "toml" && super::table::has_top_key(text, &["base"])
@@ -55,7 +55,7 @@ pub fn is_noise(path: &str, text: &str) -> bool {
 
 /// Reads a noise profile.
 ///
-/// Unknown keys are warned about, and so is an empty profile; a value of the wrong type or out of range is an error.
+/// Unknown keys and an empty profile give a warning; a value of the wrong type or out of range is an error.
 pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     if root.is_empty() && reader.sink.is_empty() {
@@ -67,7 +67,7 @@ pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     (spec, reader.sink.finish())
 }
 
-/// Warnings of profiles that name sensors which none of the robots with the profile has.
+/// Warnings about profiles that name sensors which no robot with the profile has.
 pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
     let mut profiles: Vec<(&Arc<NoiseSpec>, BTreeSet<&str>)> = Vec::new();
     for robot in robots {

@@ -1,4 +1,4 @@
-//! Mazes as drawings.
+//! Printing of mazes as drawings.
 
 use glam::DVec2;
 
@@ -7,14 +7,14 @@ use super::number::written_mm;
 use crate::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
 use crate::{read_maze, same};
 
-/// Cells that a drawing may have.
+/// Greatest number of cells of a drawing.
 const MAX_CELLS: f64 = 1e6;
 
-/// The text of a maze file.
+/// Text of a maze file.
 ///
 /// # Errors
-/// Why the world cannot be drawn: walls beside the grid, with a thickness, a height or a colour, starts without a letter, objects
-/// that no character stands for.
+/// The reason why the world cannot be drawn: walls off the grid, with a thickness, a height or a colour, starts without a letter,
+/// objects that no character stands for.
 pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();
@@ -57,7 +57,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     Err(format!("the world is no maze: {what}"))
 }
 
-/// What a maze file has no place for, of a world that is a maze.
+/// Properties of a maze world that a maze file cannot represent.
 pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
     let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
     let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
@@ -66,7 +66,7 @@ pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
     [texture, surface, terrain, looks].into_iter().flatten().collect()
 }
 
-/// The characters of a drawing, row 0 at the bottom.
+/// Characters of a drawing, row 0 at the bottom.
 struct Drawing {
     columns: usize,
     rows: usize,
@@ -88,7 +88,7 @@ impl Drawing {
         }
     }
 
-    /// A wall between two points of the grid; what does not lie on it shows when the drawing is read.
+    /// Adds a wall between two grid points; a wall off the grid is detected when the drawing is read back.
     fn wall(&mut self, from: DVec2, to: DVec2) {
         let (low, high) = (from.min(to), from.max(to));
         let range = |low: f64, high: f64, end: usize| (low.max(0.0) as usize)..(high.max(0.0) as usize).min(end);
@@ -130,7 +130,7 @@ impl Drawing {
                     None => ' ',
                 });
             }
-            // A blank line would be none.
+            // A blank line would not count as a row.
             if line.trim().is_empty() {
                 line.replace_range(1..2, ".");
             }

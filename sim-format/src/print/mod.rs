@@ -1,7 +1,7 @@
-//! Printers: specs to texts of every kind of file, such that reading the text gives the spec again.
+//! Printers: specs to texts of every kind of file; reading the text gives the same spec.
 //!
-//! What a form has no place for is listed, not dropped silently. Numbers are the shortest decimals that read back to the same
-//! double; where none does (a place that the arithmetic of a frame has put between them), the nearest is taken.
+//! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to
+//! the same double; if there is none (for coordinates that were computed in a local frame), the nearest is used.
 
 mod maze;
 mod noise;
@@ -23,17 +23,17 @@ pub use scene::{print_scene, scene_schema};
 pub use sim::print_sim;
 pub use world::print_world;
 
-/// What only our own form has a place for.
+/// Properties that only our own form can represent.
 const LOOKS: &str = "the light and the colours of the world";
 
-/// What a printed form cannot hold: in words, such as `the arguments of r3`.
+/// Properties that a printed format cannot represent, in words such as `the arguments of r3`.
 pub type Lost = Vec<String>;
 
-/// The text and what it leaves out.
+/// Printed text and a list of its omissions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Printed {
     /// The text of the file.
     pub text: String,
-    /// What it has no place for.
+    /// Properties missing in the text.
     pub lost: Lost,
 }

@@ -1,10 +1,10 @@
-//! Noise profiles in TOML.
+//! Printing of noise profiles as TOML.
 
 use super::text;
 use crate::form::print;
 use crate::spec::NoiseSpec;
 
-/// The text of a noise profile.
+/// Text of a noise profile.
 pub fn print_noise(spec: &NoiseSpec) -> String {
     text::document(&print(spec))
 }

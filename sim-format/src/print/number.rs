@@ -1,12 +1,12 @@
-//! Numbers as people write them.
+//! Numbers as short decimals.
 
 use sim_core::pose::Heading;
 use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Doubles above and below that are tried when the nearest does not read back.
+/// Number of doubles above and below that are tried if the nearest does not read back.
 const NEIGHBOURS: u32 = 4;
 
-/// The number of fewest digits near `near` for which `reads_back` holds; `near` if there is none.
+/// Number with the fewest digits near `near` for which `reads_back` holds; `near` if there is none.
 pub(crate) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
     if near == 0.0 && reads_back(0.0) {
         return 0.0;
@@ -20,39 +20,39 @@ pub(crate) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
     rounded.chain(around).find(|number| reads_back(*number)).unwrap_or(near)
 }
 
-/// What `quantity` is in its own unit.
+/// Converts an SI value to the unit of `quantity`.
 pub(crate) fn in_unit(quantity: &Quantity, si: f64) -> f64 {
     shortest(quantity.in_unit(si), |number| quantity.si(number) == si)
 }
 
-/// Millimetres of a length in metres.
+/// Length in millimetres.
 pub(super) fn mm(metres: f64) -> f64 {
     shortest(mm_from_metres(metres), |mm| metres_from_mm(mm) == metres)
 }
 
-/// Degrees of an angle in radians.
+/// Angle in degrees.
 pub(super) fn degrees(radians: f64) -> f64 {
     shortest(degrees_from_radians(radians), |degrees| radians_from_degrees(degrees) == radians)
 }
 
-/// Degrees of a heading, with its whole turns.
+/// Heading in degrees, including whole turns.
 pub(crate) fn heading(heading: Heading) -> f64 {
     let near = degrees_from_radians(heading.radians());
     shortest(near, |degrees| Heading::new(radians_from_degrees(degrees)) == heading)
 }
 
-/// A number as it is written: never with an exponent, and whole ones without a point.
+/// Formats a number: never with an exponent, and whole numbers without a point.
 pub(super) fn written(number: f64) -> String {
-    // Not `-0`.
+    // Adding 0.0 turns -0 into 0.
     format!("{}", number + 0.0)
 }
 
-/// Millimetres of a length in metres, as written.
+/// Formats a length in millimetres.
 pub(super) fn written_mm(metres: f64) -> String {
     written(mm(metres))
 }
 
-/// Degrees of an angle in radians, as written.
+/// Formats an angle in degrees.
 pub(super) fn written_degrees(radians: f64) -> String {
     written(degrees(radians))
 }

@@ -1,4 +1,4 @@
-//! Object types as `.esObj`.
+//! Printing of object types as `.esObj`.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use crate::spec::{Axis, Collider, ObjectType};
 use crate::{read_esobj, same};
 use sim_core::unit::metres_from_mm;
 
-/// The text of an object file.
+/// Text of an object file.
 pub fn print_esobj(object: &ObjectType) -> Printed {
     let text = text_of(object);
     let read = read_esobj(&object.file, &text).0;
@@ -69,7 +69,7 @@ fn text_of(object: &ObjectType) -> String {
     out
 }
 
-/// In which points two types differ.
+/// Names of the properties in which two types differ.
 fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
     let (a, b) = (same::object(a), same::object(b));
     let points = [

@@ -1,4 +1,4 @@
-//! Robot types as `.robi` with a companion.
+//! Printing of robot types as `.robi` with a companion.
 
 use std::fmt::Write;
 
@@ -16,9 +16,9 @@ use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{read_companion, read_robi, same};
 use sim_core::drive::DriveKind;
 
-/// The text of a robi: a classic one where that says as much as one of EyeSim VR.
+/// Text of a robi: in the classic dialect if it represents as much as that of EyeSim VR.
 ///
-/// What neither says stands in the companion ([`print_companion`]); what that cannot say either is lost.
+/// Properties that neither represents go to the companion ([`print_companion`]); those that it cannot represent either are lost.
 pub fn print_robi(robi: &RobiSpec) -> Printed {
     let companion = print_companion(robi);
     let candidates = [classic(robi), vr(robi)].map(|text| {
@@ -29,11 +29,11 @@ pub fn print_robi(robi: &RobiSpec) -> Printed {
     if vr.lost.len() < classic.lost.len() { vr } else { classic }
 }
 
-/// The text of the companion of [`print_robi`]'s text.
+/// Text of the companion of [`print_robi`]'s text.
 pub fn print_companion(robi: &RobiSpec) -> String {
     let mut whole =
         print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
-    // What the robi itself says.
+    // Keep only the keys that the robi itself does not represent.
     if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
         camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
         if camera.is_empty() {
@@ -59,7 +59,7 @@ fn read_back(robi: &RobiSpec, text: &str, companion: &str) -> RobiSpec {
     read
 }
 
-/// In which points two types differ.
+/// Names of the properties in which two types differ.
 fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
     let (a, b) = (same::robi(a), same::robi(b));
     let points = [
@@ -132,7 +132,7 @@ fn vr(robi: &RobiSpec) -> String {
     out
 }
 
-/// What stands first in every dialect.
+/// First lines, common to all dialects.
 fn head(robi: &RobiSpec) -> String {
     let motors = robi.drive.motors.iter().flat_map(|motor| [Some(motor.motor.as_str()), motor.encoder.as_deref()]);
     let names = motors.flatten().chain(robi.drive.steering.as_deref());
@@ -171,7 +171,7 @@ fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
     let _ = writeln!(out, "wheel {diameter} {rate} {} {}", written(wheel.ticks_per_turn), written_mm(track));
 }
 
-/// A place in the axes of EyeSim VR's graphics library: X right, Y up, Z forward.
+/// Position in the axes of EyeSim VR's graphics library: X right, Y up, Z forward.
 fn unity(place: DVec3) -> String {
     [0.0 - place.y, place.z, place.x].map(written_mm).join(" ")
 }

@@ -1,4 +1,4 @@
-//! Scenes of our own form, and their JSON schema.
+//! Printing of scenes in our own form, and their JSON schema.
 
 use schemars::SchemaGenerator;
 use serde_json::json;
@@ -8,14 +8,14 @@ use super::text;
 use crate::form::{Form, print, schema as schema_of};
 use crate::spec::SimSpec;
 
-/// The text of a scene. All that a spec can say has its place in it.
+/// Text of a scene. The format represents everything that a spec contains.
 ///
-/// Lines whose type only a loaded file tells to be a robot or an object are taken for robots.
+/// Lines that name a type without stating whether it is a robot or an object are printed as robots.
 pub fn print_scene(sim: &SimSpec) -> String {
     text::document(&print(sim))
 }
 
-/// The JSON schema of [`print_scene`]'s texts, from which editors complete.
+/// JSON schema of [`print_scene`]'s texts, for completion in editors.
 pub fn scene_schema() -> String {
     let mut generator = SchemaGenerator::default();
     let mut schema = schema_of(&mut generator, |keys| SimSpec::default().keys(keys));
@@ -26,7 +26,7 @@ pub fn scene_schema() -> String {
     serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
 }
 
-/// The text of the section `[[key]]` that says what `form` says.
+/// Text of the section `[[key]]` with the content of `form`.
 pub(crate) fn section<F: Form>(key: &str, form: &F) -> String {
     text::document(&Table::from_iter([(key.to_owned(), Value::Array(vec![print(form).into()]))]))
 }

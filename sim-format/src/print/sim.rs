@@ -1,4 +1,4 @@
-//! Scenes as `.sim`: each line in the form that has room for what it says.
+//! Printing of scenes as `.sim`: each line in a form that represents its content.
 
 use std::fmt::Write;
 
@@ -13,11 +13,11 @@ use sim_core::RobotId;
 use sim_core::pose::Pose;
 use sim_core::radio::Model;
 
-/// The text of a sim file. A robot whose type is a file and that has a program stands in a classic line, all else in lines of
+/// Text of a sim file. A robot with a program whose type is a file gets a classic line; all other entities get lines of
 /// EyeSim VR.
 ///
-/// `scene` is what `sim` was found to mean: from it come the robots of groups and the names of types. What the scene itself
-/// describes must be in files already; here it is lost.
+/// `scene` is the loaded form of `sim`: it provides the robots of groups and the names of types. Inline parts of the scene must have
+/// been moved to files before; here they are lost.
 pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
     let mut printer = Printer { out: Printed::default(), scene };
     printer.sim(sim);
@@ -33,7 +33,7 @@ impl Printer<'_> {
     fn sim(&mut self, sim: &SimSpec) {
         if let Some(world) = &sim.world {
             let extension = path::extension(&world.path.text);
-            // The extension decides, where it says anything.
+            // A known extension determines the keyword.
             let keyword = match world.kind {
                 WorldKind::Maze if !matches!(extension.as_str(), "maz" | "maze") => "maze",
                 _ => "world",
@@ -65,7 +65,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Files of types that robots name without having a program: a classic line would need one.
+    /// Files of types of robots without a program, which a classic line cannot represent.
     fn robots_of_files(&self, sim: &SimSpec) -> Vec<PathRef> {
         let mut files: Vec<PathRef> = Vec::new();
         for line in &sim.robots {
@@ -97,10 +97,10 @@ impl Printer<'_> {
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }
 
-    /// The lines of the robots, in the order of their numbers, which a sim file gives by the order alone.
+    /// Adds the lines of the robots in the order of their numbers, which in a sim file follow from the order alone.
     fn robots(&mut self, sim: &SimSpec) {
         let lines = || sim.robots.iter().chain(&sim.named);
-        // They have their poses written, so they would leave their starts to others.
+        // Robots of a `starts` layout are printed with poses, so other robots would take their starts.
         let takes_starts = |line: &RobotLine| matches!(line.start, StartRef::Many { layout: Layout::Starts, .. });
         let are_starts_taken = lines().any(takes_starts);
         let mut robots: Vec<(RobotId, String)> = lines().flat_map(|line| self.robot(line, are_starts_taken)).collect();
@@ -108,7 +108,7 @@ impl Printer<'_> {
         robots.iter().for_each(|(_, line)| self.line(&[line]));
     }
 
-    /// The lines of the robots of a line, with their numbers.
+    /// Lines of the robots of one scene line, with their numbers.
     fn robot(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
         let robots: Vec<&RobotSpec> = self.scene.robots.iter().filter(|robot| robot.span == line.span).collect();
         let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
@@ -168,7 +168,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A word of a line, between quotes where it needs them.
+    /// Word of a line, quoted if necessary.
     fn word(&mut self, text: &str) -> String {
         let word = quoted(text);
         word.unwrap_or_else(|| {
@@ -182,7 +182,7 @@ impl Printer<'_> {
     }
 }
 
-/// True for what `robi FILE PROGRAM [X Y PHI]` can say.
+/// Returns true for a line that `robi FILE PROGRAM [X Y PHI]` can represent.
 fn is_classic(line: &RobotLine) -> bool {
     matches!(line.kind, TypeRef::File(_)) && line.program.is_some() && !matches!(line.start, StartRef::Letter { .. })
 }
@@ -191,7 +191,7 @@ fn pose(pose: &Pose) -> [String; 3] {
     [written_mm(pose.position.x), written_mm(pose.position.y), written(heading(pose.heading))]
 }
 
-/// The word as the line formats have it; `None` for one that no quotes can hold.
+/// Quotes a word for the line formats if necessary; `None` if no quotes can hold it.
 pub(super) fn quoted(text: &str) -> Option<String> {
     if text.contains(['\n', '\r']) {
         return None;

@@ -1,4 +1,4 @@
-//! The layout of TOML as people write it.
+//! Layout of TOML for human readers.
 
 use std::fmt::Write;
 
@@ -6,10 +6,10 @@ use toml::{Table, Value};
 
 use super::number::written;
 
-/// Longest line that is not broken.
+/// Greatest length of a line that is not broken.
 const WIDTH: usize = 110;
 
-/// The text of a document: a section for each table and each table of an array, with all that is in them in single lines.
+/// Text of a document: a section per table and per table of an array, with nested values on single lines.
 pub(super) fn document(root: &Table) -> String {
     let mut out = String::new();
     for (key, value) in root {
@@ -78,7 +78,7 @@ fn key_text(key: &str) -> String {
     if is_bare { key.to_owned() } else { quoted(key) }
 }
 
-/// The text between quotes; control characters as escapes.
+/// Quotes a string, with control characters as escapes.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for character in text.chars() {
@@ -100,7 +100,7 @@ fn quoted(text: &str) -> String {
     out
 }
 
-/// A text of several lines as it is, where that is possible.
+/// Multi-line string, unescaped if possible.
 fn several_lines(text: &str) -> String {
     let is_plain = text.chars().all(|c| !c.is_control() || matches!(c, '\n' | '\t'));
     if is_plain && !text.contains("'''") && !text.ends_with('\'') { format!("'''\n{text}'''") } else { quoted(text) }

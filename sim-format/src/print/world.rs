@@ -1,4 +1,4 @@
-//! Worlds as `.wld`.
+//! Printing of worlds as `.wld`.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use super::number::{heading, written, written_mm};
 use super::sim::quoted;
 use crate::spec::{DEFAULT_WALL_HEIGHT, LooksSpec, WallSpec, WorldSpec};
 
-/// The text of a world file. All walls stand in the frame of the world; there are no `push` lines.
+/// Text of a world file. All walls are in the world frame; there are no `push` lines.
 pub fn print_world(world: &WorldSpec) -> Printed {
     let mut out = Printed::default();
     let [width, height] = world.floor.to_array().map(written_mm);

@@ -1,4 +1,4 @@
-//! What a file of EyeSim VR says about the body: colliders, mass, mesh, and the disc that stands for them on the floor.
+//! Body of a robot in files of EyeSim VR: colliders, mass, mesh, and the equivalent disc on the floor.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use crate::line::{self, Quantity, Word};
 use crate::path;
 use crate::spec::{Axis, Collider, ModelSpec};
 
-/// A place that the file gives in Unity's axes (X right, Y up, Z forward), in ours (x forward, y left, z up).
+/// Converts a position from Unity's axes (X right, Y up, Z forward) to ours (x forward, y left, z up).
 fn from_unity([right, up, forward]: [f64; 3]) -> DVec3 {
     DVec3::new(forward, 0.0 - right, up)
 }
@@ -23,7 +23,7 @@ impl Reader {
         let sink = &mut self.sink;
         let collider = match kind {
             "box" => values_of(sink, "collider box", values, span, &BOX, BOX_FORM).map(|[x, y, z, cx, cy, cz]| {
-                // A size has no sign: only the axes change places.
+                // Sizes have no sign: the conversion only permutes the axes.
                 Collider::Box { centre: from_unity([cx, cy, cz]), size: from_unity([x, y, z]).abs() }
             }),
             "sphere" => values_of(sink, "collider sphere", values, span, &SPHERE, SPHERE_FORM)
@@ -32,7 +32,7 @@ impl Reader {
                 |[radius, height, cx, cy, cz]| Collider::Capsule {
                     centre: from_unity([cx, cy, cz]),
                     radius,
-                    // A shorter one is a sphere, as in Unity.
+                    // A shorter one becomes a sphere, as in Unity.
                     height: height.max(2.0 * radius),
                     axis: Axis::Z,
                 },
@@ -70,7 +70,7 @@ impl Reader {
     }
 }
 
-/// Exactly `N` values behind a keyword; fewer are reported and none is taken, more are left over.
+/// Reads exactly `N` values after a keyword; too few give a warning and no result, extra ones a warning.
 pub(super) fn values_of<const N: usize>(
     sink: &mut Sink,
     keyword: &str,

@@ -1,4 +1,4 @@
-//! The sensors of a robot file: `psd`, `camera`, `fisheye` and `lidar` in all their forms.
+//! Sensors of a robot file: `psd`, `camera`, `fisheye` and `lidar` in all dialects.
 
 use std::f64::consts::TAU;
 
@@ -13,11 +13,11 @@ use crate::line::{self, Line, Quantity, Word};
 use crate::spec::{CameraSpec, DEFAULT_PSD_RANGE, JointSpec, Lens, LidarSpec, PsdSpec};
 use sim_core::unit;
 
-/// Largest pan or tilt that the last two numbers of a VR `camera` line can mean; larger ones are the size of an image.
+/// Greatest pan or tilt in the last two numbers of a VR `camera` line; larger numbers are the size of an image.
 const MAX_JOINT_DEG: f64 = 180.0;
-/// The image of the EyeBot's camera, as classic files give it: never a range of angles.
+/// Image size of the EyeBot's camera in classic files, never interpreted as a range of angles.
 const CLASSIC_IMAGE: [u32; 2] = [80, 60];
-/// The servos that move the camera of EyeSim VR.
+/// Servos that move the camera of EyeSim VR.
 const PAN_SERVO: &str = "SERVO1";
 const TILT_SERVO: &str = "SERVO2";
 
@@ -34,12 +34,12 @@ impl Reader {
         }
         self.extra(keyword, rest, needed, form);
         let (name, id, pose): (_, _, Vec<Word<'_>>) = match rest {
-            // Turns about x and z would leave the plane; the middle one is the pan.
+            // Rotations about x and z would leave the plane; the middle one is the pan.
             [id, name, x, y, z, rx, pan, rz, ..] if is_newest => {
                 self.flat(&[*rx, *rz], form);
                 (name, Some(id), vec![*x, *y, *z, *pan])
             }
-            // The id is left out in files older than hdt_sem.h.
+            // Files older than hdt_sem.h have no id.
             [name, pose @ ..] if pose.len() == 4 => (name, None, pose.to_vec()),
             [name, id, pose @ ..] => (name, Some(id), pose.iter().take(4).copied().collect()),
             _ => return,
@@ -72,7 +72,7 @@ impl Reader {
         }
     }
 
-    /// Warns about turns out of the floor plane, in which all beams lie.
+    /// Warns about rotations out of the floor plane, in which all beams lie.
     fn flat(&mut self, turns: &[Word<'_>], form: &str) {
         for word in turns {
             if let Some(angle) =
@@ -86,7 +86,7 @@ impl Reader {
         }
     }
 
-    /// In EyeSim VR a program asks for the PSDs by their place in the file.
+    /// Warns about ids that differ from the positions in the file, by which programs of EyeSim VR address PSDs.
     pub(super) fn check_psd_order(&mut self) {
         let mut wanted = 1_i32..;
         let astray = self.robi.psds.iter().zip(&mut wanted).find(|(psd, number)| psd.id != Some(*number));
@@ -130,9 +130,9 @@ impl Reader {
         }
     }
 
-    /// The last two numbers: an image's size, or in files of EyeSim VR the largest pan and tilt.
+    /// Interprets the last two numbers of a `camera` line: an image's size, or in files of EyeSim VR the largest pan and tilt.
     ///
-    /// Those files have both: where they were copied from classic ones, sizes. What no angle can be is a size.
+    /// Files of EyeSim VR have both: sizes if the line was copied from a classic file. Numbers too large for angles are a size.
     fn camera_last(&mut self, words: &[Word<'_>; 2]) -> Option<Last> {
         let values = [0, 1].map(|i| words[i].text.parse::<f64>().unwrap_or(f64::NAN));
         let is_classic_image = [0, 1].map(|i| words[i].text.parse().ok()) == CLASSIC_IMAGE.map(Some);
@@ -146,7 +146,7 @@ impl Reader {
             .map(|size| Last::Image(size.map(|pixels| pixels as u32)))
     }
 
-    /// A fixed angle, or `SERVO1(-90,+90)`.
+    /// Reads a fixed angle, or `SERVO1(-90,+90)`.
     fn joint(&mut self, word: &Word<'_>) -> Option<JointSpec> {
         let Some((name, range)) = word.text.split_once('(') else {
             return line::number(&mut self.sink, Severity::Warning, word, &Quantity::angle("camera angle"))
@@ -168,7 +168,7 @@ impl Reader {
         self.fisheye = values.map(|[angle]| (angle, keyword.span)).or(self.fisheye);
     }
 
-    /// Puts the lens before the camera.
+    /// Adds the fisheye lens to the camera.
     pub(super) fn mount_fisheye(&mut self) {
         match (&mut self.robi.camera, self.fisheye) {
             (Some(camera), Some((fov, _))) => camera.lens = Lens::Fisheye { fov },
@@ -194,7 +194,7 @@ impl Reader {
     }
 }
 
-/// What the last two numbers of a `camera` line say.
+/// Meaning of the last two numbers of a `camera` line.
 enum Last {
     Nothing,
     Image([u32; 2]),
@@ -202,7 +202,7 @@ enum Last {
     Range([f64; 2]),
 }
 
-/// A fixed angle as the middle of what a servo reaches, `reach` to either side.
+/// Converts a fixed angle to a servo centred on it with a range of `reach` to either side.
 fn within(joint: JointSpec, servo: &str, reach: f64) -> JointSpec {
     match joint {
         JointSpec::Fixed(angle) if reach > 0.0 => {
@@ -212,7 +212,7 @@ fn within(joint: JointSpec, servo: &str, reach: f64) -> JointSpec {
     }
 }
 
-/// The words of a camera line; blanks inside parentheses do not separate.
+/// Words of a camera line; blanks inside parentheses do not separate.
 fn camera_words<'a>(line: &Line<'a>) -> Vec<Word<'a>> {
     let mut words: Vec<Word<'a>> = Vec::new();
     for word in line.words() {
@@ -249,7 +249,7 @@ const CAMERA_POSITION: [Quantity; 3] = [
 const IMAGE: [Quantity; 2] =
     [Quantity::number("image width", 1.0, 65_536.0).minor(), Quantity::number("image height", 1.0, 65_536.0).minor()];
 const FISHEYE: [Quantity; 1] = [Quantity::angle("field of view").within(1.0, 360.0).minor()];
-/// Most points of a scan.
+/// Greatest number of points of a scan.
 pub(crate) const MAX_LIDAR_POINTS: u32 = 65_536;
 pub(crate) const LIDAR_TILT: Quantity = Quantity::angle("tilt of the scanner").within(-90.0, 90.0).minor();
 pub(crate) const LIDAR_SWEEP: Quantity = Quantity::angle("angle of a scan").within(1.0, 360.0).minor();

@@ -1,20 +1,20 @@
-//! Which EyeSim a robot file was written for.
+//! Dialects of robot files: the EyeSim version that a file was written for.
 
 use crate::line::{self, Word};
 
-/// The dialects of robot files, in the order of their age.
+/// Dialects of robot files, oldest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Dialect {
     /// EyeSim 5 and 6.
     Classic,
     /// EyeSim VR since 2017.
     Vr,
-    /// EyeSim VR since 2022: the id of a PSD comes first, the camera's first number means nothing.
+    /// EyeSim VR since 2022: the id of a PSD comes first, the camera's first number is ignored.
     Newest,
 }
 
 impl Dialect {
-    /// The newest dialect that one of the lines needs: all of a file is read as one dialect.
+    /// Newest dialect that any line requires: a whole file is read as one dialect.
     ///
     /// Source: reference section 4.3, "telling apart"; `wheel drive|turn`, `model` with an offset and `fisheye` for the
     /// newest: our reading of the same files.
@@ -32,7 +32,7 @@ impl Dialect {
             "fisheye" => Dialect::Newest,
             "collider" | "mass" | "axel" | "lidar" => Dialect::Vr,
             "axis" if rest.len() == 2 && is_number(1) => Dialect::Vr,
-            // Legs have no names here in any dialect.
+            // A legged drive has no device names in any dialect.
             "drive" if rest.len() == 1 && rest[0].text != "LEGGED_DRIVE" => Dialect::Vr,
             "wheel" if matches!(rest.first().map(|word| word.text), Some("drive" | "turn")) => Dialect::Vr,
             "model" if rest.len() == 7 && (1..7).all(is_number) => Dialect::Vr,

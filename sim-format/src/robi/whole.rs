@@ -1,4 +1,4 @@
-//! What only the whole file tells: whose defaults hold, what the numbers of the wheels mean, how large the body is.
+//! Properties that depend on the whole file: defaults, the meaning of the wheels' numbers, the size of the body.
 
 use super::dialect::Dialect;
 use super::{DRIVE_FORM, Reader, WHEEL_FORM};
@@ -8,10 +8,10 @@ use crate::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec, VR_PSD_RANGE};
 use sim_core::math;
 use sim_core::unit;
 
-/// Distance of the axles of an Ackermann robot, as a part of its diameter, where nothing says it.
+/// Default wheelbase of an Ackermann robot as a share of its diameter.
 const WHEELBASE_OF_DIAMETER: f64 = 0.6;
 
-/// The wheelbase of a robot type that does not say.
+/// Default wheelbase of a robot type.
 pub(crate) fn usual_wheelbase(kind: DriveKind, diameter: f64, track: f64) -> f64 {
     match kind {
         DriveKind::Ackermann => WHEELBASE_OF_DIAMETER * diameter,
@@ -20,7 +20,7 @@ pub(crate) fn usual_wheelbase(kind: DriveKind, diameter: f64, track: f64) -> f64
 }
 
 impl Reader {
-    /// Says what the file lacks, and what EyeSim VR would not take.
+    /// Reports missing lines, and lines that EyeSim VR would reject.
     pub(super) fn check_whole(&mut self) {
         if self.wheel.is_none() && self.robi.drive.kind != DriveKind::Legged {
             let wheel = &self.robi.wheel;
@@ -48,7 +48,7 @@ impl Reader {
         self.check_psd_order();
     }
 
-    /// Fills in what depends on several lines.
+    /// Computes values that depend on several lines.
     pub(super) fn settle(&mut self) {
         let body = self.body();
         self.settle_track(body);
@@ -59,8 +59,8 @@ impl Reader {
         }
     }
 
-    /// Diameter of the body as far as the file says it: the smallest disc around the robot's centre that holds all
-    /// colliders, where it gives no `diameter`; in a classic file, the default.
+    /// Diameter of the body as far as the file determines it: `diameter`, else the smallest disc around the robot's centre that
+    /// contains all colliders; in a classic file without either, the default.
     fn body(&self) -> Option<f64> {
         if self.has_diameter {
             return Some(self.robi.diameter);
@@ -70,10 +70,10 @@ impl Reader {
         around_colliders.or((self.dialect < Dialect::Vr).then_some(self.robi.diameter))
     }
 
-    /// In files of EyeSim VR the last number of `wheel` is half the distance of the wheels.
+    /// Converts the last number of `wheel`, which in files of EyeSim VR is half the distance between the wheels.
     ///
-    /// Not so for an omni drive: EyeSim VR loads none, and its files have the line of the classic ones unchanged. Where
-    /// the wheels would stand outside the body, the number can but be the whole distance.
+    /// Exception: omni drives. EyeSim VR loads none, and its files have the unchanged line of classic ones. If the wheels would be
+    /// outside the body, the number must be the full distance.
     fn settle_track(&mut self, body: Option<f64>) {
         let (track, is_omni) = (self.robi.wheel.track, self.robi.drive.kind == DriveKind::Omni);
         if self.dialect < Dialect::Vr || is_omni || !self.is_wheel_read {
@@ -94,7 +94,7 @@ impl Reader {
         }
     }
 
-    /// The smallest disc around the robot's centre that holds the driven and steered wheels, taken as thin.
+    /// Diameter of the smallest disc around the robot's centre that contains the driven and steered wheels, taken as thin.
     fn body_around_the_wheels(&mut self) -> f64 {
         let RobiSpec { wheel, drive, axis_offset, .. } = &self.robi;
         let middle = *axis_offset;

@@ -1,4 +1,4 @@
-//! The drawing of a maze as a text within a scene.
+//! Drawing of a maze as a string within a scene.
 
 use toml::Spanned;
 use toml::de::DeValue;
@@ -9,7 +9,7 @@ use crate::table::{Reader, Section};
 use crate::{Span, read_maze};
 
 impl Reader {
-    /// A world drawn as the text of a `.maz`.
+    /// Reads a world drawn as the text of a `.maz`.
     pub(crate) fn maze(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> WorldSpec {
         let value = section.get(key);
         let drawing = self.text(section, key).unwrap_or_default();
@@ -28,11 +28,11 @@ impl Reader {
         world
     }
 
-    /// Where the characters of a text stand in the file.
+    /// Position of a string's characters in the file.
     fn place_of(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
         let whole = self.span(value.span());
         let written = self.text.get(value.span()).unwrap_or_default();
-        // Only a text that is written as it is read has its characters one after the other.
+        // Only a string without escapes has its characters in sequence in the file.
         let first = written.find(text).filter(|_| !text.is_empty());
         let first_line = first.map(|first| written[..first].matches('\n').count() as u32);
         match (first, first_line) {
@@ -46,11 +46,11 @@ impl Reader {
     }
 }
 
-/// How places in a text that is a value become places in the file.
+/// Mapping of positions in a string value to positions in the file.
 enum TextPlace {
-    /// The text begins a line of the file and stands there as it is.
+    /// The string starts at the beginning of a line of the file and contains no escapes.
     Written { start: usize, end: usize, line: u32 },
-    /// It is written in another way: only the value as a whole has a place.
+    /// Any other notation: only the value as a whole has a span.
     Whole(Span),
 }
 

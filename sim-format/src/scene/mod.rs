@@ -1,7 +1,7 @@
-//! Our own form of a scene, in TOML: it says everything that the other forms say together, and what a run needs besides.
+//! Our own TOML form of a scene: represents all properties of the other formats together, and the settings of a run.
 //!
-//! This room turns its text into the same spec as a sim file; worlds, types and cost tables in files of their own are
-//! read by [`super::load_scene`].
+//! This module reads its text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables in
+//! files of their own.
 
 mod drawing;
 mod room;
@@ -18,13 +18,13 @@ use super::{Span, path};
 pub(super) use room::Room;
 use sim_core::RobotId;
 
-/// Ending of the names of scenes that need no look at their content.
+/// Suffix of file names that identifies a scene without reading its content.
 pub const SCENE_EXTENSION: &str = ".scene.toml";
 
-/// Keys of which a scene has one at least, and no companion or cost table any.
+/// Keys of which a scene has at least one, and a companion or cost table none.
 const MARKS: [&str; 3] = ["scene", "world", "robot"];
 
-/// True for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it
+/// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it
 /// has `scene`, `world` or `robot` at its top level.
 pub fn is_scene(path: &str, text: &str) -> bool {
     if path.to_lowercase().ends_with(SCENE_EXTENSION) {
@@ -33,14 +33,14 @@ pub fn is_scene(path: &str, text: &str) -> bool {
     path::extension(path) == "toml" && has_marks(text)
 }
 
-/// True for a TOML text with what only a scene has at its top level.
+/// Returns true for a TOML text with a key at its top level that only scenes have.
 pub(super) fn has_marks(text: &str) -> bool {
     has_top_key(text, &MARKS)
 }
 
-/// Reads a scene, and none of the files that it names (that is [`super::load_scene`]).
+/// Reads a scene, but none of the files that it refers to (see [`super::load_scene`]).
 ///
-/// Unknown keys are warned about; a value of the wrong type or out of range is an error.
+/// Unknown keys give a warning; a value of the wrong type or out of range is an error.
 pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     let mut sim = SimSpec { file: file.to_owned(), form: SceneForm::Toml, ..SimSpec::default() };
@@ -48,7 +48,7 @@ pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     (sim, reader.sink.finish())
 }
 
-/// Reads a cost table. Whether there are functions of the names that it gives is not known here.
+/// Reads a cost table. The names of functions are not checked here.
 pub fn read_costs(file: &str, text: &str) -> (CostTable, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     let table = CostTable { file: file.to_owned(), ..CostTable::default() };
@@ -57,7 +57,7 @@ pub fn read_costs(file: &str, text: &str) -> (CostTable, Vec<Diagnostic>) {
 }
 
 impl Reader {
-    /// The robots of a scene, each with a number that no other has.
+    /// Reads the robots of a scene and checks that their numbers are unique.
     pub(crate) fn robots(&mut self, root: &mut Section<'_, '_>, key: &'static str) -> Vec<RobotLine> {
         let (mut count, mut robots) = (0, Vec::new());
         for section in self.sections(root, key) {
@@ -80,7 +80,7 @@ impl Reader {
         robots.into_iter().map(|(line, _)| line).collect()
     }
 
-    /// Takes the numbers from those of `count` robots that cannot have them; with each robot comes the place of its number.
+    /// Reports and removes invalid numbers of the `count` robots; each robot comes with the span of its number.
     fn robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
         let mut given: BTreeMap<RobotId, u32> = BTreeMap::new();
         for (robot, span) in robots {

@@ -1,4 +1,4 @@
-//! Free places for robots that start anywhere.
+//! Free positions for robots with a random start.
 
 use std::collections::BTreeMap;
 
@@ -10,25 +10,25 @@ use sim_core::noise::{Purpose, Stream};
 use sim_core::pose::Pose;
 use sim_core::scene::{Bounds, Segment, Walls};
 
-/// Places that are tried for one robot before there is said to be no room.
+/// Number of positions tried for one robot before the room counts as full.
 const TRIES: u32 = 2000;
 
-/// Smallest side of the cells in which discs are looked up, in metres.
+/// Smallest side of the cells of the disc index, in metres.
 const MIN_CELL: f64 = 0.01;
 
-/// A world with discs in it that keep apart.
+/// Walls of a world and discs that must not overlap.
 pub(crate) struct Room {
     walls: Walls,
     thickness: Vec<f64>,
     thickest: f64,
     floor: DVec2,
-    /// Side of the cells: no disc that is looked for or was added reaches farther than the neighbouring ones.
+    /// Side of the cells: no disc, placed or searched, reaches beyond the neighbouring cells.
     cell: f64,
     discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
 }
 
 impl Room {
-    /// The free space of `world`, for discs of at most the radius `widest`.
+    /// Free space of `world`, for discs with a radius of at most `widest`.
     pub(crate) fn new(world: &WorldSpec, widest: f64) -> Self {
         let thickness: Vec<f64> = world.walls.iter().map(|wall| wall.thickness).collect();
         Self {
@@ -41,15 +41,15 @@ impl Room {
         }
     }
 
-    /// Takes the disc at `centre` from the free space.
+    /// Marks the disc at `centre` as occupied.
     pub(crate) fn take(&mut self, centre: DVec2, radius: f64) {
         self.discs.entry(self.cell_of(centre)).or_default().push((centre, radius));
     }
 
-    /// A random pose of a disc within `area` (else the floor), at least `clearance` from walls and taken discs, and with
-    /// `heading` if that is given; `None` if none is found. The disc is taken.
+    /// Places a disc at a random pose within `area` (default: the floor), at least `clearance` from walls and occupied discs, with
+    /// `heading` if given. Returns `None` if no pose is found.
     ///
-    /// The draws are those of the stream of `robot`: how many others were tried changes nothing.
+    /// Random numbers come from the stream of `robot`, so they do not depend on the number of attempts for other robots.
     pub(crate) fn place(
         &mut self,
         seed: u64,

@@ -15,7 +15,7 @@ fn scout() -> String {
     S4.replace("name  S4 plus", "name Scout")
 }
 
-/// The scene `text` with a maze of three starts, an empty world, a robot type `Scout` and an object type `StopSign`.
+/// Loads the scene `text` with a maze of three starts, an empty world, a robot type `Scout` and an object type `StopSign`.
 fn load(text: &str) -> Loaded {
     let files = Memory::new(&[
         ("sims/a.sim", text),
@@ -28,7 +28,7 @@ fn load(text: &str) -> Loaded {
     load_scene("sims/a.sim", &files)
 }
 
-/// The scene `text`, in which nothing is wrong.
+/// Loads the scene `text`, which must give no diagnostics.
 fn scene(text: &str) -> SceneSpec {
     let loaded = load(text);
     assert_eq!(loaded.diagnostics, [], "{text}");
@@ -130,7 +130,7 @@ fn a_scene_without_a_world_has_the_box_of_eyesim_vr() {
     let world = &loaded.scene.world;
     assert_eq!((world.floor, world.walls.len()), (DVec2::splat(2.0), 4));
     assert!(world.walls.iter().all(|wall| (wall.from - wall.to).length() == 2.0), "{:?}", world.walls);
-    // A world that is named but missing is another matter.
+    // A world that is named but missing is an error.
     let loaded = load("world none.wld\nlabbot 1000 1000 0\n");
     assert_eq!((codes(&loaded.diagnostics), loaded.has_errors()), (vec!["file-missing"], true));
 }
@@ -189,7 +189,7 @@ fn a_stop_sign_stands_on_the_floor() {
     let [Collider::Capsule { centre, radius, height, axis: Axis::Z }] = sign.colliders[..] else {
         panic!("an upright capsule, not {:?}", sign.colliders)
     };
-    // 0.025 mm a unit: the middle at 187.5 mm, 7.5 mm wide, 355 mm high.
+    // 0.025 mm per unit: the centre at 187.5 mm, 7.5 mm wide, 355 mm high.
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
     assert!((centre - DVec3::new(0.0, 0.0, 0.1875)).length() < 1e-12, "{centre}");
     assert!(near(radius, 0.00375) && near(height, 0.355) && near(sign.scale, 0.025), "{radius} {height}");
@@ -202,7 +202,7 @@ fn old_and_new_colliders_are_the_same_and_axes_turn() {
     let (object, diagnostics) = read_esobj("a.esObj", old);
     assert_eq!((&object, diagnostics), (&read_esobj("a.esObj", &new).0, vec![]));
     let mm = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * 0.002;
-    // X right, Y up, Z forward become y to the right negative, z, x.
+    // The axes X right, Y up, Z forward become -y, z, x.
     assert_near(object.centre_of_mass, mm(3.0, -1.0, 2.0));
     let [Collider::Box { centre, size }, Collider::Sphere { centre: of_sphere, radius }, lying, across] =
         object.colliders[..]
@@ -214,7 +214,7 @@ fn old_and_new_colliders_are_the_same_and_axes_turn() {
     assert_near(of_sphere, mm(3.0, -1.0, 2.0));
     assert!((radius - 0.008).abs() < 1e-12);
     assert!(matches!(lying, Collider::Capsule { axis: Axis::X, .. }));
-    // Lower than wide: a sphere.
+    // Lower than wide: becomes a sphere.
     assert!(matches!(across, Collider::Capsule { axis: Axis::Y, height, radius, .. } if height == 2.0 * radius));
 }
 
@@ -234,7 +234,7 @@ fn balls_roll_and_boxes_slide() {
 fn fixed_objects_may_overlap_walls_and_each_other() {
     let text = "maze m.maz\nobject ../worlds/Crate/Boxes.esObj\nS4 S\nCrate1 2500 1000 0\nCrate1 2500 900 0\n";
     assert_eq!(load(text).diagnostics, []);
-    // But not a robot.
+    // A robot must not overlap an object.
     assert_eq!(codes(&load(&format!("{text}Crate1 500 1500 0\n")).diagnostics), ["sim-object-overlap"]);
 }
 

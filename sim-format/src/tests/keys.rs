@@ -1,4 +1,4 @@
-//! The pages of docs/formats/ name every key that the forms declare.
+//! Check that the pages of docs/formats/ name every key that the forms declare.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::print::scene_schema;
 
-/// The keys of a schema, wherever they stand in it.
+/// Collects the keys of a schema at any depth.
 fn keys(schema: &Value, known: &mut BTreeSet<String>) {
     match schema {
         Value::Object(entries) => {

@@ -1,4 +1,4 @@
-//! Mazes that are not drawn as EyeSim draws them.
+//! Mazes in drawing styles other than EyeSim's.
 
 use glam::DVec2;
 
@@ -18,7 +18,7 @@ fn an_odd_indentation_is_undone() {
     let (mut indented, diagnostics) = read_maze("m.maz", "  ___\n |S| |\n |_x_|\n");
     assert_eq!(codes(&diagnostics), ["maz-indent"]);
     assert_eq!((ends(&indented), indented.floor), (ends(&straight), straight.floor));
-    // The letter in a column of walls belongs to the cell on its left.
+    // The letter in a wall column belongs to the cell on its left.
     let places = |maze: &WorldSpec| maze.objects.iter().map(|object| object.pose.position).collect::<Vec<_>>();
     assert_eq!(places(&indented), [DVec2::new(0.18, 0.18)]);
     assert_eq!(places(&indented), places(&straight));
@@ -39,7 +39,7 @@ fn a_wall_off_every_grid_closes_its_cell_on_the_right() {
     let (maze, diagnostics) = read_maze("m.maz", " _____\n|  | |\n|_____|\n100\n");
     assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.1));
     assert!(ends(&maze).contains(&[0.2, 0.1, 0.2, 0.2]), "{:?}", ends(&maze));
-    // The right border of a maze whose rows have an odd number of characters within.
+    // Right border of a maze whose rows have an odd number of characters between the borders.
     let (maze, diagnostics) = read_maze("m.maz", " ___\n|   |\n|  |\n|___|\n100\n");
     assert_eq!(codes(&diagnostics), ["maz-wall-column"]);
     assert!(ends(&maze).contains(&[0.2, 0.0, 0.2, 3.0 * 0.1]), "one border: {:?}", ends(&maze));
@@ -60,7 +60,7 @@ fn a_gap_in_the_border_is_told() {
         (" ___\n|   |\n|s _|\n", true),
         (" ___\n|S  \n|___|\n", true),
         (" _\n|S  |\n|___|\n", true),
-        // A corridor that is open on both ends is meant so.
+        // A corridor with two open ends is intended.
         (" ___\n S\n ___\n", false),
     ] {
         let diagnostics = read_maze("m.maz", maze).1;

@@ -1,4 +1,4 @@
-//! Meshes, materials and images: hand-written values, mistakes, and tobj as a peer.
+//! Meshes, materials and images: hand-computed values, mistakes, and comparison with tobj.
 
 use std::f64::consts::FRAC_PI_2;
 use std::io::Cursor;
@@ -12,7 +12,7 @@ use crate::{Diagnostic, FileError, Files, MeshReader, ModelSpec, ObjectType, Pat
 use sim_core::build::MeshSource;
 use sim_core::scene::Mesh;
 
-/// A one by one quad standing at z = 3 of the file, with a corner in the middle axis.
+/// Square of side 1 standing at z = 3 of the file, with one edge in the plane x = 0.
 const QUAD: &str = "mtllib a.mtl\nv 0 0 3\nv 1 0 3\nv 1 1 3\nv 0 1 3\nusemtl red\nf 1 2 3 4\n";
 
 fn model(turns: DVec3, offset: DVec3) -> ModelSpec {
@@ -46,7 +46,7 @@ fn load(files: &dyn Files, kind: &ObjectType) -> (Option<Arc<Mesh>>, Vec<Diagnos
     (mesh, reader.finish().0)
 }
 
-/// The mesh in `text` with what is wrong in it: code and line.
+/// Reads the mesh in `text`; also returns code and line of each diagnostic.
 fn read(text: &str) -> (Option<Arc<Mesh>>, Vec<(String, u32)>) {
     let files = Memory::new(&[("a.obj", text), ("a.mtl", "newmtl red\nKd 1 0 0\n")]);
     let (mesh, diagnostics) = load(&files, &object(model(DVec3::ZERO, DVec3::ZERO), 1.0));
@@ -57,7 +57,7 @@ fn read(text: &str) -> (Option<Arc<Mesh>>, Vec<(String, u32)>) {
     (mesh, diagnostics.iter().map(|d| (d.code.to_string(), d.span.line)).collect())
 }
 
-/// What [`Mesh`] promises.
+/// Checks the invariants of [`Mesh`].
 fn check(mesh: &Mesh) {
     assert!(mesh.positions.iter().all(|point| point.is_finite()));
     assert!(!mesh.triangles.is_empty());
@@ -91,7 +91,7 @@ fn turns_are_about_z_then_x_then_y() {
         let turns = DVec3::new(x, y, z) * FRAC_PI_2;
         load(&files, &object(model(turns, DVec3::ZERO), 1.0)).0.expect("a mesh").positions[0]
     };
-    // The first corner lies ahead. A turn about Y (up) takes it to the right, one about X (right) down.
+    // The first corner lies ahead. A rotation about Y (up) moves it to the right, one about X (right) down.
     for ((x, y, z), expected) in [
         ((0.0, 1.0, 0.0), DVec3::new(0.0, -3.0, 0.0)),
         ((1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, -3.0)),
@@ -142,7 +142,7 @@ fn mistakes_are_told_once_a_kind_and_the_rest_is_read() {
     ] {
         let (mesh, mut faults) = read(&format!("{good}{lines}"));
         if lines.starts_with("usemtl") {
-            // A face without any material file asks for one that nobody has.
+            // A face without any material file refers to a missing material.
             faults.retain(|(code, _)| code != "mesh-material");
         }
         let faults: Vec<(&str, u32)> = faults.iter().map(|(code, line)| (code.as_str(), *line)).collect();
@@ -245,10 +245,10 @@ fn too_many_triangles_are_refused() {
     assert_eq!(faults, [("mesh-size".to_owned(), 0)]);
 }
 
-/// Place of each corner of a triangle in the file's frame, and in the image.
+/// Position of each corner of a triangle in the file's frame, and its texture coordinates.
 type Corners = [([f32; 3], Option<[f32; 2]>); 3];
 
-/// The corners of all triangles as tobj finds them, with their texture places; texture places are `None` where a part of
+/// Corners of all triangles as read by tobj, with their texture coordinates, which are `None` if a part of
 /// the file has none.
 fn by_tobj(text: &str) -> Vec<Corners> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
@@ -267,7 +267,7 @@ fn by_us(text: &str) -> Vec<Corners> {
     let Some(mesh) = read(text).0 else { return Vec::new() };
     let corners = |triangle: &sim_core::scene::Triangle| {
         let positions = mesh.corners(triangle);
-        // Back into the file's frame.
+        // Transform back into the file's frame.
         [0, 1, 2].map(|place| {
             let DVec3 { x, y, z } = positions[place];
             ([y as f32, z as f32, x as f32], triangle.uv.map(|uv| uv[place].to_array()))
@@ -277,7 +277,7 @@ fn by_us(text: &str) -> Vec<Corners> {
 }
 
 proptest! {
-    /// Files without mistakes give the triangles that tobj finds, less those without area.
+    /// Valid files give the triangles that tobj finds, except those of zero area.
     #[test]
     fn good_files_are_read_as_tobj_reads_them(
         points in prop::collection::vec([-50i32..50, -50i32..50, -50i32..50], 3..12),
@@ -305,7 +305,7 @@ proptest! {
         prop_assert_eq!(by_us(&text), expected);
     }
 
-    /// Whatever the words, a mesh of finite numbers or a diagnostic.
+    /// Any words give a mesh of finite numbers or a diagnostic.
     #[test]
     fn no_text_is_too_wild(
         words in prop::collection::vec(
@@ -322,7 +322,7 @@ proptest! {
         prop_assert!(mesh.is_some() || !faults.is_empty());
     }
 
-    /// Whatever the bytes of the three files, nothing panics and nothing but warnings come out.
+    /// Any bytes in the three files cause no panic and nothing worse than warnings.
     #[test]
     fn no_bytes_are_too_wild(obj in prop::collection::vec(any::<u8>(), 0..300), mtl in ".{0,200}", png in prop::collection::vec(any::<u8>(), 0..300)) {
         let mut files = Memory::new(&[("a.obj", QUAD)]);

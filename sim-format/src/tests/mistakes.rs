@@ -1,4 +1,4 @@
-//! One mistake of each kind, and what is said about it.
+//! One mistake of each kind, and its diagnostic.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ macro_rules! sonars {
     ($($name:literal)*) => { concat!($("[[sonar]]\nname = \"", $name, "\"\n"),*) };
 }
 
-/// A kind of mistake and a text that has it. Robis get the line in place of one of S4's where a whole robot is needed.
+/// Kind of a mistake, and a text that contains it. For robis that must be complete, the line replaces one of S4's.
 const MISTAKES: &[(Code, &str, &str)] = &[
     (
         Code::EsobjArity,
@@ -144,7 +144,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::WordExtra, "a.sim", "world my world.wld\n"),
 ];
 
-/// Mistakes that show only when files are looked for.
+/// Mistakes that are detected only when files are looked for.
 const SCENES: &[(Code, &str)] = &[
     (Code::FileCase, "world W.WLD\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMissing, "world u.wld\nrobi S4.robi p.so 1 1 0\n"),
@@ -188,7 +188,7 @@ const SCENES: &[(Code, &str)] = &[
 fn diagnostics(file: &str, text: &str) -> Vec<Diagnostic> {
     match path::extension(file).as_str() {
         "wld" => {
-            // Stands for bytes that are not UTF-8.
+            // U+FFFD stands for a byte that is not UTF-8.
             let bytes: Vec<u8> = text.chars().map(|c| if c == '\u{fffd}' { 0xff } else { c as u8 }).collect();
             let mut files = Memory::new(&[]);
             files.files.insert(file.to_owned(), bytes);

@@ -1,4 +1,4 @@
-//! Hand-written values for the readers.
+//! Readers against hand-computed values.
 
 mod dialects;
 mod keys;
@@ -64,7 +64,7 @@ pub(super) fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
     diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
-/// Within a nanometre and a nanoradian.
+/// Asserts equality to within a nanometre and a nanoradian.
 fn assert_near(a: &Pose, b: &Pose) {
     let apart = (a.position - b.position).length();
     let turned = (a.heading.radians() - b.heading.radians()).abs();
@@ -111,7 +111,7 @@ fn maze_letters_give_headings_and_objects() {
     let maze = maze("720\n _________\n|u|r|d|lXo|\n|_________|\n");
     let headings: Vec<f64> = maze.starts.iter().map(|start| start.pose.heading.remainder()).collect();
     assert_eq!(headings, [FRAC_PI_2, 0.0, -FRAC_PI_2, -PI]);
-    // X stands on the place of a wall: it belongs to the cell on its left, the fourth.
+    // X stands in a wall column: it belongs to the cell on its left, the fourth.
     let objects: Vec<_> =
         maze.objects.iter().map(|object| (object.kind.written().text.as_str(), object.pose.position)).collect();
     let y = 1.5 * 0.72;

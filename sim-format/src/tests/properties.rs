@@ -28,7 +28,7 @@ const VALID: [&str; 10] = [
      lidar = { on = \"b\", z_mm = 9, range_mm = 5 }\nsurface = { specular = 1 }\n",
 ];
 
-/// Reads `text` with every reader and checks what must hold for any text.
+/// Reads `text` with every reader and checks the invariants of any text.
 fn read_all(text: &str) {
     let (world, of_world) = read_world("f", text);
     let (maze, of_maze) = read_maze("f", text);
@@ -36,7 +36,7 @@ fn read_all(text: &str) {
     let of_companion = read_companion("f", text, &mut robi);
     let (sim, of_sim) = read_sim("f", text);
     let (object, of_object) = read_esobj("f", text);
-    // All that a scene places, with the files that it names there as well.
+    // All entities of a scene, and the files that it refers to as well.
     let loaded =
         load_scene("a.sim", &super::Memory::new(&[("a.sim", text), ("a.robi", super::S4), ("s.esObj", VALID[5])]));
     for placed in &loaded.scene.objects {
@@ -82,7 +82,7 @@ fn read_all(text: &str) {
         };
         assert!(0.0 <= min && min < max && max <= MAX_LENGTH && range.sigma.is_finite(), "{range:?}");
     }
-    // Links have an order in which each comes after what bears it, and sensors sit on links that are there.
+    // Links can be ordered with parents first, and sensors sit on existing links.
     assert_eq!(sim_core::build::links(&robi).len(), robi.links.len());
     assert_eq!(sim_core::build::range_sensors(&robi).len(), robi.psds.len() + robi.ranges.len());
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
@@ -93,7 +93,7 @@ fn read_all(text: &str) {
     }
 }
 
-/// One of the valid texts with some bytes changed, removed or doubled.
+/// One of the valid texts with some bytes changed, removed or duplicated.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let change = (any::<prop::sample::Index>(), 0..4_u8, any::<u8>());
     (0..VALID.len(), prop::collection::vec(change, 1..8)).prop_map(|(which, changes)| {
@@ -228,7 +228,7 @@ proptest! {
         prop_assert_eq!(read, written);
     }
 
-    /// Robots of EyeSim VR, of either form of `psd`: numbers in its axes are places in ours.
+    /// Robots of EyeSim VR, with either form of `psd`, round-trip: coordinates in its axes are converted to ours.
     #[test]
     fn robots_of_eyesim_vr_come_back(
         sizes in prop::collection::vec(prop::array::uniform3(1..900_i32), 1..6),
@@ -255,14 +255,14 @@ proptest! {
             let [x, y, z] = size.map(metres);
             let (centre, size_of) = (DVec3::new(forward, -right, up), DVec3::new(z, x, y));
             prop_assert_eq!(*collider, Collider::Box { centre, size: size_of });
-            // A PSD's numbers are not in those axes.
+            // A PSD's coordinates are not in those axes.
             prop_assert_eq!(psd.position, DVec3::new(right, up, forward));
             prop_assert_eq!(psd.angle, radians_from_degrees(f64::from(size[0])));
         }
         prop_assert_eq!(robi.colliders.len(), sizes.len());
     }
 
-    /// The walls of a maze are the drawn pieces, and no wall goes on where another ends.
+    /// The walls of a maze are exactly the drawn pieces, and no wall continues where another ends.
     #[test]
     fn mazes_come_back(rows in 1..7_usize, columns in 1..7_usize, bits in prop::collection::vec(any::<bool>(), 200)) {
         let mut bits = bits.into_iter().cycle();
@@ -285,7 +285,7 @@ proptest! {
                     _ => ' ',
                 });
             }
-            // A row of blanks alone would not count.
+            // A row of blanks only would not count.
             if row > 0 {
                 text.replace_range(text.len() - 2 * columns - 1..text.len() - 2 * columns, "|");
                 drawn.insert((0, (rows - row) as i64, false));
@@ -297,7 +297,7 @@ proptest! {
         }
         text.push_str("1000");
         let (maze, diagnostics) = read_maze("m", &text);
-        // Few of them have a border without a gap.
+        // Most of them have a gap in the border.
         let others = diagnostics.iter().filter(|diagnostic| diagnostic.code != Code::MazGap);
         prop_assert_eq!(others.count(), 0);
         let mut read = BTreeSet::new();

@@ -17,7 +17,7 @@ fn mm(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z) / 1000.0
 }
 
-/// Within a nanometre.
+/// Asserts equality to within a nanometre.
 fn assert_close(a: f64, b: f64) {
     assert!((a - b).abs() < 1e-9, "{a} is not {b}");
 }
@@ -68,7 +68,7 @@ fn a_short_capsule_is_a_sphere() {
 fn the_body_is_the_smallest_disc_around_all_colliders() {
     // The far corner of the box: 100 + 20 mm forward, 90 + 10 mm to the right.
     assert_close(robi(VR).diameter, 2.0 * math::hypot(0.12, 0.1));
-    // A diameter goes before the colliders.
+    // A diameter takes precedence over the colliders.
     assert_eq!(robi(&VR.replace("name Probe", "diameter 260")).diameter, 0.26);
 }
 
@@ -81,7 +81,7 @@ fn a_file_without_body_has_one_around_its_wheels() {
     let (robi, diagnostics) = read_robi("r.robi", &CAR.replace("collider", ";"));
     assert_eq!(codes(&diagnostics), ["robi-body-missing"]);
     assert_close(robi.diameter, 2.0 * math::hypot(0.114, 0.0445));
-    // In a classic file the default holds.
+    // In a classic file the default applies.
     let classic = "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
     assert_eq!(read_robi("r.robi", classic).0.diameter, 0.18);
 }
@@ -96,7 +96,7 @@ fn half_the_track_in_files_of_eyesim_vr_only() {
         ["axis 20 10\n", "mass 1 0 0 0\n", "collider sphere 90 0 0 0\n", "lidar 360 0\n", "model a.obj 0 0 0 0 0 0\n"]
     {
         assert_eq!(robi(&format!("{named}{line}{wheel}")).wheel.track, 0.09, "{line}");
-        // The dialect is that of the whole file, wherever the telling line stands.
+        // The dialect applies to the whole file, wherever the decisive line is.
         assert_eq!(robi(&format!("{named}{wheel}{line}")).wheel.track, 0.09, "{line}");
     }
     let unnamed = robi(&format!("drive DIFFERENTIAL_DRIVE\n{wheel}"));
@@ -160,7 +160,7 @@ fn the_forms_of_camera() {
     // Three numbers.
     let short = camera(format!("{classic}camera 45 0 72\n"));
     assert_eq!((short.pan, short.tilt, short.image), (fixed.clone(), fixed.clone(), None));
-    // What can be angles, is one in a file of EyeSim VR only.
+    // Numbers in the range of angles are angles only in a file of EyeSim VR.
     let ranged = camera(format!("{vr}camera 40 50 70 10 0 90 45\n"));
     let [from, to] = [-80.0_f64, 100.0].map(f64::to_radians);
     let JointSpec::Servo { name, from: low, to: high } = ranged.pan else { panic!("{:?}", ranged.pan) };
@@ -170,10 +170,10 @@ fn the_forms_of_camera() {
     assert_eq!(ranged.tilt, JointSpec::Servo { name: "SERVO2".to_owned(), from: -PI / 4.0, to: PI / 4.0 });
     assert_eq!((ranged.image, ranged.position), (None, mm(40.0, 50.0, 70.0)));
     assert_eq!(camera(format!("{classic}camera 40 50 70 10 0 90 45\n")).image, Some([90, 45]));
-    // No angles: the size of an image.
+    // Too large for angles: the size of an image.
     let large = camera(format!("{vr}camera 62 0 60 0 0 482 162\n"));
     assert_eq!((large.position, large.image), (mm(62.0, 0.0, 60.0), Some([482, 162])));
-    // In the newest files the first number means nothing, then come forward and up.
+    // In the newest files the first number is ignored; forward and up follow.
     let newest = camera(NEWEST.to_owned());
     assert_eq!((newest.position, newest.image), (mm(62.0, 0.0, 60.0), Some([482, 162])));
     assert_eq!(newest.lens, Lens::Fisheye { fov: 150.0_f64.to_radians() });

@@ -1,4 +1,4 @@
-//! Our own form of a scene: what it reads as, its schema, and the way from and to all other forms.
+//! Our own form of a scene: reading, its schema, and conversion to and from all other formats.
 
 mod properties;
 
@@ -16,7 +16,7 @@ use sim_format::{
     Code, FileError, Files, Severity, convert, load_scene, load_scene_with, read_companion, read_robi, read_scene, same,
 };
 
-/// Files below a folder, and before them those that were written here.
+/// File system of the files below a folder, overlaid by those written in the test.
 #[derive(Default)]
 struct Overlay {
     root: Option<PathBuf>,
@@ -140,7 +140,7 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
                     assert_eq!((old.walls.len(), old.starts.len()), (new.walls.len(), new.starts.len()), "{file}");
                     for (old, new) in old.walls.iter().zip(&new.walls) {
                         let apart = (old.from - new.from).length().max((old.to - new.to).length());
-                        // Inside `push` frames no decimal may hit the double.
+                        // Inside `push` frames, possibly no decimal reads back to the double.
                         assert!(apart <= 1e-12, "{file}: a wall moves by {apart} m");
                     }
                 }
@@ -176,7 +176,7 @@ fn the_schema_of_the_docs_is_that_of_the_code() {
     assert_eq!(committed, scene_schema(), "write it anew with UPDATE_SCHEMA=1, or with `eyesim schema`");
 }
 
-/// The keys that the schema gives to a type, in all its variants together.
+/// Keys of a type in the schema, over all its variants.
 fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
     let form = if name.is_empty() { schema } else { &schema["$defs"][name] };
     let variants = form["oneOf"].as_array().cloned().unwrap_or_default();
@@ -185,7 +185,7 @@ fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
     properties.flat_map(|keys| keys.into_iter().map(|(key, _)| key)).collect()
 }
 
-/// The keys that the reader knows where `text` has the unknown key `zzz`.
+/// Keys known to the reader, from its message about the unknown key `zzz` in `text`.
 fn keys_of_reader(text: &str) -> BTreeSet<String> {
     let said = read_scene("a.scene.toml", text).1;
     let unknown = said.iter().find(|said| said.code == Code::TomlKey);
@@ -293,13 +293,13 @@ fn the_examples_of_the_page_have_no_mistakes() {
     }
 }
 
-/// A scene of 4 m by 3 m with what follows its world.
+/// Loads a scene of 4 m by 3 m followed by `rest`.
 fn scene(rest: &str) -> sim_format::Loaded {
     let text = format!("[world]\nfloor_mm = [4000, 3000]\n{rest}");
     load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text)]))
 }
 
-/// Where the robots stand, in metres and degrees.
+/// Start poses of the robots, in metres and degrees.
 fn places(loaded: &sim_format::Loaded) -> Vec<(f64, f64, f64)> {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     let of = |robot: &sim_core::spec::RobotSpec| {
@@ -607,7 +607,7 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
     );
 }
 
-/// Two robots at starts of their own, with the keys of each.
+/// Loads a scene with two robots that have the given keys.
 fn numbered(first: &str, second: &str) -> sim_format::Loaded {
     let robot = |keys: &str| format!("[[robot]]\ntype = \"S4\"\n{keys}\n");
     scene(&format!(

@@ -1,4 +1,4 @@
-//! What is printed reads back as it was, whatever it says.
+//! Round trips: every printed spec reads back unchanged.
 
 use proptest::prelude::*;
 use sim_core::spec::{CameraSpec, Lens, SimSpec};
@@ -7,7 +7,7 @@ use sim_format::{Code, load_scene, read_companion, read_esobj, read_maze, read_r
 
 use super::Overlay;
 
-/// The scene reads back from what is printed of it, without a word.
+/// Checks that the printed scene reads back unchanged and without diagnostics.
 fn reads_back(sim: &SimSpec) -> Result<(), TestCaseError> {
     let printed = print_scene(sim);
     let (read, said) = read_scene("a.scene.toml", &printed);
@@ -31,7 +31,7 @@ fn size() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A world without frames: places that decimals give.
+/// World without local frames, whose coordinates are decimals.
 fn world() -> impl Strategy<Value = String> {
     let looks = (size(), size(), prop::option::of(any::<[u8; 3]>()));
     let wall = (prop::collection::vec(number(), 4), prop::option::of(looks)).prop_map(|(ends, looks)| {
@@ -74,7 +74,7 @@ fn robi() -> impl Strategy<Value = String> {
     })
 }
 
-/// Links and range sensors of a robot type in place, as tables.
+/// Links and range sensors of an inline robot type, as tables.
 fn sensors() -> impl Strategy<Value = String> {
     let mount = (prop::collection::vec(number(), 6), prop::sample::select(vec!["body", "mast", "head", "eye"]));
     let mount = mount.prop_map(|(values, on)| {
@@ -98,7 +98,7 @@ fn sensors() -> impl Strategy<Value = String> {
         |(mounts, echoes, sonar, range)| {
             let [a, b, c, d, e, f, g] = &mounts[..] else { unreachable!("seven poses") };
             let [laser, ultrasonic, reflectance] = &echoes[..] else { unreachable!("three echoes") };
-            // Links in any order, but without circles.
+            // Links in any order, but without cycles.
             let [a, b] = [a.replace("eye", "mast").replace("head", "mast"), b.replace("head", "body").replace("eye", "body")];
             let b = b.replace("\"mast\"", "\"body\"");
             format!(
@@ -146,7 +146,7 @@ proptest! {
         sim.inline.robot_types.push((robi.clone(), sim_core::spec::Span::default()));
         let toml = print_scene(&sim);
         let (read, said) = read_scene("a.scene.toml", &toml);
-        // There is no floor.
+        // The missing floor is the only expected diagnostic.
         let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, toml);
         prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(&robi), "{}", toml);
@@ -167,7 +167,7 @@ proptest! {
         let toml = print_scene(&sim);
         let read = read_scene("a.scene.toml", &toml).0;
         prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(robi), "{}", toml);
-        // The same words beside a robi.
+        // The same keys as a companion beside a robi.
         let printed = print_robi(robi);
         let companion = print_companion(robi);
         let mut read = read_robi("a.robi", &printed.text).0;
@@ -206,7 +206,7 @@ proptest! {
         let robi = &sim.inline.robot_types[0].0;
         let camera = robi.camera.as_ref().expect("a camera");
         prop_assert_eq!((camera.samples, matches!(camera.lens, Lens::Pinhole { .. })), (samples, fov.is_some()));
-        // In a companion the same words on top of a robi that says something else.
+        // In a companion, the same keys override a robi with other values.
         let mut read = read_robi("a.robi", "camera 1 2 3 4 5\nfisheye 99\ndrive DIFFERENTIAL_DRIVE\n").0;
         let text = format!("[camera]\n{}\n", keys.join("\n"));
         prop_assert_eq!(read_companion("a.toml", &text, &mut read), vec![], "{}", text);
@@ -346,7 +346,7 @@ proptest! {
     fn robots_with_numbers_may_be_listed_in_any_order(
         kinds in prop::collection::vec((0..4_usize, any::<u32>(), any::<u32>()), 1..9), seed in 0..1_000_u32,
     ) {
-        // The second of the random numbers is a robot's place in the file, the first its number.
+        // The second random number is a robot's place in the file, the first its number.
         let rank = |by: fn(&(usize, u32, u32)) -> u32| -> Vec<usize> {
             let mut order: Vec<usize> = (0..kinds.len()).collect();
             order.sort_by_key(|place| (by(&kinds[*place]), *place));

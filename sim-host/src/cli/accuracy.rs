@@ -1,4 +1,4 @@
-//! `eyesim accuracy`: speed against error, measured on the spot, as tables, plots, JSON and in a page of the docs.
+//! `eyesim accuracy`: measures speed against error; writes tables, plots, JSON, and a page of the docs.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -40,7 +40,7 @@ pub struct AccuracyArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// A study that does not exist, a page without the places for the tables, a file that cannot be written.
+/// If a study does not exist, a page lacks the places for the tables, or a file cannot be written.
 pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let studies = chosen(&args.studies)?;
     let is_json_printed = args.json.as_deref() == Some(Path::new("-"));
@@ -52,7 +52,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     }
     let mut page = args.page.as_deref().map(Page::read).transpose()?;
     if let Some(page) = &mut page {
-        // Before anything is measured, since that takes its time.
+        // Checked before measuring, which takes long.
         studies.iter().try_for_each(|study| page.place(study.name).map(|_| ()))?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
@@ -86,7 +86,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Makes a folder if it is not there, and finds out whether files can be made in it.
+/// Creates a folder if it is missing, and checks that files can be created in it.
 fn check_folder(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     tempfile::tempfile_in(folder).map(|_| ())
@@ -125,7 +125,7 @@ fn cells(row: &Row) -> [String; 4] {
     [row.method.clone(), row.setting.clone(), format!("{error} {}", row.unit), time]
 }
 
-/// A time with three digits and the unit that suits it.
+/// Duration with three digits and a suitable unit.
 fn duration(nanoseconds: f64) -> String {
     let (number, unit) = match nanoseconds {
         ns if ns < 1e3 => (ns, "ns"),
@@ -137,7 +137,7 @@ fn duration(nanoseconds: f64) -> String {
     format!("{number:.decimals$} {unit}")
 }
 
-/// The table for people at a terminal.
+/// Table for a terminal.
 fn text_table(rows: &[Row]) -> String {
     let lines: Vec<[String; 4]> = std::iter::once(HEADS.map(str::to_owned)).chain(rows.iter().map(cells)).collect();
     let widths: [usize; 4] =
@@ -151,7 +151,7 @@ fn text_table(rows: &[Row]) -> String {
     text
 }
 
-/// The same for a page of the docs.
+/// Table for a page of the docs.
 fn markdown_table(rows: &[Row]) -> String {
     let mut text = format!("| {} |\n|---|---|---|---|\n", HEADS.join(" | "));
     for row in rows {
@@ -160,13 +160,13 @@ fn markdown_table(rows: &[Row]) -> String {
     text
 }
 
-/// A page with places for tables.
+/// Page with marked places for tables.
 struct Page {
     path: PathBuf,
     text: String,
 }
 
-/// What ends a place.
+/// End mark of a place.
 const END: &str = "<!-- end -->";
 
 impl Page {
@@ -182,7 +182,7 @@ impl Page {
         Ok(())
     }
 
-    /// Where the table of a study stands: between its two marks.
+    /// Byte range of a study's table, between its two marks.
     fn place(&self, study: &str) -> anyhow::Result<Range<usize>> {
         let begin = format!("<!-- accuracy: {study} -->");
         let shown = self.path.display();

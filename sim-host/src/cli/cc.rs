@@ -51,10 +51,10 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// `6` or `7`.
+/// Parses `6` or `7`.
 ///
 /// # Errors
-/// For everything else.
+/// For any other text.
 pub fn parse_api(text: &str) -> Result<Generation, String> {
     text.parse().ok().and_then(Generation::of_number).ok_or_else(|| "expected 6 or 7".to_owned())
 }

@@ -1,4 +1,4 @@
-//! `eyesim check`: reads files with all that they name, and prints what is wrong in them.
+//! `eyesim check`: reads files with all that they name, and prints their mistakes.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ pub struct CheckArgs {
     pub strict: bool,
 }
 
-/// Runs the command: 0, or 2 where there are errors (under `--strict`: or warnings).
+/// Runs the command: exit code 0, or 2 if there are errors (under `--strict`: or warnings).
 ///
 /// # Errors
 /// If the working folder is unknown or nothing can be printed.
@@ -63,22 +63,22 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
 }
 
-/// What a check has found in all files together.
+/// Outcome of a check of several files.
 #[derive(Debug, Default)]
 pub struct Checked {
-    /// What is wrong; a mistake in a file that several others name is listed once.
+    /// Diagnostics; a mistake in a file that several others name is listed once.
     pub diagnostics: Vec<Diagnostic>,
     /// The files that were read, each once.
     pub inputs: Vec<InputFile>,
 }
 
 impl Checked {
-    /// True when there are errors, or when `strict` and there are warnings.
+    /// Returns true if there are errors or, when `strict`, warnings.
     pub fn is_rejected(&self, strict: bool) -> bool {
         is_rejected(&self.diagnostics, strict)
     }
 
-    /// `2 files checked: no mistakes`, or how many of which severity in how many of them.
+    /// `2 files checked: no mistakes`, or the numbers of errors and warnings.
     pub fn summary(&self) -> String {
         let files = plural(self.inputs.len(), "file");
         if self.diagnostics.is_empty() {
@@ -121,19 +121,19 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
     }
 }
 
-/// Whether the file is a scene in TOML; one that cannot be read is what its name says.
+/// Returns true if the file is a scene in TOML; a file that cannot be read is judged by its name.
 pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
     sim_format::is_scene(name, &text)
 }
 
-/// Whether the file is a noise profile.
+/// Returns true if the file is a noise profile.
 fn is_noise(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
     sim_format::is_noise(name, &text)
 }
 
-/// Extensions of the files that are taken from a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
+/// Extensions of files checked in a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
@@ -152,7 +152,7 @@ fn check_robi(name: &str, files: &dyn Files) -> Loaded {
     with_looks(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
 }
 
-/// Adds what is wrong with the meshes and images of a scene, and of what `others` asks for.
+/// Adds the diagnostics of the meshes and images of a scene, and of those that `others` reads.
 fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
     let mut reader = MeshReader::new(files);
     let SceneSpec { world, robots, objects, .. } = &loaded.scene;
@@ -181,8 +181,8 @@ fn unknown_kind(name: &str) -> Diagnostic {
     on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
 }
 
-/// The files that `paths` mean, as the readers name them: of a folder, all below it that are of a known kind. Folders that hold
-/// none, or that cannot be read, are reported.
+/// Names, as the readers use them, of the files in `paths`; a folder stands for all files of known kinds below it. Folders without
+/// such files, or that cannot be read, are reported.
 fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnostic>) {
     let mut names = Vec::new();
     let mut diagnostics = Vec::new();
@@ -213,8 +213,8 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
     (names, diagnostics)
 }
 
-/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders behind links (which may
-/// lead in circles), are left out.
+/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders behind links (which may form
+/// cycles), are left out.
 fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -243,7 +243,7 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
     }
 }
 
-/// True for a file that its name alone shows to be of a known kind.
+/// Returns true if the file's name alone shows that it is of a known kind.
 fn is_known(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.ends_with(sim_format::SCENE_EXTENSION)
@@ -271,7 +271,7 @@ mod tests {
         Ok(())
     }
 
-    /// A folder with the `files` in it, and the full name of each.
+    /// Folder with the `files` in it, and their full names.
     fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Vec<String>) {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let write = |(name, text): &(&str, &str)| {

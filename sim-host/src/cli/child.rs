@@ -1,4 +1,4 @@
-//! `eyesim child`: a robot's process, started by `eyesim run --exec process` alone.
+//! `eyesim child`: the process of one robot, started only by `eyesim run --exec process`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,7 +21,7 @@ pub struct ChildArgs {
 /// Runs the command; the standard input is the channel to the host.
 ///
 /// # Errors
-/// When `eyesim run` has not started it.
+/// If `eyesim run` has not started it.
 pub fn run(args: &ChildArgs) -> anyhow::Result<ExitCode> {
     client::run(&args.library, args.debugged).context("`eyesim child` is started by `eyesim run --exec process` alone")
 }

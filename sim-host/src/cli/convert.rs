@@ -1,4 +1,4 @@
-//! `eyesim convert`: one form of a file to another; `eyesim schema`: what editors complete scenes from.
+//! `eyesim convert`: converts a file into another form; `eyesim schema`: the JSON schema of scenes for editors.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -27,13 +27,13 @@ pub struct ConvertArgs {
     pub force: bool,
 }
 
-/// Runs the command: 0, or 2 where there are errors; then nothing is written.
+/// Runs the command: exit code 0, or 2 if there are errors; then nothing is written.
 ///
 /// # Errors
-/// A file that is there and is not to be replaced, one that was read, or one that cannot be written.
+/// If an output exists and may not be replaced, is also an input, or cannot be written.
 pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
-    // References are rewritten from the one folder to the other, so both must be seen from the same place.
+    // References are rewritten from one folder to the other, so both paths must have the same root.
     let same_root = args.file.is_absolute() == args.output.is_absolute();
     let rooted = |path: &Path| if same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
     let from = rooted(&args.file).context("no working folder")?;
@@ -55,7 +55,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Refuses, before anything is written, to replace what was read, and what is there unless `force`.
+/// Refuses, before anything is written, to replace an input or, without `force`, any existing file.
 fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
     let inputs: Vec<PathBuf> =
         converted.inputs.iter().filter_map(|input| std::fs::canonicalize(&input.path).ok()).collect();
@@ -75,7 +75,7 @@ fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
 /// Prints the JSON schema of scenes.
 ///
 /// # Errors
-/// Standard output that takes nothing.
+/// If standard output cannot be written to.
 pub fn schema() -> anyhow::Result<ExitCode> {
     diagnostic::print(&scene_schema())?;
     Ok(ExitCode::SUCCESS)

@@ -1,4 +1,4 @@
-//! `eyesim debug`: a run in which the program of one robot is in gdb. The world stands still while it is stopped.
+//! `eyesim debug`: a run with the program of one robot in gdb. Simulated time stands still while the program is stopped.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::executive::process::Debugger;
 use crate::files::DiskFiles;
 use crate::launch::settings::{ProgramOption, give_programs, index_of};
 
-/// Processor time within a slot that nobody reaches, in seconds.
+/// Limit of processor time within a slot that no program reaches, in seconds.
 const NO_TIMEOUT: f64 = 1e9;
 
 /// Arguments of `eyesim debug`.
@@ -61,7 +61,7 @@ pub struct DebugArgs {
 /// Runs the scene with gdb around one program.
 ///
 /// # Errors
-/// As of a run; also when there is no gdb or no such robot with a program.
+/// As for a run; also if gdb is missing, or there is no such robot with a program.
 pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     ensure!(Debugger::is_there(), "`gdb` is not installed: on Debian and Ubuntu it is the package `gdb`");
     let mut run = RunArgs {
@@ -89,7 +89,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     run::run(&run)
 }
 
-/// The robot that is debugged, and its program as it is named; mistakes of the scene are told by the run.
+/// Robot to be debugged and the name of its program; mistakes in the scene are reported by the run.
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
     let mut scene = load_scene_with(&files.name(&args.sim), args.seed, &files).scene;
@@ -105,14 +105,14 @@ fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     }
 }
 
-/// Where gdb finds a program's `main`: eyesim has one of its own.
+/// Location of a program's `main` for gdb: the name alone would also match the `main` of eyesim.
 fn main_of(program: &str) -> String {
     let first = program.split(',').next().unwrap_or(program).replace('\\', "/");
     let file = first.rsplit('/').next().unwrap_or(&first);
     match file.rsplit_once('.') {
         Some((_, "c" | "cpp" | "cc" | "cxx")) => format!("{file}:main"),
         Some((stem, _)) => format!("{stem}.c:main"),
-        // A folder: a Cargo package, whose `main` is in its library.
+        // A folder is a Cargo package, whose `main` is in its library.
         None => format!("{}::main", file.replace('-', "_")),
     }
 }

@@ -1,4 +1,4 @@
-//! What the readers have to say, on a terminal, in one line each, or as JSON.
+//! Prints the readers' diagnostics on a terminal, in one line each, or as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,13 +12,13 @@ use sim_format::{Diagnostic, InputFile, Severity};
 
 use super::excerpt::{Excerpt, printable};
 
-/// Diagnostics of one file that are shown to people; the other forms have all.
+/// Most diagnostics of one file in the human form; the other forms have all.
 const MAX_SHOWN: usize = 20;
-/// Columns where there is no terminal to ask.
+/// Width in columns if there is no terminal.
 const DEFAULT_WIDTH: usize = 100;
-/// Narrower than this nothing is readable.
+/// Least readable width, in columns.
 const MIN_WIDTH: usize = 30;
-/// Longer lines of prose are hard to read.
+/// Greatest width of prose, in columns: longer lines are hard to read.
 const MAX_PROSE: usize = 120;
 
 /// How diagnostics are printed.
@@ -36,7 +36,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// True when a person on `screen` gets the long form.
+    /// Returns true if `screen` gets the human form.
     pub fn is_human(self, screen: Screen) -> bool {
         self == Format::Human || self == Format::Auto && screen.is_terminal
     }
@@ -54,10 +54,10 @@ pub enum Colour {
     Never,
 }
 
-/// A stream to which diagnostics go, and what it can show.
+/// Output stream for diagnostics, and its abilities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// A terminal that a person looks at.
+    /// The stream is a terminal.
     pub is_terminal: bool,
     /// Columns.
     pub width: usize,
@@ -94,7 +94,7 @@ impl Screen {
         Self { is_terminal, width, has_colour }
     }
 
-    /// Errors orange, warnings blue: told apart with any kind of colour vision, on black and on white.
+    /// Style of a severity: errors orange, warnings blue, distinct with any kind of colour vision, on black and on white.
     pub fn severity(&self, severity: Severity) -> Style {
         match (self.has_colour, severity) {
             (false, _) => Style::new(),
@@ -103,21 +103,21 @@ impl Screen {
         }
     }
 
-    /// What is to stand out.
+    /// Style of emphasised text.
     pub fn bold(&self) -> Style {
         if self.has_colour { Style::new().bold() } else { Style::new() }
     }
 
-    /// What is to stand back.
+    /// Style of secondary text.
     pub fn dim(&self) -> Style {
         if self.has_colour { Style::new().dimmed() } else { Style::new() }
     }
 }
 
-/// The `diagnostics` as `format` says, found in the files `inputs`.
+/// Renders the `diagnostics` of the files `inputs` in a format.
 ///
 /// # Errors
-/// If they cannot be turned into JSON.
+/// If they cannot be serialised as JSON.
 pub fn render(
     diagnostics: &[Diagnostic],
     inputs: &[InputFile],
@@ -131,10 +131,10 @@ pub fn render(
     }
 }
 
-/// Prints to standard output; nobody reading it any more (`eyesim check | head`) is no error.
+/// Prints to standard output; a closed pipe (`eyesim check | head`) is no error.
 ///
 /// # Errors
-/// If it cannot be written to.
+/// If standard output cannot be written to.
 pub fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -150,7 +150,7 @@ fn short(diagnostic: &Diagnostic) -> String {
     printable(&lines.join("; "))
 }
 
-/// The diagnostics for people, of each file no more than can be read.
+/// Human form of the diagnostics, at most [`MAX_SHOWN`] of each file.
 fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> String {
     let mut out = String::new();
     let mut texts: BTreeMap<&str, Option<String>> = BTreeMap::new();
@@ -175,7 +175,7 @@ fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> St
     out.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-/// The diagnostics to show, errors before warnings where there are too many of a file, and how many of which file are left out.
+/// Diagnostics to show, and the number left out of each file; if a file has too many, errors take precedence over warnings.
 fn choose(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, BTreeMap<&str, usize>) {
     let mut by_severity: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
     by_severity.sort_by_key(|(_, diagnostic)| std::cmp::Reverse(diagnostic.severity));
@@ -190,7 +190,7 @@ fn choose(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, BTreeMap<&str, usize
     (by_severity.into_iter().map(|(_, diagnostic)| diagnostic).collect(), left_out.collect())
 }
 
-/// A renderer whose colours say how bad the mistake is.
+/// Renderer in the colours of a severity.
 fn handler(severity: Severity, screen: Screen) -> GraphicalReportHandler {
     let style = screen.severity(severity);
     let styles = ThemeStyles {
@@ -202,7 +202,7 @@ fn handler(severity: Severity, screen: Screen) -> GraphicalReportHandler {
         linum: screen.dim(),
         highlights: vec![style],
     };
-    // `!` is one column wide in every font, the warning sign is not; a heavy line is seen without colour, too.
+    // Unlike the warning sign, `!` is one column wide in every font; a heavy line is visible without colour.
     let characters = ThemeCharacters { warning: "!".to_owned(), underline: '━', ..ThemeCharacters::unicode() };
     GraphicalReportHandler::new_themed(GraphicalTheme { characters, styles })
         .with_width(screen.width.min(MAX_PROSE))
@@ -210,7 +210,7 @@ fn handler(severity: Severity, screen: Screen) -> GraphicalReportHandler {
         .without_syntax_highlighting()
 }
 
-/// A diagnostic as miette wants it.
+/// Adapter from a diagnostic to miette.
 #[derive(Debug)]
 struct Report<'a> {
     diagnostic: &'a Diagnostic,
@@ -219,7 +219,7 @@ struct Report<'a> {
 }
 
 impl fmt::Display for Report<'_> {
-    /// `error[wld-floor-arity]: ...`, after the file's name where no line of it is shown.
+    /// `error[wld-floor-arity]: ...`, preceded by the file's name if no line of the file is shown.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Diagnostic { severity, code, message, file, span, .. } = self.diagnostic;
         if self.excerpt.is_none() {
@@ -343,7 +343,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever stands in a file, and wherever the mistake is: no panic, no line that is too wide, nothing that steers.
+        /// Any text with any position of the mistake: no panic, no line that is too wide, no control character.
         #[test]
         fn any_text_with_any_span_is_rendered(
             text in "[a-c \t\r\n\u{0}\u{1b}\u{feff}é世\u{301}\u{1f916}]{0,80}",

@@ -1,4 +1,4 @@
-//! The lines of a file around a mistake, cut to the width of a terminal and safe to print.
+//! Excerpt of a file around a mistake, cut to the width of a terminal and without control characters.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -11,25 +11,25 @@ use crate::record::log::steers;
 
 /// Columns from one tab stop to the next.
 const TAB: usize = 4;
-/// Stands for what is cut off.
+/// Mark of a cut.
 const CUT: char = '…';
-/// Columns of source that are shown however narrow the terminal is.
+/// Least number of columns of source, even on a narrower terminal.
 const MIN_COLUMNS: usize = 16;
-/// Bytes in which the neighbour of a line is looked for: longer lines are no help.
+/// Most bytes searched for a neighbouring line: longer lines are no help.
 const MAX_NEIGHBOUR: usize = 1 << 16;
 
-/// The line of a mistake, with its neighbours where it fits into the terminal.
+/// Line of a mistake, with its neighbouring lines unless its beginning is cut off.
 #[derive(Debug)]
 pub struct Excerpt {
     file: String,
-    /// What is shown: no tabs, no control characters, lines ended by `\n`.
+    /// Shown text: no tabs, no control characters, lines ended by `\n`.
     text: String,
     /// Number of its first line, from 0.
     first_line: usize,
     lines: usize,
     /// Line and column of the mistake in the file, from 0.
     place: (usize, usize),
-    /// Bytes of `text` that are the mistake.
+    /// Byte range of the mistake in `text`.
     label: Range<usize>,
 }
 
@@ -37,7 +37,7 @@ impl Excerpt {
     /// The lines around `span` in `text`, for a terminal of `width` columns.
     pub fn new(file: &str, text: &str, span: Span, width: usize) -> Self {
         let last_number = span.line as usize + 1;
-        // " 12 │ " before the line, and behind it a column for a mark at its end.
+        // ` 12 │ ` before the line, and after it a column for a mark at its end.
         let columns = width.saturating_sub(last_number.to_string().len() + 5).max(MIN_COLUMNS);
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
@@ -63,14 +63,14 @@ impl Excerpt {
         Self { file: printable(file), text: shown, first_line, lines, place, label }
     }
 
-    /// Where the mistake is in what is shown.
+    /// Span of the mistake in the shown text.
     pub fn label(&self) -> SourceSpan {
         SourceSpan::from(self.label.clone())
     }
 }
 
 impl SourceCode for Excerpt {
-    /// All of it, whatever is asked for. Without context it is the place of the mistake that is wanted.
+    /// Returns the whole text for any span; the position is that of the mistake if no context is requested.
     fn read_span<'a>(
         &'a self,
         _: &SourceSpan,
@@ -93,7 +93,7 @@ struct Window {
 }
 
 impl Window {
-    /// Looks at no more of a line than can be shown, since lines may be of any length.
+    /// Reads no more of the line than can be shown, since lines may be of any length.
     fn around(text: &str, span: Range<usize>, columns: usize) -> Self {
         let before_span = text[..span.start].char_indices().rev();
         let mut before = span.start;
@@ -144,7 +144,7 @@ impl Window {
     }
 }
 
-/// Characters as they are shown, with their columns.
+/// Printable characters with their widths in columns.
 struct Cells {
     cells: VecDeque<(String, usize)>,
     width: usize,
@@ -183,7 +183,7 @@ fn head(line: &str, columns: usize) -> String {
     Window::around(line, 0..0, columns).text
 }
 
-/// The line above that of byte `place`, unless it is too long to be of help.
+/// Line above that of byte `place`; none if it is too long to be of help.
 fn line_above(text: &str, place: usize) -> Option<&str> {
     let start = text[..place].rfind(is_break)?;
     // CR LF is one break.
@@ -201,7 +201,7 @@ fn line_below(text: &str, place: usize) -> Option<&str> {
     let end = place + text[place..].find(is_break)?;
     let next = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };
     let rest = &text[next..];
-    // Behind the last line there is no other.
+    // No line follows the last one.
     (!rest.is_empty()).then(|| rest.split(is_break).next().unwrap_or_default())
 }
 
@@ -209,7 +209,7 @@ fn is_break(c: char) -> bool {
     matches!(c, '\n' | '\r')
 }
 
-/// A character of a file as it is shown in `column`.
+/// Printable form of a character in `column`.
 fn cell(c: char, column: usize) -> String {
     match c {
         '\t' => " ".repeat(TAB - column % TAB),
@@ -218,12 +218,12 @@ fn cell(c: char, column: usize) -> String {
     }
 }
 
-/// A terminal must not be steered by a file, nor a line be reordered by it.
+/// Replaces characters by which a file could control the terminal or reorder a line.
 fn safe(c: char) -> char {
     if steers(c) { char::REPLACEMENT_CHARACTER } else { c }
 }
 
-/// A message as it may be printed: line breaks stay.
+/// Printable form of a message, with its line breaks.
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c == '\n' { c } else { safe(c) }).collect()
 }
@@ -265,7 +265,7 @@ mod tests {
             let excerpt = excerpt(text, text.len(), text.len(), 1 + u32::from(text.ends_with('\n')), 1, 80);
             assert_eq!(label(&excerpt), "", "{text:?}");
         }
-        // A span behind the end, of a file that has changed meanwhile.
+        // A span beyond the end, as in a file that has changed meanwhile.
         assert_eq!(label(&excerpt("ab", 70, 90, 9, 1, 80)), "");
     }
 

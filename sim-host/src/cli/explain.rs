@@ -1,4 +1,4 @@
-//! `eyesim explain`: what a diagnostic's code means.
+//! `eyesim explain`: prints the meaning of a diagnostic's code.
 
 use std::process::ExitCode;
 
@@ -9,9 +9,9 @@ use sim_format::{Code, Severity, UnknownCode};
 use super::EXIT_USAGE;
 use super::diagnostic::{Colour, Screen, print};
 
-/// Columns of prose.
+/// Greatest width of prose, in columns.
 const MAX_WIDTH: usize = 100;
-/// Before the lines of an example.
+/// Indentation of an example.
 const INDENT: &str = "    ";
 
 /// Arguments of `eyesim explain`.
@@ -24,7 +24,7 @@ pub struct ExplainArgs {
     pub color: Colour,
 }
 
-/// Runs the command: 0, or 2 where there is no such code.
+/// Runs the command: exit code 0, or 2 if there is no such code.
 ///
 /// # Errors
 /// If nothing can be printed.
@@ -42,13 +42,13 @@ pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The code that `text` means: alone, or as it stands in a message, `error[CODE]`.
+/// Parses a code, alone or as in a message: `error[CODE]`.
 fn named(text: &str) -> Result<Code, UnknownCode> {
     let inner = text.split_once('[').map_or(text, |(_, rest)| rest.trim_end_matches([':', ']']));
     inner.trim().to_lowercase().parse()
 }
 
-/// What the codes begin with that are most like `name`: its first part, if any does.
+/// Prefix of the codes most like `name`: its first part if any code begins with it, else empty.
 fn family(name: &str) -> &str {
     let family = name.split('-').next().unwrap_or_default();
     if Code::ALL.iter().any(|code| code.name().split('-').next() == Some(family)) { family } else { "" }
@@ -62,7 +62,7 @@ fn list(family: &str, screen: Screen) -> String {
     codes().map(line).collect()
 }
 
-/// The page of a code as it is read on a terminal: paragraphs filled, examples indented, links as file names.
+/// The page of a code formatted for a terminal: paragraphs filled, examples indented, links as file names.
 fn page(code: Code, screen: Screen) -> String {
     let width = screen.width.min(MAX_WIDTH);
     let mut out = String::new();
@@ -82,7 +82,7 @@ fn page(code: Code, screen: Screen) -> String {
     out.trim_end().to_owned() + "\n"
 }
 
-/// A paragraph in lines of at most `width` columns.
+/// Fills a paragraph into lines of at most `width` columns.
 fn filled(paragraph: &str, width: usize, screen: Screen) -> String {
     if let Some(heading) = paragraph.strip_prefix("# ") {
         return format!("{}\n", heading.style(screen.bold()));
@@ -104,7 +104,7 @@ fn filled(paragraph: &str, width: usize, screen: Screen) -> String {
     lines + "\n"
 }
 
-/// A word without its asterisks, and the style that they, or a severity, give it.
+/// A word without its asterisks, and its style: that of a severity, or bold.
 fn emphasis(word: &str, screen: Screen) -> (String, Style) {
     if !word.contains("**") {
         return (word.to_owned(), Style::new());

@@ -39,10 +39,10 @@ pub enum Language {
     Rust,
 }
 
-/// Writes the folder and says how to run what is in it.
+/// Writes the folder and prints how to run the program.
 ///
 /// # Errors
-/// If the name is unfit, something of that name is there, or a file cannot be written.
+/// If the name is invalid or exists already, or a file cannot be written.
 pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
     let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
@@ -144,7 +144,7 @@ fn robios_api_folder() -> Option<PathBuf> {
     folder.join("Cargo.toml").is_file().then_some(folder)
 }
 
-/// The generation of a program in `lang`, if none is asked for: 7 where most programs are of that one.
+/// RoBIOS generation of a program in `lang`: `asked`, else the one that most programs in `lang` use.
 fn generation(lang: Language, asked: Option<u32>) -> anyhow::Result<Generation> {
     match (asked, lang) {
         (Some(6), Language::Python) => bail!("there is no RoBIOS 6 in Python: `--api 7`, or C, C++ or Rust"),
@@ -207,7 +207,7 @@ impl Project<'_> {
                 files.push(("src/lib.rs".into(), fill(source)));
                 files.push(("README.md".into(), fill(include_str!("new/readme-rust.md"))));
                 files.push((".gitignore".into(), "/target\n".into()));
-                // The versions of dependencies that this eyesim was built with; cargo leaves out what is not needed.
+                // Locks the dependencies to the versions of this build of eyesim; cargo removes those that are not needed.
                 let lock = api.and_then(|api| fs::read_to_string(api.parent()?.join("Cargo.lock")).ok());
                 files.extend(lock.map(|lock| ("Cargo.lock".into(), lock)));
             }
@@ -215,7 +215,7 @@ impl Project<'_> {
         files
     }
 
-    /// The program in C or C++; what is C of RoBIOS 6 is C++, too.
+    /// Template of a program in C or C++; that for RoBIOS 6 is valid in both.
     fn c_template(&self) -> &'static str {
         match (self.generation, self.lang) {
             (Generation::Robios6, _) => include_str!("new/robios6.c"),
@@ -248,7 +248,7 @@ impl Project<'_> {
     }
 }
 
-/// `text` as the inside of a TOML string.
+/// Escapes `text` for a TOML string.
 fn toml_text(text: &str) -> String {
     text.replace('\\', r"\\").replace('"', r#"\""#)
 }

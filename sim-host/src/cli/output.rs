@@ -1,4 +1,4 @@
-//! Where a command writes: checked before it begins.
+//! Messages on standard error, and checks of output files before a command begins.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use crate::record::log::Printable;
 
-/// Prints lines on standard error, which may quote programs and files of others: control characters, which a terminal would obey, are
+/// Prints lines on standard error. They may quote programs and foreign files: control characters, which a terminal would obey, are
 /// shown as escapes.
 pub fn say(text: impl std::fmt::Display) {
     for line in text.to_string().lines() {
@@ -14,12 +14,12 @@ pub fn say(text: impl std::fmt::Display) {
     }
 }
 
-/// Checks that the files to be written have a folder to lie in, and destroy neither an input nor each other.
+/// Checks that the files to be written lie in existing folders, and overwrite neither an input nor each other.
 ///
-/// `outputs` are the options that name them, with the names; `inputs` the files that are read.
+/// `outputs` are options with their file names; `inputs` are the files that are read.
 ///
 /// # Errors
-/// The first of `outputs` that cannot be written so.
+/// The first of `outputs` that fails the check.
 pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
     let mut known: Vec<(String, PathBuf)> = Vec::new();
     for input in inputs {
@@ -48,7 +48,7 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
     Ok(())
 }
 
-/// Those of the options that the user has given.
+/// Options that the user has given.
 pub fn given<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
     options.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect()
 }

@@ -33,10 +33,10 @@ pub struct PlotArgs {
     pub title: Option<String>,
 }
 
-/// Runs the command: 0, or 2 where the file has errors; then what could be read of it is drawn all the same.
+/// Runs the command: exit code 0, or 2 if the file has errors; the readable part is drawn nevertheless.
 ///
 /// # Errors
-/// A file that is not there or of a kind that cannot be drawn, a picture of an unknown kind or that cannot be written.
+/// If the file is missing or cannot be drawn, or the picture is of an unknown kind or cannot be written.
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     Kind::of(&args.output)?;
     let mut files = DiskFiles::of_environment();
@@ -53,7 +53,7 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     Ok(if loaded.has_errors() { ExitCode::from(EXIT_USAGE) } else { ExitCode::SUCCESS })
 }
 
-/// The drawing of a file, and what was wrong in all that was read for it; no drawing if the file itself cannot be read.
+/// Drawing of a file, and the diagnostics of all files read for it; no drawing if the file itself cannot be read.
 fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loaded)> {
     let mut looks = MeshReader::new(files);
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
@@ -79,7 +79,7 @@ fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loade
     Ok((drawing, loaded))
 }
 
-/// The drawing of a scene, unless not even its own file was read.
+/// Drawing of a scene; none if not even its own file was read.
 fn draw_scene(loaded: Loaded, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
     let drawing = (!loaded.inputs.is_empty()).then(|| plot::draw_scene(&loaded.scene, looks));
     (drawing, loaded)

@@ -1,5 +1,5 @@
-//! Progress on standard error where a terminal is behind it: what is being built, then the bar of the run with simulated time
-//! and how the robots stand.
+//! Progress on standard error if that is a terminal: the programs being built, then a bar with simulated time and the states of
+//! the robots.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -12,10 +12,10 @@ use sim_core::time::Time;
 use crate::program::build::Watch;
 use crate::program::find::ProgramSource;
 
-/// The least time between two pictures of the bar.
+/// Least time between two updates of the bar.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// A line that names the programs that are being built, and since when; it goes when it is dropped.
+/// Line with the programs that are being built; it disappears when dropped.
 #[derive(Debug)]
 pub struct Building {
     bar: ProgressBar,
@@ -23,14 +23,14 @@ pub struct Building {
 }
 
 impl Building {
-    /// The line on standard error, if that is a terminal.
+    /// The line on standard error; hidden if that is no terminal.
     pub fn on_stderr() -> Self {
         Self::drawn_on(ProgressDrawTarget::stderr_with_hz(10))
     }
 
     fn drawn_on(target: ProgressDrawTarget) -> Self {
         let bar = ProgressBar::with_draw_target(None, target);
-        // The template is well formed; the default style is no worse than a wrong one.
+        // The template is valid; if it were not, the default style would do.
         let style = ProgressStyle::with_template("{spinner} building {wide_msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         Self { bar, names: Mutex::default() }
@@ -73,7 +73,7 @@ fn name(source: &Path) -> String {
     source.file_name().unwrap_or(source.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// How many robots do what.
+/// Numbers of robots in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Robots whose programs compute or drive.
@@ -84,7 +84,7 @@ pub struct Counts {
     pub ended: usize,
 }
 
-/// A bar that is drawn ten times a second at the most and costs one look at the clock a slot, nothing where nobody sees it.
+/// Bar drawn at most ten times a second; costs one clock reading per slot, or nothing if it is hidden.
 pub struct Progress {
     bar: Option<ProgressBar>,
     until: Time,
@@ -93,12 +93,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// The bar of a run that ends at `until` at the latest ([`Time::NEVER`]: nobody knows), if standard error is a terminal.
+    /// Bar of a run that ends at `until` at the latest ([`Time::NEVER`] if unknown); hidden if standard error is no terminal.
     pub fn new(until: Time) -> Self {
         Self::drawn_on(until, ProgressDrawTarget::stderr_with_hz(10))
     }
 
-    /// No bar.
+    /// A hidden bar.
     pub fn hidden() -> Self {
         Self::drawn_on(Time::NEVER, ProgressDrawTarget::hidden())
     }
@@ -108,7 +108,7 @@ impl Progress {
         let bar = (!target.is_hidden()).then(|| {
             let bar = ProgressBar::with_draw_target(length, target);
             let template = if length.is_some() { "{wide_bar} {msg}" } else { "{msg}" };
-            // Both templates are well formed; the default style is no worse than a wrong one.
+            // Both templates are valid; if one were not, the default style would do.
             bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
@@ -116,12 +116,12 @@ impl Progress {
         Self { bar, until, begin: now, next: now }
     }
 
-    /// True when somebody sees the bar.
+    /// Returns true if the bar is visible.
     pub fn is_visible(&self) -> bool {
         self.bar.is_some()
     }
 
-    /// Shows the simulated time `now`; `counts` is asked only when the bar is drawn.
+    /// Shows the simulated time `now`; calls `counts` only if the bar is drawn.
     pub fn update(&mut self, now: Time, counts: impl FnOnce() -> Counts) {
         let Some(bar) = &self.bar else { return };
         let instant = Instant::now();
@@ -135,7 +135,7 @@ impl Progress {
         bar.tick();
     }
 
-    /// Takes the bar off the screen, for good.
+    /// Removes the bar from the screen for good.
     pub fn clear(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
@@ -171,7 +171,7 @@ fn message(now: Time, until: Time, factor: f64, counts: Counts) -> String {
     format!("{now}{of}, {speed} times real time{robots}")
 }
 
-/// A stream on the screen of a bar, which steps aside for each write.
+/// Stream on the same screen as a bar, which is hidden during each write.
 struct Above<W> {
     bar: ProgressBar,
     stream: W,
@@ -182,7 +182,7 @@ impl<W: Write> Write for Above<W> {
         let stream = &mut self.stream;
         self.bar.suspend(|| {
             let written = stream.write(bytes)?;
-            // Before the bar is drawn again.
+            // Flushed before the bar is drawn again.
             stream.flush().map(|()| written)
         })
     }
@@ -200,7 +200,7 @@ mod tests {
 
     use super::*;
 
-    /// A terminal that keeps what is written to it.
+    /// Terminal that records its output.
     #[derive(Clone, Debug, Default)]
     struct Screen(Arc<Mutex<String>>);
 

@@ -1,4 +1,4 @@
-//! `eyesim replay`: a recorded run once more, on the page or run again.
+//! `eyesim replay`: shows a recorded run on the page, or runs it again and compares.
 
 use std::collections::VecDeque;
 use std::net::Ipv4Addr;
@@ -64,7 +64,7 @@ pub struct ReplayArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// A trace that cannot be read or run again.
+/// If the trace cannot be read or run again.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     if args.verify {
         return verify(args);
@@ -101,7 +101,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// The recorded run as a page plays it; what its scene looks like is read from the scene's files.
+/// Recording of a run for the page; its scene is read from the scene's files.
 fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> {
     let args = args_of(recorded, trace)?;
     let mut scene = Scene::open(&args.sim, args.options())?;
@@ -163,7 +163,7 @@ fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectSubject {
     ObjectSubject { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
-/// The files that decided what was run, as they are now.
+/// Files that determined the run, as they are now.
 fn present_inputs(recorded: &Recorded) -> Vec<Input> {
     let input = |old: &Input| {
         let path = Path::new(&old.path);
@@ -218,10 +218,10 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// How a recorded run is run again; a scene that is not found from here is looked for beside the trace.
+/// Arguments that run a recorded run again; a scene that is not found at its path is looked for beside the trace.
 ///
 /// # Errors
-/// A trace that does not say it, or names no scene that is there.
+/// If the trace has no arguments, or its scene is missing.
 pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
     let header = &recorded.header;
     let version = &recorded.version;
@@ -243,7 +243,7 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
     Ok(args)
 }
 
-/// The hand of a recorded run.
+/// Script of the interventions of a recorded run, and of its interrupt if there was one.
 pub fn script_of(recorded: &Recorded) -> Script {
     let script = Script::new(recorded.interventions.iter().cloned());
     match recorded.end {
@@ -252,7 +252,7 @@ pub fn script_of(recorded: &Recorded) -> Script {
     }
 }
 
-/// What is different from when the trace was recorded, so that the same need not happen.
+/// Changes since the trace was recorded, because of which the outcome may differ.
 pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     let mut remarks = Vec::new();
     let (version, own) = (&recorded.version, env!("CARGO_PKG_VERSION"));
@@ -275,21 +275,21 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     remarks
 }
 
-/// The digests of a run beside those of a trace.
+/// Comparison of a run's digests with those of a trace.
 struct Comparison {
     expected: VecDeque<(Time, Digest)>,
     end: Option<(Time, Digest)>,
     parting: Option<Parting>,
 }
 
-/// Where two runs part.
+/// First difference between two runs.
 #[derive(Clone, Debug, PartialEq)]
 enum Parting {
-    /// In this slot something else happened.
+    /// The digests of this slot differ.
     Slot { end: Time, expected: Digest, found: Digest },
-    /// In one of them nothing happened in this slot.
+    /// Only one of the runs has events in this slot.
     Only { end: Time, is_in_trace: bool },
-    /// They end at different times.
+    /// The runs end at different times.
     End { expected: Time, found: Time },
 }
 
@@ -318,7 +318,7 @@ impl Comparison {
         Self { expected: recorded.slots.iter().copied().collect(), end: recorded.end, parting: None }
     }
 
-    /// The runs have parted, or there is nothing left to compare.
+    /// Returns true if a difference was found or nothing is left to compare.
     fn is_over(&self) -> bool {
         self.parting.is_some() || self.end.is_none() && self.expected.is_empty()
     }
@@ -363,10 +363,10 @@ impl Sink for Comparison {
     }
 }
 
-/// How long a run goes on after the runs have parted, at the most.
+/// Longest time for which a run continues after the first difference.
 const STRETCH: Duration = Duration::from_millis(20);
 
-/// Takes the run to its end as `script` has it, or until the runs have parted.
+/// Advances the run, following `script`, to its end or to the first difference.
 fn run_until_parting(run: &mut Scheduler, script: &mut Script, comparison: &Mutex<Comparison>) {
     while !comparison.lock().is_over() {
         if script.advance(run, STRETCH) == Progress::Over {
@@ -382,7 +382,7 @@ mod tests {
 
     const DIGESTS: [Digest; 3] = [Digest([1; 32]), Digest([2; 32]), Digest([3; 32])];
 
-    /// Where a run of these slots, by their ends in ms and the places of their digests, parts from a trace of 100 ms with two slots.
+    /// Difference between a trace of 100 ms with two slots and a run of `slots`: end in ms and index of the digest of each.
     fn parting(is_complete: bool, slots: &[(i64, usize)], end_ms: i64) -> Option<String> {
         let at = Time::from_millis;
         let mut comparison = Comparison {

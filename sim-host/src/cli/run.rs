@@ -1,4 +1,4 @@
-//! `eyesim run`: a sim file from its first line to the last line of its report.
+//! `eyesim run`: runs a scene and prints its report.
 
 mod console;
 mod recording;
@@ -131,25 +131,25 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// A run of `sim` as without any option.
+    /// Arguments of a run of `sim` without options.
     ///
     /// # Errors
-    /// When `sim` looks like an option.
+    /// If `sim` looks like an option.
     pub fn of_scene(sim: &Path) -> anyhow::Result<Self> {
         Self::of_words([sim.as_os_str()])
     }
 
-    /// The run that these words behind `eyesim run` ask for.
+    /// Parses the words that follow `eyesim run`.
     ///
     /// # Errors
-    /// Words that `eyesim run` does not take.
+    /// If `eyesim run` does not accept the words.
     pub fn of_words(words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> anyhow::Result<Self> {
         let words = words.into_iter().map(|word| word.as_ref().to_owned());
         let words = std::iter::once("run".into()).chain(words);
         Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
     }
 
-    /// What they mean to the run itself.
+    /// Options of the run itself.
     pub fn options(&self) -> Options {
         Options {
             seed: self.seed,
@@ -190,7 +190,7 @@ impl clap::ValueEnum for Exec {
     }
 }
 
-/// How fast a run goes.
+/// Pace of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// As fast as possible.
@@ -202,7 +202,7 @@ pub enum Speed {
 /// Runs the command.
 ///
 /// # Errors
-/// Files or arguments that are wrong.
+/// If files or arguments are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
@@ -212,11 +212,11 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     Ok(exit_code(&ran.finished.ended))
 }
 
-/// Reads, builds and runs what the arguments name, if `check` finds nothing wrong with the scene; `None` if a program cannot be
-/// loaded, of which the user is told.
+/// Reads, builds and runs the scene of the arguments if `check` accepts it; returns `None`, after telling the user, if a program
+/// cannot be loaded.
 ///
 /// # Errors
-/// Files or arguments that are wrong, and what `check` finds.
+/// If files or arguments are wrong, or `check` fails.
 pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Option<Ran>> {
     ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
     let scene = console::open(args)?;
@@ -243,10 +243,10 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     Ok(Some(ran))
 }
 
-/// Prints to standard output; a reader who has seen enough (`| head`) is no error.
+/// Prints to standard output; a closed pipe (`| head`) is no error.
 ///
 /// # Errors
-/// What else keeps it from being written.
+/// Any other error of writing.
 pub fn print(text: &str) -> anyhow::Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
@@ -254,7 +254,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Says on standard error why the run ended where the table alone does not.
+/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons of failed robots.
 pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, .. } = finished;
     match &ended.end {
@@ -268,7 +268,7 @@ pub fn explain(finished: &Finished) {
         End::Interrupted => say("interrupted"),
         _ => {}
     }
-    /// Beyond so many lines nobody reads on.
+    /// Most failed robots listed.
     const MOST: usize = 20;
     let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
     for robot in failed.iter().take(MOST) {
@@ -293,20 +293,20 @@ fn exit_code(ended: &Ended) -> ExitCode {
 fn parse_slot(text: &str) -> Result<Time, String> {
     let millis: f64 = text.parse().unwrap_or(f64::NAN);
     let slot = Time((millis * 1000.0).round() as i64);
-    // An hour is longer than any slot that still makes sense; beyond it the answer is surely a mistake.
+    // An hour is longer than any sensible slot; a longer one is surely a mistake.
     if !millis.is_finite() || slot < Time(1) || slot > Time::from_millis(3_600_000) {
         return Err("expected 0.001 to 3600000 milliseconds".into());
     }
     Ok(slot)
 }
 
-/// Most simulated seconds that an option can say.
+/// Greatest simulated time of an option, in seconds.
 const MAX_SECONDS: f64 = 1e9;
 
-/// Simulated seconds of an option.
+/// Parses simulated seconds.
 ///
 /// # Errors
-/// What is expected instead.
+/// Message with the accepted range.
 pub fn parse_seconds(text: &str) -> Result<Time, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && (0.0..=MAX_SECONDS).contains(&seconds) => {
@@ -316,7 +316,7 @@ pub fn parse_seconds(text: &str) -> Result<Time, String> {
     }
 }
 
-/// Bytes of an option in megabytes.
+/// Parses megabytes; the result is in bytes.
 fn parse_megabytes(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
         Ok(megabytes) if (0.0..=1e6).contains(&megabytes) => Ok((megabytes * 1e6).round() as u64),

@@ -1,4 +1,4 @@
-//! The table at the end of a run, for people; programs read the report.
+//! Table at the end of a run, for users; programs read the report.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,28 +9,28 @@ use crate::record::log::Printable;
 use crate::record::report::{PlanarPose, Report, RobotReport};
 use sim_core::record::Outcome;
 
-/// With more robots than this, only the first and those with something to say are shown.
+/// With more robots than this, only the first and the failed ones are shown.
 const MAX_ROWS: usize = 24;
-/// How many are shown of so many robots, besides those that failed.
+/// Number of robots shown then, besides the failed ones.
 const FIRST_ROWS: usize = 10;
-/// Letters of a program's path that are not given up for other columns.
+/// Columns of a program's path that are not given up for other cells.
 const PROGRAM_WIDTH: usize = 20;
-/// Between two columns.
+/// Gap between two cells.
 const GAP: &str = "  ";
-/// Before what does not fit into a robot's row.
+/// Indentation of the lines below a robot's row.
 const INDENT: &str = "    ";
 
-/// What the terminal can show.
+/// Abilities of the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// Letters a line.
+    /// Columns per line.
     pub width: usize,
     /// Colours may be used; they are never the only sign of anything.
     pub has_colour: bool,
 }
 
 impl Screen {
-    /// The terminal behind standard output; lines of any length without colour where it is none.
+    /// The terminal behind standard output; without one, lines of any length and no colour.
     pub fn of_stdout() -> Self {
         let width = Term::stdout().size_checked().map_or(usize::MAX, |(_, columns)| usize::from(columns).max(40));
         Self { width, has_colour: console::colors_enabled() }
@@ -57,7 +57,7 @@ fn push_line(text: &mut String, line: &str) {
     text.push('\n');
 }
 
-/// All robots, or the first and those that failed.
+/// All robots, or the first and the failed ones.
 fn shown_robots(robots: &[RobotReport]) -> Vec<&RobotReport> {
     if robots.len() <= MAX_ROWS {
         return robots.iter().collect();
@@ -66,7 +66,7 @@ fn shown_robots(robots: &[RobotReport]) -> Vec<&RobotReport> {
     robots.iter().enumerate().filter(is_shown).map(|(_, robot)| robot).collect()
 }
 
-/// `5 robots: 3 finished, 2 failed`, and how many have no row.
+/// `5 robots: 3 finished, 2 failed`, and the number of robots without a row.
 fn counts(robots: &[RobotReport], shown: usize) -> String {
     let mut by_outcome: BTreeMap<Outcome, usize> = BTreeMap::new();
     robots.iter().for_each(|robot| *by_outcome.entry(robot.outcome).or_default() += 1);
@@ -91,7 +91,7 @@ fn summary(report: &Report) -> String {
     format!("simulated {simulated:.3} s in {real:.3} s{speed}\ndigest {}", report.digest)
 }
 
-/// What a column tells of a robot.
+/// Column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Column {
     Robot,
@@ -140,7 +140,7 @@ impl Column {
     }
 }
 
-/// `failed (3)`: the outcome, and the exit code where it says more.
+/// `failed (3)`: the outcome, and the exit code unless it is 0.
 fn outcome(robot: &RobotReport) -> String {
     match robot.exit_code {
         Some(code) if code != 0 => format!("{} ({code})", word(robot.outcome)),
@@ -148,26 +148,26 @@ fn outcome(robot: &RobotReport) -> String {
     }
 }
 
-/// The outcome as people write it: `no program`.
+/// The outcome in words: `no program`.
 fn word(outcome: Outcome) -> String {
     outcome.name().replace('_', " ")
 }
 
 fn pose(pose: &PlanarPose) -> String {
-    // No minus before what is rounded to zero.
+    // No minus sign before a value rounded to zero.
     let tidy = |value: f64| if value.abs() < 5e-4 { 0.0 } else { value };
     format!("{:7.3} {:7.3} {:6.3}", tidy(pose.x_m), tidy(pose.y_m), tidy(pose.phi_rad))
 }
 
-/// The columns of a table, each with its width, and what goes below each row instead.
+/// Columns of a table with their widths, and the columns that are printed below each row instead.
 struct Table {
     columns: Vec<(Column, usize)>,
     below: Vec<Column>,
 }
 
 impl Table {
-    /// The table of `robots` that fits the screen: long programs are cut, then the odometry, then the pose goes below the
-    /// row; after that, names are cut.
+    /// Table of `robots` that fits the screen: long programs are cut; then the odometry, then the pose moves below the row; then
+    /// names are cut.
     fn fitting(robots: &[&RobotReport], screen: Screen) -> Self {
         let width = |column: Column| {
             let cells = robots.iter().map(|robot| measure_text_width(&column.cell(robot)));
@@ -206,7 +206,7 @@ impl Table {
         lines
     }
 
-    /// A line with a cell in each column; the outcome in its colour where `painted` has one.
+    /// A line with a cell in each column; the outcome is coloured if `painted` names it.
     fn row(&self, cell: impl Fn(Column) -> String, painted: Option<(Outcome, Screen)>) -> String {
         let padded = |(column, width): &(Column, usize)| {
             let text = cell(*column);
@@ -226,7 +226,7 @@ impl Table {
         self.columns.iter().map(padded).collect::<Vec<_>>().join(GAP)
     }
 
-    /// What is said of a robot below its row.
+    /// Lines below the row of a robot.
     fn details(&self, robot: &RobotReport) -> Vec<String> {
         let mut lines: Vec<_> =
             self.below.iter().map(|column| format!("{}  {}", column.head(), column.cell(robot))).collect();
@@ -239,7 +239,7 @@ impl Table {
     }
 }
 
-/// The last `width` letters of a path, the cut marked.
+/// The last `width` columns of a path, the cut marked.
 fn keep_end(path: &str, width: usize) -> String {
     if measure_text_width(path) <= width {
         return path.to_owned();
@@ -248,7 +248,7 @@ fn keep_end(path: &str, width: usize) -> String {
     path.char_indices().find(fits).map_or_else(String::new, |(start, _)| format!("\u{2026}{}", &path[start..]))
 }
 
-/// `line` indented, broken between words where it is longer than the screen is wide.
+/// Indents `line`, and breaks it between words if it is wider than the screen.
 fn fold(line: &str, screen: Screen) -> String {
     let mut folded = INDENT.to_owned();
     let mut column = INDENT.len();

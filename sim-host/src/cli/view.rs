@@ -1,4 +1,4 @@
-//! `eyesim view`: a run in the window, and the runs after it.
+//! `eyesim view`: runs a scene in the window, and restarts it on request.
 
 use std::hash::{BuildHasher as _, Hasher as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -68,19 +68,19 @@ pub struct ViewArgs {
 const AFTER_HELP: &str = "The window stays open when the run is over, until Ctrl-C. `--listen 0.0.0.0` prints two addresses: the \
                           teacher's, which may act, and the class's, which only watches.";
 
-/// Where pages look first.
+/// Default port of the window.
 const PORT: u16 = 7351;
 
-/// How often files are looked at with --watch.
+/// Interval between two checks for changed files with --watch.
 const WATCH_PERIOD: Duration = Duration::from_millis(300);
 
-/// How long a run that is over sleeps between two looks at what pages want.
+/// Interval between two checks for requests once the run is over.
 const NAP: Duration = Duration::from_millis(20);
 
-/// Runs the command; it ends with Ctrl-C.
+/// Runs the command until Ctrl-C.
 ///
 /// # Errors
-/// Files or arguments that are wrong, and a port that is taken.
+/// If files or arguments are wrong, or the port is taken.
 pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
     if let Speed::Factor(factor) = args.run.speed {
@@ -118,7 +118,7 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     code
 }
 
-/// Reads, builds and loads what the arguments name.
+/// Reads, builds and loads the scene of the arguments.
 fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
     let args = RunArgs { default_until: Time::NEVER, ..args.clone() };
     Ok(run::build(run::open(&args)?, &args)?.load()?)
@@ -138,10 +138,10 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     open_window(page, access, args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), args.port, title)
 }
 
-/// Opens a window at `ip`; without a port at the usual one, or at any free one if that is taken.
+/// Opens a window at `ip` and `port`; without a port at `PORT`, or at any free port if that is taken.
 ///
 /// # Errors
-/// A port that is taken, or an address of another machine.
+/// If the port is taken, or the address is that of another machine.
 pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, title: &str) -> anyhow::Result<Window> {
     let open = |port, page| {
         let (access, title, version) = (access.clone(), title.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
@@ -153,7 +153,7 @@ pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, ti
     }
 }
 
-/// Prints where the run is to be seen, and opens it in the user's browser.
+/// Prints the address of the window, and opens it in the user's browser.
 fn say_where(args: &ViewArgs, window: &Window) {
     let url = window.url();
     if args.listen.is_some() {
@@ -166,10 +166,10 @@ fn say_where(args: &ViewArgs, window: &Window) {
     }
 }
 
-/// Opens an address in the user's browser; false if there is none.
+/// Opens an address in the user's browser; returns false if there is none.
 pub fn open_browser(url: &str) -> bool {
     let of_user = std::env::var("BROWSER").unwrap_or_default();
-    // Several commands are separated by colons; `%s` stands for the address.
+    // `BROWSER` may hold several commands, separated by colons; `%s` stands for the address.
     let of_user = of_user.split(':').filter(|command| !command.is_empty()).map(str::to_owned);
     of_user.chain(["xdg-open".to_owned()]).any(|command| {
         let mut words = command.split_whitespace();
@@ -183,22 +183,22 @@ pub fn open_browser(url: &str) -> bool {
     })
 }
 
-/// What all runs of a window share.
+/// State shared by all runs of a window.
 struct Session {
     window: Arc<Window>,
     control: Arc<Control>,
-    /// Ends the present run, and no other follows.
+    /// Ends the current run, after which no other begins.
     interrupt: Interrupt,
-    /// Those of the present run.
+    /// Arguments of the current run.
     args: Mutex<RunArgs>,
-    /// The run that is to begin when the present one has ended, and its arguments.
+    /// The run that begins when the current one has ended, and its arguments.
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
     files: Mutex<Files>,
 }
 
 impl Session {
-    /// Runs `ready`, and all that follow it, until the user interrupts.
+    /// Runs `ready`, and each run that follows it, until the user interrupts.
     fn perform(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
         for number in 1.. {
             let args = self.args.lock().clone();
@@ -212,13 +212,13 @@ impl Session {
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
             let ran = running.finish();
-            // What was asked for and not done any more is refused.
+            // Pending interventions are refused: dropping them answers their commands.
             drop(self.control.ask(|wishes| {
                 wishes.is_over = true;
                 std::mem::take(&mut wishes.actions)
             }));
             if matches!(ran.finished.ended.end, End::Broken) {
-                // What is left of the program in this process may keep locks of the C library.
+                // The remains of the program in this process may hold locks of the C library.
                 self.args.lock().exec = Exec::Process;
             }
             ran.write_files(&args)?;
@@ -238,7 +238,7 @@ impl Session {
         Ok(ExitCode::from(EXIT_INTERRUPTED))
     }
 
-    /// A show of run `number`, and what tells it what happens.
+    /// Creates the show of run `number`, and the feed of its events.
     fn show(&self, ready: &Ready, number: u32) -> (Arc<Mutex<Show>>, Arc<Mutex<Feed>>) {
         let feed = Arc::new(Mutex::new(Feed::default()));
         let show = Show::new(ShowParts {
@@ -253,14 +253,14 @@ impl Session {
         (Arc::new(Mutex::new(show)), feed)
     }
 
-    /// Offers pages what there is of the run for download, which is kept on the tape that this returns.
+    /// Offers the downloads of the run to pages; returns the temporary file that holds its trace.
     fn offer(&self, ready: &Ready, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<Tape>>> {
         let tape = Arc::new(Mutex::new(Tape::new(ready.trace_header()).context("no room for temporary files")?));
         let of_trace = Arc::clone(&tape);
         let trace = move || Tape::trace(&of_trace).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
         let (of_recording, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
-        // Not `recording.json`, by which pages tell a replay from a live run.
+        // Not `recording.json`, by which pages distinguish a replay from a live run.
         self.window.offer(
             "run.recording.json",
             Download::new("application/json", move || {
@@ -287,7 +287,7 @@ impl Session {
         Ok(tape)
     }
 
-    /// Shows how the run has ended until another one begins; none when the user interrupts.
+    /// Shows the end of the run until another one begins; returns none if the user interrupts.
     fn wait_for_next(&self, ran: &Ran, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
         let mut is_shown = false;
         loop {
@@ -317,7 +317,7 @@ impl Session {
         show.present(Moment { run, world: &world, now: ran.finished.ended.time, state, speed, rate: 0.0, ends });
     }
 
-    /// Builds a run with these arguments in place of the present one; `asked` is answered when that is done.
+    /// Builds a run with these arguments to replace the current one; answers `asked` when that is done.
     fn build(self: &Arc<Self>, args: RunArgs, asked: Option<Asked>) {
         if self.is_building.swap(true, Ordering::AcqRel) {
             return asked.into_iter().for_each(|asked| asked.refuse("a run is being built"));
@@ -328,7 +328,7 @@ impl Session {
             match prepare(&args) {
                 Ok(ready) => {
                     {
-                        // Both at once: who takes the next run must not end it.
+                        // Both under one lock, so that the current run is ended and not the next one.
                         let mut next = session.next.lock();
                         *next = Some((ready, args));
                         session.control.ask(|wishes| wishes.is_ending = true);
@@ -355,14 +355,14 @@ impl Session {
     }
 }
 
-/// Why a scene is not run, with all that is wrong in it, for a page.
+/// Reason for rejecting a scene, with all its diagnostics, for a page.
 fn in_full(rejected: &Rejected) -> String {
     let Rejected { diagnostics, inputs } = rejected;
     let text = diagnostic::render(diagnostics, inputs, Format::Auto, Screen::of_page());
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
-/// Why a run has ended, in words.
+/// Reason why a run has ended, in words.
 fn why(ran: &Ran) -> String {
     match &ran.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
@@ -374,10 +374,10 @@ fn why(ran: &Ran) -> String {
     }
 }
 
-/// Starts runs anew, as pages ask for it or a file is saved.
+/// Restarts runs when a page requests it or a file is saved.
 struct Prompter {
     session: Arc<Session>,
-    /// When files were looked at last, with --watch.
+    /// Time of the last check of the files, with --watch.
     watch: Option<Instant>,
 }
 
@@ -409,13 +409,13 @@ impl Starter for Prompter {
     }
 }
 
-/// A seed that nobody has chosen; short, so that it can be written down.
+/// Random seed, short enough to be written down.
 fn new_seed() -> u64 {
     // The keys of the standard library's hash maps come from the system's random numbers.
     u64::from(std::hash::RandomState::new().build_hasher().finish() as u32)
 }
 
-/// The files that decide what is run, and how they looked last.
+/// Files that determine the run, each with time of modification and length at the last check.
 struct Files(Vec<(PathBuf, Option<(SystemTime, u64)>)>);
 
 impl Files {
@@ -424,8 +424,8 @@ impl Files {
         Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
     }
 
-    /// The files of `ready` from now on; those that were known stay as they looked last, so that what is saved while they are
-    /// built is not missed.
+    /// Replaces the files by those of `ready`. Files known before keep their last state, so that a change during the build is not
+    /// missed.
     fn renew(&mut self, ready: &Ready) {
         let known = std::mem::take(&mut self.0);
         *self = Self::of(ready);
@@ -436,12 +436,12 @@ impl Files {
         }
     }
 
-    /// Whether one of them looks otherwise than last.
+    /// Returns true if a file has changed since the last check.
     fn have_changed(&mut self) -> bool {
         let mut is_changed = false;
         for (path, last) in &mut self.0 {
             let now = looks(path);
-            // A file that is not there is being saved.
+            // A missing file is just being saved.
             if now.is_some() && now != *last {
                 (*last, is_changed) = (now, true);
             }
@@ -450,7 +450,7 @@ impl Files {
     }
 }
 
-/// Time and length of a file.
+/// Time of modification and length of a file.
 fn looks(path: &Path) -> Option<(SystemTime, u64)> {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))

@@ -1,21 +1,21 @@
-//! The bell that wakes the supervisor: rung by robots, by the scheduler step and from signal handlers.
+//! Wake-up of the supervisor by robots, by the scheduler step and from signal handlers.
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 use std::time::Duration;
 
-/// A counter of the kernel that one thread waits on and any code rings, a signal handler too.
+/// An eventfd on which one thread waits and which any code may ring, signal handlers included.
 pub struct Bell {
     fd: OwnedFd,
 }
 
 impl Bell {
-    /// A bell that nobody has rung.
+    /// Creates a bell that has not been rung.
     ///
     /// # Errors
-    /// When the process has no file descriptor left.
+    /// The process has no file descriptor left.
     pub fn new() -> io::Result<Self> {
-        // SAFETY: eventfd takes no pointer; a descriptor that is not negative is new and owned by nobody else.
+        // SAFETY: eventfd takes no pointer; a descriptor that is not negative is new and has no other owner.
         let fd = unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) };
         if fd < 0 {
             return Err(io::Error::last_os_error());
@@ -24,14 +24,14 @@ impl Bell {
         Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) } })
     }
 
-    /// Rings; async-signal-safe. A bell that rings already stays so.
+    /// Rings the bell; async-signal-safe and idempotent until the next [`wait`](Self::wait).
     pub fn ring(&self) {
         let one = 1u64;
         // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it rings already.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
-    /// Waits until the bell rings or `timeout` has passed, and silences it. True when it rang.
+    /// Waits until the bell rings or `timeout` has passed, and clears it. Returns true if it rang.
     pub fn wait(&self, timeout: Duration) -> bool {
         let mut poll = libc::pollfd { fd: self.fd.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);

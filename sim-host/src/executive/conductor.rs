@@ -1,10 +1,11 @@
-//! The run queues and the scheduler step: which robots run now, when a slot is over, and what comes after it.
+//! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next one.
 //!
-//! There is no thread of its own. The last flow that reaches the barrier at a slot's end runs the step: it advances the world and
-//! releases the next robots, slot after slot up to the horizon that the run's owner has set, so one robot alone needs no hand-over at
-//! all. At the horizon the run pauses and its owner goes on. At most `lanes` robots run at one time; which of them does so when
-//! changes nothing, since robots meet only at the slots' ends. A lane hands over within itself as long as it can, since waking a
-//! thread on another processor costs several times as much; it takes work of another lane only when it would be idle otherwise.
+//! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it advances the world
+//! and releases the next robots, slot after slot up to the horizon that the run's owner has set, so a single robot needs no hand-over
+//! at all. At the horizon the run pauses until its owner advances it again. At most `lanes` robots run at one time, one on each worker;
+//! their order has no influence on results, since robots meet only at the slots' ends. A worker hands over among its own robots as long
+//! as it can, since waking a thread on another processor costs several times as much; it steals robots of another worker only when it
+//! would be idle otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -22,48 +23,48 @@ use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
 
-/// Who runs, who waits until when, and where the run's record goes.
+/// Run queues, wake times and sinks of a run.
 pub struct Conductor {
     lanes: Vec<Lane>,
-    /// As many as there may be.
+    /// Upper limit of the number of workers.
     most_lanes: usize,
-    /// For each robot the lane that it ran in last.
+    /// Affinity: for each robot the worker on which it ran last.
     homes: Vec<u32>,
-    /// Suspended or ended in the present slot.
+    /// Robots that suspended themselves, ended or were changed by an intervention in the present slot.
     ran: Vec<RobotId>,
     wakes: BinaryHeap<Reverse<Wake>>,
-    /// For each robot the number of its valid entry in `wakes`.
+    /// For each robot the number of its valid entry in `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
-    /// For each robot whether its program has ended, or it has none.
+    /// For each robot, true if its program has ended or it has none.
     departed: Vec<bool>,
-    /// Robots with a program that has not ended.
+    /// Number of robots with a program that has not ended.
     alive: usize,
-    /// Once that is none: until when drives that have an end are under way, and the user wants to look on.
+    /// End of the last drive under way and of the linger time, see [`Run::drives_end`]; set when `alive` becomes 0.
     drives_end: Time,
-    /// No slot begins at or after it.
+    /// End of the run: no slot begins at or after it.
     limit: Time,
-    /// Slots that start before it begin without asking the owner; none while the run is paused.
+    /// Slots that start before it begin without the owner; `None` while the run is paused.
     horizon: Option<Time>,
     /// An intervention is pending: the present slot is due.
     has_acted: bool,
-    /// Who wants to see the record.
+    /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
 }
 
-/// A place in which one robot runs at a time.
+/// A worker: one robot runs on it at a time.
 #[derive(Default)]
 struct Lane {
-    /// Due in the present slot, not yet released; in order of their ids.
+    /// Run queue: robots due in the present slot and not yet released, in order of their ids.
     ready: VecDeque<RobotId>,
-    /// Released and not yet back.
+    /// Robot that was released and has not yet come back to the barrier.
     running: Option<RobotId>,
 }
 
-/// So many robots must be ready in a lane before another one takes some of them.
+/// Smallest length of a worker's run queue from which another worker steals.
 const WORTH_TAKING: usize = 4;
 
-/// An entry of the list of wakes; valid while `number` is the robot's present one.
+/// An entry of the wake queue; valid while `number` is the robot's present one.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Wake {
     at: Time,
@@ -76,64 +77,64 @@ struct Wake {
 pub enum End {
     /// Every program has ended, or there is none.
     Finished,
-    /// The time that the user set is over.
+    /// The time limit that the user set is reached.
     Until,
-    /// Nothing moves and every program that has not ended waits for something that cannot come any more.
+    /// Deadlock: nothing moves, and every program that has not ended waits for something that cannot happen any more.
     Stuck,
-    /// The user interrupted the run, or its owner left it early.
+    /// The user interrupted the run, or its owner finished it early.
     Interrupted,
-    /// A program broke in a way after which nothing may run on.
+    /// A program broke in a way after which no program may run on.
     Broken,
     /// A program of another run in this process broke within the heap of the C library, which all programs of the process share.
     HeapLost,
-    /// What was asked to be recorded cannot be.
+    /// The record cannot be written.
     Record(RecordError),
 }
 
-/// What follows from a robot's return to the barrier.
+/// Result of a robot's return to the barrier.
 #[derive(Debug, Default)]
 pub struct HandOver {
-    /// Robots to resume, each with the lane that it runs in.
+    /// Robots to resume, each with the worker on which it runs.
     pub resume: Vec<(RobotId, u32)>,
-    /// The robot that came back is due again.
+    /// The robot that came back is due again and continues.
     pub goes_on: bool,
-    /// Nobody runs: the run's owner goes on.
+    /// No robot runs: control returns to the run's owner.
     pub is_at_rest: bool,
 }
 
-/// Where a run stands between two slots, while nobody runs.
+/// Position of a run between two slots, while no robot runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Boundary {
     /// Start of the slot after the one that has ended.
     pub following: Time,
-    /// Start of the next slot in which anything happens, `following` or later; none when nothing happens any more without an
-    /// intervention: no program is alive, or all wait for what cannot come.
+    /// Start of the next slot in which anything happens, `following` or later; `None` if nothing happens any more without an
+    /// intervention: no program is alive, or all wait for something that cannot happen.
     pub next: Option<Time>,
-    /// When the run ends: no slot begins at or after it.
+    /// End of the run: no slot begins at or after it.
     pub limit: Time,
     /// Length of a slot.
     pub slot: Time,
 }
 
 impl Boundary {
-    /// The slot that the run goes on with; none where nothing happens before its limit.
+    /// Start of the slot with which the run goes on; `None` if nothing happens before its limit.
     pub fn next_within_limit(&self) -> Option<Time> {
         self.next.filter(|next| *next < self.limit)
     }
 }
 
-/// What the scheduler is told of a run.
+/// Configuration of the dispatcher.
 pub struct Plan {
-    /// For each robot whether it has a program; without one it only stands there.
+    /// For each robot, true if it has a program.
     pub has_program: Vec<bool>,
-    /// How many may run at one time.
+    /// Number of workers: robots that may run at one time.
     pub lanes: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
 }
 
 impl Conductor {
-    /// Paused before the first slot: all robots with programs are due at 0.
+    /// Creates a dispatcher paused before the first slot: all robots with programs are due at 0.
     pub fn new(plan: &Plan, sinks: Sinks<'static>) -> Self {
         let count = plan.has_program.len();
         let ids = |has_program| {
@@ -152,7 +153,7 @@ impl Conductor {
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
             drives_end: Time::ZERO,
-            // The first slot is run whatever the limit.
+            // The first slot runs even if the limit is 0.
             limit: plan.until.max(Time(1)),
             horizon: None,
             has_acted: false,
@@ -164,29 +165,29 @@ impl Conductor {
             conductor.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
-            // The first slot records the start of those without a program, too.
+            // The first slot also records the start of robots without a program.
             conductor.ran.extend(ids(false));
         }
         conductor
     }
 
-    /// Ends the run after the present slot; an end that was found before stands, but for a record that cannot be written.
+    /// Ends the run after the present slot. An earlier reason for the end is kept; only a record that cannot be written overrides it.
     pub fn end_with(&mut self, end: End) {
         self.end.get_or_insert(end);
     }
 
-    /// The robots that have been released and have not come back.
+    /// Robots that have been released and have not come back to the barrier.
     pub fn running(&self) -> impl Iterator<Item = RobotId> {
         self.lanes.iter().filter_map(|lane| lane.running)
     }
 
-    /// Who wants to see the record.
+    /// Sinks of the record.
     pub fn sinks(&mut self) -> &mut Sinks<'static> {
         &mut self.sinks
     }
 
-    /// Lets the slots begin that start before `horizon`; at the end of the first slot after `deadline` that the calling thread
-    /// finishes, the run pauses all the same.
+    /// Runs the slots that start before `horizon`. The run also pauses at the end of the first slot after `deadline` that the
+    /// calling thread finishes.
     pub fn advance(&mut self, run: &Run, horizon: Time, deadline: Option<Instant>) -> HandOver {
         self.horizon = Some(horizon);
         if self.end.is_none() {
@@ -195,17 +196,17 @@ impl Conductor {
         self.go_on(run, None, deadline)
     }
 
-    /// `robot` has come back to sleep until `wake`.
+    /// Takes `robot` back at the barrier, where it sleeps until `wake`.
     pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> HandOver {
         self.retire(robot);
         self.sleep_until(robot, wake);
         self.go_on(run, Some(robot), None)
     }
 
-    /// The program of `robot` has ended, or broken; `deadline` as for [`Conductor::advance`].
+    /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Conductor::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> HandOver {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
-            // It was left behind, and has come back.
+            // Its flow was abandoned, and has come back after all.
             return HandOver::default();
         }
         self.retire(robot);
@@ -217,7 +218,7 @@ impl Conductor {
         self.go_on(run, None, deadline)
     }
 
-    /// Where the paused run stands.
+    /// Position of the paused run.
     pub fn boundary(&mut self, environment: &Environment) -> Boundary {
         let next = self.next_start(environment);
         let world = &environment.world;
@@ -239,18 +240,17 @@ impl Conductor {
         self.horizon = None;
     }
 
-    /// The program of `robot` has left after the end of the run.
+    /// Marks `robot` as departed: its program has exited after the end of the run.
     pub fn leave(&mut self, robot: RobotId) {
         self.departed[robot.index()] = true;
     }
 
-    /// True once the program of `robot` has ended or broken, and for a robot without one.
+    /// Returns true if the program of `robot` has ended or broken, or if it has none.
     pub fn has_departed(&self, robot: RobotId) -> bool {
         self.departed[robot.index()]
     }
 
-    /// Simulated time, once the run is over: the end of the last slot, where the world stands then, or the limit that the
-    /// user set.
+    /// Simulated time at the end of the run: the end of the last slot, or the limit that the user set if that ended the run.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
             Some(End::Until) => world.slot_start().max(self.limit),
@@ -258,7 +258,7 @@ impl Conductor {
         }
     }
 
-    /// Why the run has ended; taken once, at the very end.
+    /// Takes the reason for the end of the run; called once, at the very end.
     pub fn take_end(&mut self) -> End {
         self.end.take().unwrap_or(End::Finished)
     }
@@ -274,7 +274,7 @@ impl Conductor {
         self.lanes[self.homes[robot.index()] as usize].ready.push_back(robot);
     }
 
-    /// The next robot for the free lane `lane`: its own, or one of the lane that has the most to do.
+    /// The next robot for the idle worker `lane`: from its own run queue, or stolen from the worker with the longest one.
     fn next_for(&mut self, lane: usize) -> Option<RobotId> {
         if let Some(robot) = self.lanes[lane].ready.pop_front() {
             return Some(robot);
@@ -288,7 +288,7 @@ impl Conductor {
         Some(robot)
     }
 
-    /// Replaces the robot's wake time; [`Time::NEVER`] leaves it without one.
+    /// Replaces the robot's wake time; for [`Time::NEVER`] the robot has none.
     fn sleep_until(&mut self, robot: RobotId, at: Time) {
         let number = &mut self.wake_numbers[robot.index()];
         *number += 1;
@@ -297,7 +297,7 @@ impl Conductor {
         }
     }
 
-    /// Fills the free lanes, over as many slots as it takes to find somebody who is due or to come to rest.
+    /// Gives each idle worker a robot; runs scheduler steps until a robot is due or the run is at rest.
     fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>, deadline: Option<Instant>) -> HandOver {
         let mut hand_over = HandOver::default();
         loop {
@@ -321,23 +321,23 @@ impl Conductor {
         }
     }
 
-    /// True when the present slot is complete and no other follows.
+    /// Returns true if the run has ended and its last slot is complete.
     pub fn is_over(&self) -> bool {
         let is_idle = |lane: &Lane| lane.running.is_none() && lane.ready.is_empty();
         self.end.is_some() && self.ran.is_empty() && self.lanes.iter().all(is_idle)
     }
 
-    /// True while nobody runs, and nobody does unless the run's owner goes on: paused, or over.
+    /// Returns true if the run is paused or over: no robot runs until the run's owner advances it.
     pub fn is_at_rest(&self) -> bool {
         self.horizon.is_none() || self.is_over()
     }
 
-    /// True once it is known why the run ends.
+    /// Returns true if the reason for the end of the run is known: no further slot begins.
     pub fn is_ending(&self) -> bool {
         self.end.is_some()
     }
 
-    /// Completes the present slot and, unless the run ends with it or is to pause, begins the next one in which anything happens.
+    /// Completes the present slot and, unless the run ends or pauses there, begins the next one in which anything happens.
     fn finish_slot(&mut self, run: &Run, deadline: Option<Instant>) {
         let mut environment = run.environment.write();
         if let Err(error) = self.end_slot(run, &mut environment) {
@@ -356,7 +356,7 @@ impl Conductor {
         }
     }
 
-    /// Begins the next slot in which anything happens, or pauses where none starts before the horizon.
+    /// Begins the next slot in which anything happens, or pauses if none starts before the horizon.
     fn begin_slot(&mut self, run: &Run, environment: &mut Environment) {
         let horizon = self.horizon.map_or(Time::ZERO, |horizon| horizon.min(self.limit));
         let Some(start) = self.next_start(environment).filter(|start| *start < horizon) else {
@@ -373,7 +373,7 @@ impl Conductor {
     /// earlier.
     ///
     /// # Errors
-    /// Why it is refused; nothing changes then.
+    /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
     pub fn act(&mut self, at: Time, action: &Action, run: &Run, environment: &mut Environment) -> Result<(), Refusal> {
         let at = self.next_start(environment).map_or(at, |next| at.min(next));
         let at = at.floor_to(environment.world.slot()).max(environment.world.slot_start());
@@ -388,7 +388,7 @@ impl Conductor {
         Ok(())
     }
 
-    /// Brings the list of wakes in line with what an action at `at` has changed.
+    /// Updates the wake queue after an intervention at `at`.
     fn take_effect(&mut self, effect: Effect, at: Time, run: &Run) {
         for id in effect.robots {
             if let Some(wake) = run.robot(id).wake_after(at).filter(|_| !self.has_departed(id)) {
@@ -400,7 +400,7 @@ impl Conductor {
             self.admit(id, has_program, at);
         }
         if let Some(id) = effect.left {
-            // Its program is turned back from the call that it is in.
+            // Wakes its program, whose calls return `Stop` from now on.
             if !self.has_departed(id) {
                 self.sleep_until(id, at);
             }
@@ -410,7 +410,7 @@ impl Conductor {
         }
     }
 
-    /// One more robot, which has the next id, is due at `at` if it has a program.
+    /// Adds a spawned robot, which has the next id; it is due at `at` if it has a program.
     fn admit(&mut self, robot: RobotId, has_program: bool, at: Time) {
         self.homes.push(0);
         self.wake_numbers.push(0);
@@ -426,7 +426,7 @@ impl Conductor {
         self.ran.push(robot);
     }
 
-    /// Ends the slot for all robots that it concerns, and gives the sinks what it brought.
+    /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
         let active = environment.concerned(&self.ran, &mut Members(run));
         self.ran.clear();
@@ -450,16 +450,16 @@ impl Conductor {
         self.sinks.take_slot(environment.recorder(), at)
     }
 
-    /// The start of the next slot in which a body moves or a robot is due; none when that never happens.
+    /// Start of the next slot in which a body moves or a robot is due; `None` if nothing happens any more.
     fn next_start(&mut self, environment: &Environment) -> Option<Time> {
         let world = &environment.world;
-        // The world has gone on to the slot after the one that was finished.
+        // The world already stands at the slot after the one that was finished.
         let following = world.slot_start();
         if self.has_acted || world.is_object_moving() {
             return Some(following);
         }
         if environment.is_robot_moving() {
-            // A drive without an end may go on for ever once all programs have ended: that is no reason to run on.
+            // Once all programs have ended, a drive without an end may go on for ever: it is no reason to run on.
             return (self.alive > 0 || following < self.drives_end).then_some(following);
         }
         while let Some(Reverse(wake)) = self.wakes.peek()
@@ -468,13 +468,13 @@ impl Conductor {
             self.wakes.pop();
         }
         let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at);
-        // A message that nobody lives to hear is no reason to run on either.
+        // A message is no reason to run on either once no program is alive.
         let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
         (due < Time::NEVER).then(|| due.floor_to(world.slot()).max(following))
     }
 
-    /// Moves the robots that are due before `slot_end` to the ready list.
+    /// Moves the robots that are due before `slot_end` to the run queues.
     fn take_due(&mut self, slot_end: Time) {
         while self.wakes.peek().is_some_and(|Reverse(wake)| wake.at < slot_end)
             && let Some(Reverse(Wake { robot, number, .. })) = self.wakes.pop()
@@ -489,7 +489,7 @@ impl Conductor {
     }
 }
 
-/// Puts on the disk what robots wrote in the slot that ends, in order of (virtual time, robot).
+/// Saves the files that robots wrote in the slot that ends, in order of (virtual time, robot).
 fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
     let mut files = Vec::new();
     for (index, robot) in robots.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! What robot programs that broke have cost this process for good: threads that never end, perhaps the heap of the C library.
+//! Permanent damage that broken robot programs have done to this process: threads that never end, and the heap of the C library.
 
 use std::ffi::CStr;
 use std::ops::Range;
@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::signal::Fault;
 
-/// So many flows may be lost before this process loads no more programs: each keeps its thread, its stack and all of its run. Our choice.
+/// Number of lost flows at which this process loads no more programs: each keeps its thread, its stack and its whole run. Our choice.
 pub const MOST_LOST: usize = 200;
 
 static LOST: AtomicUsize = AtomicUsize::new(0);
 static IS_HEAP_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Why no more programs can run on threads of this process.
+/// Reasons why no more programs can run on threads of this process.
 #[derive(Debug, thiserror::Error)]
 pub enum Damage {
     /// Too many flows are lost.
@@ -23,7 +23,7 @@ pub enum Damage {
          run programs in processes of their own (`--exec process`), or start a new process"
     )]
     Flows(usize),
-    /// The heap of the C library is.
+    /// The heap of the C library is lost.
     #[error(
         "a robot program broke within the heap of the C library, which no other program in this process can use any more: run \
          programs in processes of their own (`--exec process`), or start a new process"
@@ -34,7 +34,7 @@ pub enum Damage {
 /// Checks that more programs can run on threads of this process.
 ///
 /// # Errors
-/// [`Damage`] when earlier ones have done too much.
+/// [`Damage`] if earlier programs have lost the heap or too many flows.
 pub fn check() -> Result<(), Damage> {
     match lost_flows() {
         _ if is_heap_lost() => Err(Damage::Heap),
@@ -43,24 +43,24 @@ pub fn check() -> Result<(), Damage> {
     }
 }
 
-/// Flows of this process whose threads never end: they faulted or were stopped as overdue, or could not be let go after that.
+/// Number of flows in this process whose threads never end: they faulted, were stopped as overdue, or could not be joined after that.
 pub fn lost_flows() -> usize {
     LOST.load(Ordering::Acquire)
 }
 
-/// True once a program of this process broke within the heap of the C library: it may hold a lock that others wait for.
+/// Returns true once a program of this process broke within the heap of the C library: it may hold a lock that others wait for.
 pub fn is_heap_lost() -> bool {
     IS_HEAP_LOST.load(Ordering::Acquire)
 }
 
-/// One more flow will never end.
+/// Counts one more flow that never ends.
 pub(super) fn lose_flow() {
     LOST.fetch_add(1, Ordering::AcqRel);
 }
 
-/// Takes a fault into account, with what lies on the stack of its thread.
+/// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened within it.
 pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
-    /// What lies between the functions of the heap and the signal when they end the program themselves, in words.
+    /// Stack depth in words between the heap's functions and the signal with which they abort the program.
     const REPORTING: usize = 512;
     let heap = heap_functions();
     let is_reported = || stack_words.iter().take(REPORTING).any(|word| heap.contains(word));
@@ -69,17 +69,17 @@ pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
     }
 }
 
-/// Where the functions of the C library's heap lie; empty where they are not found. To be called before anything breaks: the dynamic
-/// linker has a lock, too.
+/// Address range of the C library's heap functions; empty if they are not found. Must be called first before anything breaks, since
+/// the dynamic linker has a lock, too; the result is cached.
 pub(super) fn heap_functions() -> Range<usize> {
-    /// The functions without a name of their own lie before `malloc`: 10 KiB in glibc 2.36.
+    /// Size of the unexported functions in front of `malloc`: 10 KiB in glibc 2.36.
     const HIDDEN: usize = 16 << 10;
     static FUNCTIONS: OnceLock<Range<usize>> = OnceLock::new();
     let [first, last] = [c"malloc", c"malloc_info"];
     FUNCTIONS.get_or_init(|| address_of(first).saturating_sub(HIDDEN)..address_of(last)).clone()
 }
 
-/// Where a function of the C library lies, whoever has replaced it in this process; 0 where that is unknown.
+/// Address of a function in the C library itself, interposed or not; 0 if unknown.
 fn address_of(name: &CStr) -> usize {
     // SAFETY: names that end in 0; RTLD_NOLOAD loads nothing, and the library stays as this program needs it.
     unsafe {

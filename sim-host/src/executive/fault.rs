@@ -1,4 +1,4 @@
-//! What is known of a robot program that broke, in words.
+//! Reports of broken robot programs, in words.
 
 use super::signal::{Fault, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
@@ -6,28 +6,28 @@ use crate::robios::robot::Ending;
 /// A flow that will never run again, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// What happened, without the place: `segmentation fault at address 0x0`.
+    /// Description of the break, without the place: `segmentation fault at address 0x0`.
     pub what: String,
-    /// True when the watchdog stopped the flow, false when the program itself faulted.
+    /// True if the watchdog stopped the flow, false if the program itself faulted.
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
-    /// The task that broke, where it is one of several.
+    /// The task that broke, if it is one of several.
     pub task: Option<u32>,
-    /// The place in words, where the program itself has told it.
+    /// The place in words, if the program itself has reported it; else empty.
     pub place: String,
-    /// Program counter at the break, then what look like return addresses, innermost first.
+    /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
 }
 
-/// How far from the stack pointer return addresses are looked for, in words.
+/// Depth of the search for return addresses from the stack pointer, in words.
 pub(super) const SEARCH: usize = 4096;
 
-/// Below the stack lies a guard page; a fault this near to it is an overflow.
+/// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
 const GUARD: usize = 64 << 10;
 
 impl Broken {
-    /// The words for `fault` of a thread with these bounds of its stack, and with these words on it from the stack pointer on.
+    /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
     pub(super) fn new(fault: Fault, [low, _]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         let near_guard = low > 0 && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
         let what = match fault.signal {
@@ -53,7 +53,7 @@ impl Broken {
         }
     }
 
-    /// A flow that was to be stopped and takes no signal: it is left behind as it is.
+    /// Describes a flow that takes no signal and therefore cannot be stopped: it is abandoned as it is.
     pub(super) fn unstoppable() -> Self {
         Self {
             what: "no RoBIOS call returned in time, and the program blocks the signals by which it would be stopped"
@@ -66,13 +66,13 @@ impl Broken {
         }
     }
 
-    /// How the program of the flow has ended.
+    /// The flow's break as the ending of its program.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.what.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
-    /// The same, told of the task that broke.
+    /// Adds the task that broke.
     #[must_use]
     pub(super) fn in_task(mut self, task: u32) -> Self {
         self.task = Some(task);
@@ -80,7 +80,7 @@ impl Broken {
     }
 }
 
-/// The words on a parked thread's stack from `sp` on, as far as the search goes.
+/// Words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them.
 pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {

@@ -1,4 +1,4 @@
-//! A robot's flow as the calls of its program see it.
+//! A robot's flow as seen by the calls of its program.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::robios::call::Call;
 use crate::robios::flow::Flow;
 use crate::robios::robot::Robot;
 
-/// The flow of a robot in its run, whatever it runs on.
+/// Flow of a robot in its run, independent of the executor.
 pub(super) struct RobotFlow {
     pub run: Arc<Run>,
     pub id: RobotId,

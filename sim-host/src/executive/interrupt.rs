@@ -1,4 +1,4 @@
-//! The wish of a user that runs end: a handle for whoever owns them, and what connects one with Ctrl-C in a binary.
+//! Interruption of runs by the user: a handle for their owner, which a binary connects with Ctrl-C.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,33 +8,33 @@ use parking_lot::Mutex;
 
 use super::signal::{Handlers, action, change_action, default_action};
 
-/// Interrupts the runs that have a copy of it, once and for all.
+/// Interrupts, permanently, the runs that have a clone of this handle.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Lets the runs end with their present slots, from any thread; async-signal-safe. True if they were to already.
+    /// Ends the runs with their present slots, from any thread; async-signal-safe. Returns true if it was set already.
     pub fn set(&self) -> bool {
         self.0.swap(true, Ordering::AcqRel)
     }
 
-    /// True once it has been set.
+    /// Returns true once [`set`](Self::set) was called.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Acquire)
     }
 }
 
-/// What Ctrl-C and SIGTERM set.
+/// Interrupt set by Ctrl-C and SIGTERM.
 static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
 
-/// True while a debugger is to hear Ctrl-C.
+/// Ctrl-C belongs to a debugger and is ignored here.
 static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 
-/// For a binary, before its first run: what Ctrl-C and SIGTERM set from now on, the second one ends the process. A thread that a robot
-/// program started by itself and that faults ends the process with a message from now on.
+/// Installs the handlers of a binary, before its first run, and returns the interrupt that Ctrl-C and SIGTERM set; the second such
+/// signal ends the process. A fault in a thread that a robot program started by itself ends the process with a message.
 ///
 /// # Errors
-/// When the kernel refuses a handler, and when a run has installed its own already, which these would cover.
+/// The kernel refuses a handler, or a run has installed its own already, which these would cover.
 pub fn of_process() -> io::Result<Interrupt> {
     static IS_INSTALLED: Mutex<bool> = Mutex::new(false);
     let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
@@ -59,7 +59,7 @@ pub fn of_process() -> io::Result<Interrupt> {
     Ok(interrupt)
 }
 
-/// From now on Ctrl-C is a debugger's alone, whose process group this process shares.
+/// Ignores Ctrl-C from now on: it is meant for the debugger, which shares this process's process group.
 pub fn leave_interrupts_to_debugger() {
     IS_DEBUGGING.store(true, Ordering::Release);
 }
@@ -84,7 +84,7 @@ extern "C" fn on_foreign_fault(signal: i32) {
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
     if is_first_thread || !Handlers::are_held() {
-        // The host's own fault: the default action shows it when the instruction is tried again.
+        // A fault of the host itself: the default action ends the process when the instruction is tried again.
         return default_action(signal);
     }
     // SAFETY: write and _exit are async-signal-safe; `WORDS` has as many bytes as are given.

@@ -1,8 +1,8 @@
-//! Interventions in a run, at the start of a slot, while nobody runs: what [`sim_core::simulation::Intervention`] does to the simulation,
-//! and what programs and tasks notice of it.
+//! Interventions in a run, carried out at the start of a slot while no robot runs: their effects on the simulation
+//! ([`sim_core::simulation::Intervention`]), on programs and on tasks.
 //!
-//! Everything that can fail is done when an action is validated: the program of a robot that comes is loaded and its flow started,
-//! suspended. What is carried out then cannot fail any more.
+//! All that can fail happens during validation: the program of a spawned robot is loaded and its flow started, suspended.
+//! Carrying out a validated action cannot fail.
 
 use sim_core::RobotId;
 use sim_core::record::Action;
@@ -15,24 +15,24 @@ use super::spawn::NewRobot;
 use crate::robios::robot::Robot;
 pub use sim_core::simulation::Refusal;
 
-/// An action that has been validated: it cannot fail any more.
+/// A validated action: carrying it out cannot fail.
 pub enum ValidatedAction {
-    /// One that needs no program.
+    /// An intervention in the simulation that involves no program.
     Intervention(Intervention),
-    /// A robot comes; the flow of its program is suspended.
+    /// Spawns a robot; the flow of its program is suspended.
     AddRobot(Box<NewRobot>),
-    /// The run ends.
+    /// Ends the run.
     End,
 }
 
-/// Whom an action has concerned.
+/// Robots that an action has affected.
 #[derive(Default)]
 pub struct Effect {
-    /// What these robots wait for may have come, or their motion has changed.
+    /// Robots whose motion has changed, or for which an awaited input may have arrived.
     pub robots: Vec<RobotId>,
-    /// This robot has come into the world, with a program or without.
+    /// The spawned robot, and true if it has a program.
     pub came: Option<(RobotId, bool)>,
-    /// This robot has been taken out of it: its program is to leave.
+    /// The removed robot, whose program must exit.
     pub left: Option<RobotId>,
     /// The run ends.
     pub is_end: bool,
@@ -47,10 +47,10 @@ impl Robots for Members<'_> {
     }
 }
 
-/// What `action` means in this run, at the start of the slot at `at`.
+/// Validates `action` for the start of the slot at `at`; for a spawned robot, loads its program and starts its flow.
 ///
 /// # Errors
-/// [`Refusal`] for what is not there, makes no sense or cannot be loaded; nothing changes then.
+/// [`Refusal`] if the action names something unknown, makes no sense or cannot load its program; nothing changes then.
 pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<ValidatedAction, Refusal> {
     match action {
         Action::AddRobot { kind, program_of, x_m, y_m, phi_rad } => {
@@ -73,7 +73,7 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
     }
 }
 
-/// Does what was validated, at the start of the slot at `at`, the world's present one.
+/// Carries out a validated action at the start of the slot at `at`, the world's present one.
 pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut Environment) -> Effect {
     match action {
         ValidatedAction::Intervention(intervention) => intervene(intervention, at, run, environment),

@@ -15,11 +15,11 @@ use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
 
-/// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
+/// Memory mappings for each robot's flow: its stack, the guard below it, its alternate stack, and the kernel's neighbouring ones.
 const MAPPINGS_PER_FLOW: usize = 4;
 
-/// Loads its program for each robot that has one, with the arguments that its `main` gets: as a private copy in this process, or
-/// in a process of its own.
+/// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process, or in its
+/// own process.
 ///
 /// # Errors
 /// The first program that cannot be loaded, or all of them if the kernel has no room.
@@ -32,7 +32,7 @@ pub fn load_programs(
     check_room(programs.iter(), exec)?;
     let mut loader = Loader::new().context("no folder to load programs from")?;
     Child::make_room(programs.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
-    // All processes start before the first one is waited for.
+    // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
@@ -45,10 +45,10 @@ pub fn load_programs(
     scene.robots.iter().zip(loading).map(finish).collect()
 }
 
-/// Loads its program for one more robot, as [`load_programs`] does for those of the scene.
+/// Loads the program of a spawned robot, as [`load_programs`] does for the robots of the scene.
 ///
 /// # Errors
-/// Why it cannot be loaded.
+/// The program cannot be loaded.
 pub fn load_program(
     robot: &RobotSpec,
     program: &Arc<Prepared>,
@@ -60,8 +60,8 @@ pub fn load_program(
     loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, &error))
 }
 
-/// Checks that this process can run these programs after what earlier ones have done to it, and that the kernel lets it map their
-/// copies and stacks.
+/// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
+/// copies and stacks of these programs.
 fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> anyhow::Result<()> {
     let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
     if in_host.peek().is_some() {
@@ -79,11 +79,11 @@ fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {
 pub struct Debug {
     /// The robot.
     pub robot: RobotId,
-    /// What the debugger is told.
+    /// Settings of the debugger.
     pub debugger: Debugger,
 }
 
-/// Where a program runs when the user wants `exec`: a Python program has a process of its own in any case.
+/// Place in which a program runs if the user wants `exec`: a Python program always has its own process.
 fn exec_of(program: &Prepared, exec: Exec) -> Exec {
     match program.code {
         Code::Library(_) => exec,
@@ -91,10 +91,10 @@ fn exec_of(program: &Prepared, exec: Exec) -> Exec {
     }
 }
 
-/// A program on its way.
+/// A program that is being loaded.
 enum Loading {
     Done(RobotProgram),
-    /// The process, its program, and the file from which it loads it.
+    /// The process, its program, and the file from which the process loads it.
     InProcess(Box<Child>, Arc<Prepared>, PathBuf),
 }
 
@@ -116,7 +116,7 @@ impl Loading {
                 return Err(LoadError::Misfit { path, what });
             }
             (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
-            // gdb reads the library's file again while it debugs: that of the cache stays.
+            // gdb reads the library's file again while it debugs; the file in the cache is not removed.
             (Code::Library(image), Some(debugger)) => {
                 (Child::start_debugged(debugger, image.path()), image.path().to_owned())
             }
@@ -145,6 +145,6 @@ impl Loading {
     }
 }
 
-/// What limits the number of processes.
+/// Advice on the limits of the number of processes.
 const PROCESS_HINT: &str =
     "each robot takes a process of two threads, and in eyesim a thread and a file: see `ulimit -u` and `ulimit -n`";

@@ -1,10 +1,10 @@
-//! Executing robot programs: who runs when, on what, and what happens when one breaks.
+//! Execution of robot programs: scheduling, flows, faults and the watchdog.
 //!
-//! [`Executor`] is the seam: how a robot's flow of control is run, suspended and resumed. [`thread`] fills it with one OS
-//! thread a robot, which serves the robot's [`process`] where it has one; a fiber a robot fits behind it too. Above the seam nothing knows which:
-//! [`run`] is what flows share, [`conductor`] decides who runs, and [`scheduler`] is the value by which its owner advances a
-//! run; [`script`] is one such owner, the window another. Below the seam, [`signal`] and [`watchdog`] catch programs that fault or
-//! never return.
+//! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread for each flow,
+//! which serves the robot's [`process`] if it has one; fibers would fit behind the same trait. Code above the trait is independent of
+//! the kind of flow: [`run`] is the state that flows share, [`conductor`] holds the run queues, and [`scheduler`] is the value by which
+//! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
+//! programs that fault or never return.
 
 pub mod bell;
 pub mod conductor;
@@ -33,74 +33,75 @@ use sim_core::RobotId;
 
 use crate::robios::call::Call;
 
-/// How robots' flows of control are run: the one seam that a thread, a process or a fiber a robot fills.
+/// Runs the flows of robots; implemented with threads, processes or fibers.
 ///
-/// A robot has one flow for each of its tasks, of which one has the robot's baton: first that of `main`. A flow starts suspended.
-/// Exactly the robots run that the conductor resumed and that have not suspended themselves since, each by the flow with the baton.
+/// A robot has one flow for each of its tasks, one of which holds the robot's run token: first that of `main`. A flow starts
+/// suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the flow with the run token.
 pub trait Executor: Send + Sync {
-    /// A run begins, whose supervisor waits for `bell`: flows that break ring it. To be told before the first flow starts.
+    /// Begins a run whose supervisor waits for `bell`: flows that break ring it. Must be called before the first flow starts.
     fn begin(&self, bell: &Arc<bell::Bell>);
 
-    /// The run is over: gives back what its flows took. Those that have broken are lost with all that they hold, and so are those of
-    /// robots that have not `departed`. True when none is.
+    /// Ends the run and releases the resources of its flows. Flows that have broken are lost with all that they hold, and so are
+    /// those of robots that have not `departed`. Returns true if no flow is lost.
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool;
 
-    /// True when the run's flows must not go on because of what a program of another run has done to this process.
+    /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn is_doomed(&self) -> bool;
 
-    /// Gets ready for robots up to this one.
+    /// Prepares for robots with ids up to this one.
     fn admit(&self, robot: RobotId);
 
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
-    /// comes first). `flow` returns when the task has ended: the number of the task that gets the baton then, none for `main`'s.
+    /// comes first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` for
+    /// `main`'s.
     ///
     /// # Errors
-    /// When the system has no room for another flow.
+    /// The system has no room for another flow.
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
-    /// The flow of the robot's first task serves this process, in which its program runs. To be told before it is resumed.
+    /// Lets the flow of the robot's first task serve this process, in which its program runs. Must be called before it is resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
-    /// Lets the robot's flow with the baton go on, in `lane`: the flows of one lane run one after the other, so they are best kept
-    /// on one processor. Called once for each time that the robot suspended itself or was created.
+    /// Resumes the robot's flow with the run token on the worker `lane`. The flows of one worker run one after the other, so they
+    /// are best bound to one processor. Called once for each time that the robot was created or suspended itself.
     fn resume(&self, robot: RobotId, lane: u32);
 
-    /// Suspends the calling flow, which has the baton of `robot`, until that is resumed.
+    /// Suspends the calling flow, which holds the run token of `robot`, until it is resumed.
     fn suspend(&self, robot: RobotId);
 
-    /// The calling flow, which has the baton of `robot`, would be suspended, but is the one that is resumed, and so goes on.
+    /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be followed at once by its resumption.
     fn go_on(&self, robot: RobotId);
 
-    /// Hands the baton of `robot` from the calling flow to that of task `task`, until it is handed back.
+    /// Hands the run token of `robot` from the calling flow to that of task `task`; returns when it is handed back.
     fn switch(&self, robot: RobotId, task: u32);
 
-    /// The calling flow, which has the baton of `robot`, enters `call`; false when it has no stack left to serve it.
+    /// Marks the calling flow, which holds the run token of `robot`, as inside `call`; false if its stack is too small to serve it.
     fn enter(&self, robot: RobotId, call: Call) -> bool;
 
-    /// The calling flow, which has the baton of `robot`, goes back to its program.
+    /// Marks the calling flow, which holds the run token of `robot`, as back in its program.
     fn leave(&self, robot: RobotId);
 
-    /// Calls a function of the robot's program from within a call that the calling flow is in, or at the beginning of a task; the
-    /// flow has the baton of `robot` and holds no lock.
+    /// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The flow
+    /// holds the run token of `robot` and no lock.
     ///
     /// # Errors
-    /// [`Stop`] when the program must be left: the call in progress returns it.
+    /// [`Stop`] if the program must exit: the call in progress returns it.
     fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop>;
 
-    /// Flows that broke (a fault, or stopped as overdue) and will never run again, with what is known of it.
+    /// Flows that broke (by a fault, or stopped as overdue) and never run again, with the cause.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
 
-    /// Looks at the robot's flow with the baton, if it runs: true when it has run for `timeout` seconds of its own processor time,
-    /// or has been blocked in the kernel for as long, since it was last resumed or handed the baton. Called about twenty times a second.
+    /// Returns true if the robot's flow with the run token has used `timeout` seconds of processor time, or has been blocked in the
+    /// kernel for as long, since it was last resumed or handed the run token. Called about twenty times a second.
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
-    /// Stops the overdue flow with the baton where it is; [`Executor::broken`] tells of it soon after.
+    /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.
     fn break_overdue(&self, robot: RobotId);
 }
 
-/// Keeps the memory of a thousand threads small, for the rest of this process: without huge pages, of which the heap would take
-/// one or two for every thread that allocates a few bytes.
+/// Disables transparent huge pages for the rest of this process, which keeps the memory of a thousand threads small: the heap
+/// would take one or two huge pages for every thread that allocates a few bytes.
 pub fn save_memory() {
-    // SAFETY: prctl with these arguments takes no pointer; where the kernel refuses, only memory is lost.
+    // SAFETY: prctl with these arguments takes no pointer; if the kernel refuses, the process only needs more memory.
     unsafe { libc::prctl(libc::PR_SET_THP_DISABLE, 1, 0, 0, 0) };
 }

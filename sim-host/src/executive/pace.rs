@@ -1,4 +1,4 @@
-//! Real time: so many virtual seconds for each second of it.
+//! Pacing of a run against real time.
 
 use std::time::{Duration, Instant};
 
@@ -6,22 +6,22 @@ use sim_core::time::Time;
 
 use super::interrupt::Interrupt;
 
-/// So many virtual seconds for each second of real time, counted from the first wait on.
+/// Ratio of virtual to real time, counted from the first wait on.
 pub struct Pace {
     factor: f64,
     start: Option<Instant>,
 }
 
 impl Pace {
-    /// How long the pace sleeps without looking whether the user wants to stop.
+    /// Longest sleep between two checks of the interrupt.
     const NAP: Duration = Duration::from_millis(20);
 
-    /// Virtual seconds for each second of real time, above 0.
+    /// Creates a pace of `factor` virtual seconds for each second of real time; `factor` must be above 0.
     pub fn new(factor: f64) -> Self {
         Self { factor, start: None }
     }
 
-    /// Sleeps until real time has reached the virtual time `due`; false if the run is interrupted before.
+    /// Sleeps until real time has reached the virtual time `due`; returns false if the run is interrupted before.
     pub fn wait_until(&mut self, due: Time, interrupt: &Interrupt) -> bool {
         let start = *self.start.get_or_insert_with(Instant::now);
         let due = start + Duration::try_from_secs_f64(due.seconds() / self.factor).unwrap_or(Duration::MAX / 4);

@@ -1,4 +1,4 @@
-//! A robot's program, loaded, wherever it runs.
+//! A robot's loaded program, in this process or in its own.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
 use crate::program::site::Site;
 
-/// Where a robot's program runs.
+/// Place in which a robot's program runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
     /// On a thread of the host.
@@ -31,10 +31,10 @@ pub enum RobotProgram {
 }
 
 impl RobotProgram {
-    /// Runs the program's `main`, its calls answered by `host` on this thread; gives its exit code. One run at a time.
+    /// Runs the program's `main`, whose calls `host` answers on this thread; returns its exit code. One run at a time.
     ///
     /// # Errors
-    /// How it broke, where that harms nobody else; a program in this process breaks with its thread.
+    /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         match self {
             Self::Thread(program) => Ok(program.run(host)),
@@ -42,7 +42,7 @@ impl RobotProgram {
         }
     }
 
-    /// Its process, where it has one of its own.
+    /// The program's process, if it has its own.
     pub fn child(&self) -> Option<&Arc<Child>> {
         match self {
             Self::Thread(_) => None,
@@ -50,14 +50,14 @@ impl RobotProgram {
         }
     }
 
-    /// Ends its process, which has until `deadline` to close its files; nothing where it has none of its own.
+    /// Ends the program's own process, which has until `deadline` to close its files; does nothing for a program in this process.
     pub fn end(&self, deadline: Instant) {
         if let Some(child) = self.child() {
             child.end(deadline);
         }
     }
 
-    /// The line in the program's own sources that a call stack leads to, see [`LoadedProgram::own_source_line`].
+    /// The line in the program's own sources to which a call stack leads, see [`LoadedProgram::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         match self {
             Self::Thread(program) => program.own_source_line(addresses),
@@ -65,7 +65,7 @@ impl RobotProgram {
         }
     }
 
-    /// Where the program called the function that it is in. To be asked only while it is in a call, by the flow that serves it.
+    /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.
     pub fn call_site(&self) -> Site {
         match self {
             Self::Thread(program) => Site::Here(program.call_site()),
@@ -73,7 +73,7 @@ impl RobotProgram {
         }
     }
 
-    /// A place in this program, in its own words: `maze.c:88`.
+    /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
             (Self::Thread(program), Site::Here(site)) => program.place_of(site),

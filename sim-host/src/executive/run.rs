@@ -1,4 +1,4 @@
-//! What the flows of a run share: its robots, its world and its run queues; and the life of each flow.
+//! State that the flows of a run share (robots, world, run queues), and the functions that flows execute.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Weak};
@@ -29,17 +29,17 @@ use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
 
-/// Everything that the robots' flows share.
+/// State shared by the robots' flows.
 pub struct Run {
-    /// What all robots share; written only between slots, when no robot runs.
+    /// World, recorder and radio channel; written only between slots, while no robot runs.
     pub(crate) environment: RwLock<Environment>,
-    /// All robots that ever were in the run, in the order of their ids.
+    /// All robots that were ever in the run, in the order of their ids.
     members: boxcar::Vec<Member>,
-    /// Makes those who come later.
+    /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
     pub(super) conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
-    /// Robots whose processes broke, and how: nobody else is harmed.
+    /// Robots whose processes broke, and how; the run goes on without them.
     pub(super) lost: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
     bell: Arc<Bell>,
@@ -47,25 +47,25 @@ pub struct Run {
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
     slot_start: AtomicI64,
     slot_end: AtomicI64,
-    /// All programs are to leave.
+    /// All programs must exit.
     pub(super) is_stopping: AtomicBool,
-    /// The run is to pause at the end of the present slot.
+    /// The run must pause at the end of the present slot.
     pub(super) is_pausing: AtomicBool,
     is_verbose: bool,
-    /// How long the run goes on after its last program has ended.
+    /// Time that the run goes on after its last program has ended.
     linger: Time,
-    /// Somebody has wanted to see the calls of single robots: their journals say of which.
+    /// The user has asked for the calls of single robots at least once; the robots' journals say of which.
     has_listeners: AtomicBool,
-    /// This run, to be shared with the flows of robots that come later.
+    /// Reference to this run for the flows of spawned robots.
     own: Weak<Run>,
 }
 
 /// A robot in a run.
 pub(super) struct Member {
     robot: Mutex<Robot>,
-    /// None for a robot that only stands there.
+    /// `None` for a robot without a program.
     program: Option<RobotProgram>,
-    /// It has been taken out of the world: its program is to leave.
+    /// The robot has been removed: its program must exit.
     is_removed: AtomicBool,
 }
 
@@ -75,14 +75,14 @@ impl Member {
     }
 }
 
-/// How long a stopped program may take to leave before it is left behind.
+/// Time in which a stopped program must exit before its flow is abandoned.
 pub(super) const LEAVE: Duration = Duration::from_secs(1);
 
 impl Run {
-    /// A run of which no flow has been started.
+    /// Creates a run without starting any flow.
     ///
     /// # Errors
-    /// When the process has no file descriptor left.
+    /// The process has no file descriptor left.
     pub(super) fn new(parts: Parts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
         let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
@@ -109,20 +109,20 @@ impl Run {
         }))
     }
 
-    /// Gives each program its first flow, suspended.
+    /// Starts the first flow of each program, suspended.
     ///
     /// # Errors
-    /// When the system has no room for all of them.
+    /// The system has no room for all of them.
     pub(super) fn start_programs(&self) -> std::io::Result<()> {
         self.ids_with_program()
             .filter_map(|id| Some((id, self.program(id)?)))
             .try_for_each(|(id, program)| self.start_program(id, program))
     }
 
-    /// Gives the program of robot `id` its first flow, suspended.
+    /// Starts the first flow of the program of robot `id`, suspended.
     ///
     /// # Errors
-    /// When the system has no room for it.
+    /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         let own = Weak::clone(&self.own);
         self.executor.admit(id);
@@ -133,17 +133,17 @@ impl Run {
         Ok(())
     }
 
-    /// Takes a robot in, which has the next id.
+    /// Adds a spawned robot, which has the next id.
     pub(super) fn admit(&self, member: Member) {
         self.members.push(member);
     }
 
-    /// The program of robot `id` is to leave: it is turned back from the call that it is in.
+    /// Marks robot `id` as removed: its program must exit, and its calls return [`Stop`].
     pub(super) fn dismiss(&self, id: RobotId) {
         self.members[id.index()].is_removed.store(true, Ordering::Release);
     }
 
-    /// What makes robots and objects that come later, and knows all that ever were in the run.
+    /// The spawner of robots and objects, with the register of all that were ever in the run.
     pub fn spawner(&self) -> MutexGuard<'_, Spawner> {
         self.spawner.lock()
     }
@@ -153,12 +153,12 @@ impl Run {
         self.members[id.index()].robot.lock()
     }
 
-    /// The world, as it was made public at the start of the present slot; not to be held while the run goes on.
+    /// The world as published at the start of the present slot. The guard must not be held while the run goes on.
     pub fn world(&self) -> MappedRwLockReadGuard<'_, World> {
         RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
 
-    /// Number of robots, those that have been removed included: the last has this id.
+    /// Number of robots, removed ones included; equal to the last robot's id.
     pub fn robot_count(&self) -> usize {
         self.members.count()
     }
@@ -173,12 +173,12 @@ impl Run {
         self.members[id.index()].program.as_ref()
     }
 
-    /// True for a robot that has a program, be it over.
+    /// Returns true for a robot that has a program, even one that has ended.
     pub fn has_program(&self, id: RobotId) -> bool {
         self.program(id).is_some()
     }
 
-    /// The robots that have a program; the others only stand there.
+    /// The robots that have a program.
     pub fn ids_with_program(&self) -> impl Iterator<Item = RobotId> {
         self.members.iter().filter(|(_, member)| member.program.is_some()).map(|(index, _)| RobotId::from_index(index))
     }
@@ -193,7 +193,7 @@ impl Run {
         Time(self.slot_end.load(Ordering::Acquire))
     }
 
-    /// What runs the flows.
+    /// The executor of the flows.
     pub(crate) fn executor(&self) -> &dyn Executor {
         &*self.executor
     }
@@ -203,61 +203,61 @@ impl Run {
         self.costs.of(call)
     }
 
-    /// True when the calls of robot `id` are recorded.
+    /// Returns true if the calls of robot `id` are recorded.
     pub(crate) fn is_verbose(&self, id: RobotId) -> bool {
         self.is_verbose || self.has_listeners.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
     }
 
-    /// Lets the calls of robot `id` be recorded, or no longer, between two slots.
+    /// Turns the recording of the calls of robot `id` on or off, between two slots.
     pub fn listen_to(&self, id: RobotId, is_wanted: bool) {
         self.robot(id).journal.set_verbose(is_wanted);
         self.has_listeners.fetch_or(is_wanted, Ordering::Relaxed);
     }
 
-    /// True once all programs are to leave.
+    /// Returns true once all programs must exit.
     fn is_stopping(&self) -> bool {
         self.is_stopping.load(Ordering::Acquire)
     }
 
-    /// True once robot `id` has been taken out of the world.
+    /// Returns true once robot `id` has been removed.
     pub fn is_removed(&self, id: RobotId) -> bool {
         self.members[id.index()].is_removed.load(Ordering::Acquire)
     }
 
-    /// True once the program of robot `id` is to leave: every call is turned back.
+    /// Returns true once the program of robot `id` must exit: all its calls return [`Stop`].
     pub(crate) fn is_leaving(&self, id: RobotId) -> bool {
         self.is_stopping() || self.is_removed(id)
     }
 
-    /// True when the run is to pause at the end of the present slot.
+    /// Returns true if the run must pause at the end of the present slot.
     pub(super) fn is_pausing(&self) -> bool {
         self.is_pausing.load(Ordering::Relaxed)
     }
 
-    /// What wakes the supervisor.
+    /// The bell that wakes the supervisor.
     pub(super) fn bell(&self) -> &Arc<Bell> {
         &self.bell
     }
 
-    /// Ends the run early once it is set.
+    /// The interrupt that ends the run early.
     pub fn interrupt(&self) -> &Interrupt {
         &self.interrupt
     }
 
-    /// Tells the robots' calls the bounds of the present slot.
+    /// Publishes the bounds of the present slot to the robots' calls.
     pub(super) fn publish_slot(&self, world: &World) {
         self.slot_start.store(world.slot_start().0, Ordering::Release);
         self.slot_end.store(world.slot_end().0, Ordering::Release);
     }
 
-    /// Suspends the calling flow, `robot`'s, until the slot that contains `wake`, or earlier if what it waits for changes.
+    /// Suspends the calling flow of `robot` until the slot that contains `wake`, or earlier if its awaited condition changes.
     ///
     /// # Errors
-    /// [`Stop`] when the run has ended meanwhile.
+    /// [`Stop`] if the program must exit or its flow was abandoned.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
         let mut conductor = self.conductor.lock();
         if conductor.has_departed(robot) {
-            // It was left behind, and has come back.
+            // The flow was abandoned, and has come back after all.
             return Err(Stop);
         }
         let hand_over = conductor.suspend(self, robot, wake);
@@ -271,14 +271,14 @@ impl Run {
         if self.is_leaving(robot) { Err(Stop) } else { Ok(()) }
     }
 
-    /// Lets these robots go on, each in its lane.
+    /// Resumes these robots, each on its worker.
     pub(super) fn resume(&self, robots: &[(RobotId, u32)]) {
         for (robot, lane) in robots {
             self.executor.resume(*robot, *lane);
         }
     }
 
-    /// Does for a flow what follows from its robot's return to the barrier.
+    /// Carries out the result of a robot's return to the barrier.
     fn follow(&self, hand_over: &HandOver) {
         self.resume(&hand_over.resume);
         if hand_over.is_at_rest {
@@ -286,7 +286,7 @@ impl Run {
         }
     }
 
-    /// The life of a robot's first flow, which runs `main`.
+    /// Body of a robot's first flow, which runs `main`.
     fn live(self: Arc<Self>, id: RobotId) -> Option<u32> {
         if let (false, Some(program)) = (self.is_leaving(id), self.program(id)) {
             let caller = Caller::new(RobotFlow { run: Arc::clone(&self), id });
@@ -294,7 +294,7 @@ impl Run {
             if result.is_ok() && !self.is_leaving(id) {
                 self.robot(id).hint_at_living_tasks();
             }
-            // The other tasks return through calls that `caller` answers.
+            // The other tasks exit through calls that `caller` answers.
             self.end_tasks(id);
             let ending = match result {
                 Err(broken) if broken.is_overdue && self.is_removed(id) => self.leave_behind(id),
@@ -325,13 +325,13 @@ impl Run {
         None
     }
 
-    /// The program of robot `id`, which has been removed, has not left in time: nobody waits for it any more.
+    /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time.
     pub(super) fn leave_behind(&self, id: RobotId) -> Ending {
         self.robot(id).hint("the robot has been removed and its program did not leave: it is left behind");
         Ending::Stopped
     }
 
-    /// The same, told with the name of the task that broke.
+    /// Adds the name of the task that broke to the description.
     pub(super) fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
         if let Some(task) = broken.task.take() {
             broken.what += &format!(" in {}", self.robot(id).tasks.name(task));
@@ -339,16 +339,16 @@ impl Run {
         broken
     }
 
-    /// Starts the flow of task `task` of robot `id`, which runs `code` when its turn comes.
+    /// Starts the flow of task `task` of robot `id`, which runs `code` when it gets the run token.
     ///
     /// # Errors
-    /// When the system has no room for another flow.
+    /// The system has no room for another flow.
     pub(crate) fn start_task(self: &Arc<Self>, id: RobotId, task: u32, code: Callback) -> std::io::Result<()> {
         let run = Arc::clone(self);
         self.executor.start(id, task, Box::new(move || Some(run.live_task(id, code))))
     }
 
-    /// The life of a further flow of robot `id`; the task that goes on after it.
+    /// Body of a further flow of robot `id`; returns the task that gets the run token next.
     fn live_task(&self, id: RobotId, code: Callback) -> u32 {
         let is_left = {
             let tasks = &self.robot(id).tasks;
@@ -363,7 +363,7 @@ impl Run {
         robot.tasks.end_current(now)
     }
 
-    /// Lets all tasks of robot `id` leave, whose `main` has been left: one after the other.
+    /// Lets all other tasks of robot `id` exit, one after the other, once its `main` has returned.
     fn end_tasks(&self, id: RobotId) {
         loop {
             let mut robot = self.robot(id);
@@ -376,33 +376,33 @@ impl Run {
         }
     }
 
-    /// Until when the run goes on after its last program has ended: so long that the drives under way reach their ends, and for
-    /// [`Limits::linger`].
+    /// Time up to which the run goes on after its last program has ended: the ends of the drives under way, and at least
+    /// [`Limits::linger`] from now.
     pub(super) fn drives_end(&self) -> Time {
         let drive_end = |id| self.robot(id).motion.drive_end().filter(|_| !self.is_removed(id));
         let ends = (0..self.robot_count()).map(RobotId::from_index).filter_map(drive_end);
-        // Not beyond what there is of time.
+        // Saturates at the end of representable time.
         let lingered = Time(self.slot_start().0.saturating_add(self.linger.0));
         ends.fold(lingered, Time::max)
     }
 
-    /// Where the program of robot `id` is, in its own words; asked by a flow of the robot on behalf of the program.
+    /// Place of the call in progress of robot `id`; called by a flow of the robot on behalf of the program.
     pub(crate) fn call_site(&self, id: RobotId) -> Site {
         self.program(id).map(RobotProgram::call_site).unwrap_or_default()
     }
 
-    /// What each task of `robot` waits for, in words.
+    /// Describes the wait of each task of `robot`.
     pub(crate) fn waits_of(&self, robot: &Robot) -> String {
         let words = |program| standing::tasks_in_words(robot, program, Senders::Other);
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the world: its motors stop, its end is recorded, the run goes on without it; `deadline` as for
-    /// [`Conductor::advance`].
+    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run goes on without it.
+    /// `deadline` as for [`Conductor::advance`].
     pub(super) fn bury(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);
-            // On EyeSim VR motors go on with their last command.
+            // On EyeSim VR motors keep their last command.
             let drives_on = robot.ending == Some(Ending::Exited { code: 0 }) && robot.robios.is_of_robios7();
             if !drives_on {
                 if matches!(robot.ending, Some(Ending::Exited { .. })) {

@@ -1,4 +1,4 @@
-//! The scheduler of a run as its owner has it: a value that is advanced, looked at between two slots, and finished.
+//! The scheduler of a run as a value: its owner advances it, inspects it between two slots, and finishes it.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -26,10 +26,10 @@ use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
 
-/// A run in progress, which its owner advances. Between two calls no robot runs: the owner may look at the world and the robots, and
+/// A run in progress, advanced by its owner. Between two calls no robot runs: the owner may read the world and the robots, and
 /// [act](Scheduler::act).
 ///
-/// Dropped before it is [finished](Scheduler::finish), it lets all programs leave.
+/// If it is dropped before it is [finished](Scheduler::finish), all programs exit.
 pub struct Scheduler {
     run: Arc<Run>,
     /// Processor time in seconds that a program may use within one slot.
@@ -37,24 +37,24 @@ pub struct Scheduler {
     start: Instant,
     /// Robots that broke, and how.
     broken: Vec<(RobotId, Broken)>,
-    /// Robots whose programs do not leave, though they were removed or stopped: nobody waits for them any more.
+    /// Robots whose programs did not exit although they were removed or stopped: their flows are abandoned.
     left_behind: Vec<RobotId>,
-    /// Robots whose programs are to be stopped, and since when.
+    /// Robots whose programs have been told to stop, and since when.
     stopping: Vec<(RobotId, Instant)>,
-    /// All programs have been let leave.
+    /// All programs have been told to exit.
     has_left: bool,
 }
 
-/// How far a run has come.
+/// State of a run after it was advanced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It stands between two slots; whether anything is left to run says [`Scheduler::boundary`].
+    /// It is paused between two slots; [`Scheduler::boundary`] tells if anything is left to run.
     Paused,
-    /// It has ended: it is to be [finished](Scheduler::finish).
+    /// It has ended and must be [finished](Scheduler::finish).
     Over,
 }
 
-/// Why a run cannot be copied.
+/// Reasons why a run cannot be copied.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
     /// These robots have programs.
@@ -66,46 +66,46 @@ fn names(robots: &[RobotId]) -> String {
     robots.iter().map(RobotId::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// What a run is made of.
+/// Components of a run.
 pub struct Parts {
     /// The world at time 0.
     pub world: World,
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
-    /// Their programs, in the same order; none for a robot that only stands there.
+    /// Their programs, in the same order; `None` for a robot without a program.
     pub programs: Vec<Option<RobotProgram>>,
-    /// Makes robots and objects that come later.
+    /// Spawns robots and objects during the run.
     pub spawner: Spawner,
-    /// How flows are run.
+    /// Runs the flows.
     pub executor: Box<dyn Executor>,
-    /// What calls cost.
+    /// Virtual time that each call costs.
     pub costs: Costs,
-    /// Where events go.
+    /// Collects the events.
     pub recorder: Recorder,
-    /// Who wants to see them.
+    /// Sinks of the record.
     pub sinks: Sinks<'static>,
-    /// What ends it early.
+    /// Ends the run early.
     pub interrupt: Interrupt,
 }
 
-/// What a run is told by its user.
+/// Limits of a run, set by its user.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// How many robots may run at one time.
+    /// Number of workers: robots that may run at one time.
     pub lanes: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
     /// Processor time in seconds that a program may use within one slot.
     pub timeout: f64,
-    /// True when every call is to be recorded.
+    /// Every call is recorded.
     pub is_verbose: bool,
-    /// How long the run goes on after its last program has ended, as long as anything moves.
+    /// Time that the run goes on after its last program has ended, as long as anything moves.
     pub linger: Time,
 }
 
-/// How a run ended.
+/// Results of a run.
 pub struct Ended {
-    /// Why it ended.
+    /// Reason for the end.
     pub end: End,
     /// Simulated time at the end.
     pub time: Time,
@@ -113,21 +113,21 @@ pub struct Ended {
     pub real_time: Duration,
     /// Digest of everything recorded.
     pub digest: Digest,
-    /// For each robot how it stands, in the order of ids.
+    /// Final state of each robot, in the order of ids.
     pub robots: Vec<RobotEnd>,
-    /// Where each movable object is, in the order of ids.
+    /// Final pose of each movable object, in the order of ids.
     pub objects: Vec<Pose>,
-    /// The run itself, at rest: its world and its robots, whose displays have been taken out.
+    /// The run itself, at rest, with its world and its robots; their displays have been moved to `robots`.
     pub run: Arc<Run>,
 }
 
-/// How a robot stands at the end of a run.
+/// State of a robot at the end of a run.
 pub struct RobotEnd {
-    /// How its program stands.
+    /// Outcome of its program.
     pub outcome: Outcome,
-    /// Why, where there is more to say.
+    /// Reason for the outcome, if there is more to say.
     pub reason: Option<String>,
-    /// The exit code of its program, where it gave one.
+    /// The exit code of its program, if it gave one.
     pub exit_code: Option<i32>,
     /// Its virtual time.
     pub virtual_time: Time,
@@ -137,9 +137,9 @@ pub struct RobotEnd {
     pub odometry: Pose,
     /// Length of its path, m.
     pub path: f64,
-    /// How often it touched something.
+    /// Number of contacts with other bodies.
     pub contacts: u32,
-    /// How often a foot came down, and how often another part touched something; none of a robot without legs.
+    /// Number of footfalls, and of contacts of other parts; `None` for a robot without legs.
     pub steps: Option<[u64; 2]>,
     /// Its display.
     pub panel: Panel,
@@ -147,23 +147,23 @@ pub struct RobotEnd {
     pub output_cut: u64,
 }
 
-/// How often the supervisor looks at the programs.
+/// Interval at which the supervisor checks the programs.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The shortest wait for the bell.
 const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 
-/// How long a program that is stopped may take to take notice before it is left behind.
+/// Time in which a stopped program must react before its flow is abandoned.
 const NOTICE: Duration = Duration::from_secs(2);
 
-/// Processor time in seconds that a program may still compute once the user has interrupted the run.
+/// Processor time in seconds that a program may still use after the user has interrupted the run.
 const PATIENCE: f64 = 0.5;
 
 impl Scheduler {
-    /// A run that stands before its first slot, its programs' flows suspended.
+    /// Creates a run before its first slot, with the flows of its programs suspended.
     ///
     /// # Errors
-    /// When the system has no room for the robots' flows.
+    /// The system has no room for the robots' flows.
     pub fn start(parts: Parts, limits: &Limits) -> std::io::Result<Self> {
         let start = Instant::now();
         let run = Run::new(parts, limits)?;
@@ -173,14 +173,14 @@ impl Scheduler {
             Self { run, timeout: limits.timeout, start, broken, left_behind, stopping: Vec::new(), has_left: false };
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_left = true;
-            // Those that have got a flow give it back, up to the first without one.
+            // The flows started so far exit again, up to the first robot without one.
             scheduler.run.ids_with_program().all(|id| scheduler.stop(id));
             return Err(error);
         }
         Ok(scheduler)
     }
 
-    /// What its robots' flows share.
+    /// State that the robots' flows share.
     pub fn run(&self) -> &Run {
         &self.run
     }
@@ -190,8 +190,8 @@ impl Scheduler {
         self.advance_within(time, Duration::MAX)
     }
 
-    /// Like [`Scheduler::advance_to`], but pauses after the first slot that is complete when `real` has passed: after one slot for
-    /// [`Duration::ZERO`].
+    /// Like [`Scheduler::advance_to`], but pauses after the first slot that is complete after the real time `real`: after one slot
+    /// for [`Duration::ZERO`].
     pub fn advance_within(&mut self, time: Time, real: Duration) -> Progress {
         let deadline = Instant::now().checked_add(real);
         self.run.is_pausing.store(real.is_zero(), Ordering::Relaxed);
@@ -203,12 +203,12 @@ impl Scheduler {
         if self.is_ending() { Progress::Over } else { Progress::Paused }
     }
 
-    /// Where the run stands, while it is paused.
+    /// Position of the paused run.
     pub fn boundary(&self) -> Boundary {
         self.run.conductor.lock().boundary(&self.run.environment.read())
     }
 
-    /// True once it is known why the run ends: no further slot begins.
+    /// Returns true if the reason for the end of the run is known: no further slot begins.
     pub fn is_ending(&self) -> bool {
         self.run.conductor.lock().is_ending()
     }
@@ -216,17 +216,17 @@ impl Scheduler {
     /// Carries out `action` in the paused run, at the start of the slot that contains `at`: at the earliest the
     /// [following](Boundary::following) one, at the latest the [next](Boundary::next).
     ///
-    /// # Errors
+    /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
     /// Why it is refused; nothing changes then.
     pub fn act(&mut self, at: Time, action: &Action) -> Result<(), Refusal> {
         self.run.conductor.lock().act(at, action, &self.run, &mut self.run.environment.write())
     }
 
-    /// A copy of the paused run, in which its owner drives the robots; what cameras see is to be given to it.
+    /// Copies the paused run into a simulation whose owner drives the robots and must supply the scenery for cameras.
     ///
     /// # Errors
-    /// [`SnapshotError`]: the stack of a program cannot be copied. The way back of a run with programs is to run it again from the
-    /// start with the same seed.
+    /// [`SnapshotError`] if the run has programs, whose stacks cannot be copied. Such a run can only be repeated from the start with
+    /// the same seed.
     pub fn snapshot(&self) -> Result<Simulation, SnapshotError> {
         let run = &*self.run;
         let with_programs: Vec<RobotId> = run.ids_with_program().collect();
@@ -240,13 +240,13 @@ impl Scheduler {
         Ok(Simulation::of(environment, robots, spawner.roster().clone(), spawner.factory().clone()))
     }
 
-    /// Ends the paused run where it stands, as when the user interrupts it.
+    /// Ends the paused run at its position, as an interrupt by the user does.
     pub fn interrupt(&mut self) {
         self.run.conductor.lock().end_with(End::Interrupted);
     }
 
-    /// Lets every program that has not ended leave, and concludes the record. A run in which nothing happens any more before its limit
-    /// has come to its end; any other one that its owner leaves is interrupted.
+    /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more before its limit
+    /// ends normally; any other run counts as interrupted.
     pub fn finish(mut self) -> Ended {
         self.run.conductor.lock().close(&self.run);
         self.leave();
@@ -254,7 +254,7 @@ impl Scheduler {
         self.conclude()
     }
 
-    /// Watches over the programs until nobody runs any more.
+    /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
         let mut looked = Instant::now();
         loop {
@@ -267,7 +267,7 @@ impl Scheduler {
             for (id, broken) in self.run.executor().broken() {
                 self.take_broken(id, broken, deadline);
             }
-            // A flow that goes over many slots in which nobody is due keeps the lock meanwhile.
+            // A flow that runs scheduler steps over many slots in which no robot is due keeps the lock meanwhile.
             let Some(mut conductor) = self.run.conductor.try_lock_for(LOOK) else { continue };
             if conductor.is_at_rest() {
                 return;
@@ -294,7 +294,7 @@ impl Scheduler {
         }
     }
 
-    /// A flow of robot `id` broke: the run ends, unless the robot has been removed and its program did not leave.
+    /// Handles a broken flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in time.
     fn take_broken(&mut self, id: RobotId, broken: Broken, deadline: Option<Instant>) {
         if self.left_behind.contains(&id) || self.broken.iter().any(|(known, _)| *known == id) {
             return;
@@ -310,13 +310,13 @@ impl Scheduler {
             self.broken.push((id, broken));
             run.conductor.lock().end_with(End::Broken);
         }
-        // A thread that ends may fault after its program has: in a destructor of a thread-local.
+        // The thread of a program that has ended may still fault in a destructor of a thread-local.
         if !run.conductor.lock().has_departed(id) {
             run.bury(id, deadline);
         }
     }
 
-    /// Stops those of the programs that have run for `timeout` seconds, unless a debugger holds them.
+    /// Stops the running programs that are overdue after `timeout` seconds, unless a debugger is attached.
     fn break_overdue(&mut self, running: &[RobotId], timeout: f64) {
         if watchdog::is_debugged() {
             return;
@@ -334,14 +334,14 @@ impl Scheduler {
         }
     }
 
-    /// Those of the programs that have been stopped and have taken no notice of it.
+    /// Running programs that were told to stop and have not reacted within [`NOTICE`].
     fn without_notice(&self, running: &[RobotId]) -> Vec<RobotId> {
         let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > NOTICE && running.contains(id);
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
-    /// Lets every program that has not ended leave, one after the other in the order of ids; nothing of a broken process runs on into
-    /// the record.
+    /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has broken, so that
+    /// no code of a damaged process adds to the record.
     fn leave(&mut self) {
         if self.has_left || !self.broken.is_empty() || self.run.executor().is_doomed() {
             return;
@@ -352,7 +352,7 @@ impl Scheduler {
         }
     }
 
-    /// Lets the program of robot `id` leave if it has not ended; false if it does not in time.
+    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within [`LEAVE`].
     fn stop(&self, id: RobotId) -> bool {
         let run = &self.run;
         run.is_stopping.store(true, Ordering::Release);
@@ -367,7 +367,7 @@ impl Scheduler {
         has_departed()
     }
 
-    /// What the run has come to, once nobody runs any more.
+    /// Collects the results, once no robot runs any more.
     fn conclude(&self) -> Ended {
         let run = &self.run;
         let mut conductor = run.conductor.lock();
@@ -423,7 +423,7 @@ impl Drop for Scheduler {
         let deadline = Instant::now() + LEAVE;
         self.run.programs().for_each(|program| program.end(deadline));
         if is_at_rest && !self.has_left && !damage::is_heap_lost() {
-            // The others give back what they hold, until one of them cannot.
+            // The remaining programs exit and release what they hold, up to the first that does not.
             self.run.ids_with_program().all(|id| self.stop(id));
         }
         let has_left = |id| self.run.conductor.lock().has_departed(id) && !self.left_behind.contains(&id);

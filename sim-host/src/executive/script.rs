@@ -1,4 +1,4 @@
-//! A run to its end at a pace, with recorded interventions.
+//! Advances a run to its end at a pace, with recorded interventions.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -11,42 +11,42 @@ use super::intervene::Refusal;
 use super::pace::Pace;
 use super::scheduler::{Progress, Scheduler};
 
-/// Actions with the times at which they happen, and the pace of the run; by default no actions, and as fast as possible.
+/// Timed interventions and the pace of a run; by default no interventions, and as fast as possible.
 #[derive(Default)]
 pub struct Script {
     /// In order of time.
     actions: VecDeque<(Time, Action)>,
-    /// The user interrupted the run there.
+    /// Time at which the user interrupted the recorded run.
     interrupted: Option<Time>,
     pace: Option<Pace>,
     refused: Vec<(Time, Refusal)>,
 }
 
 impl Script {
-    /// These actions, each at its time: at the start of the slot that contains it.
+    /// Creates a script of these actions, each carried out at the start of the slot that contains its time.
     pub fn new(actions: impl IntoIterator<Item = (Time, Action)>) -> Self {
         let mut actions: Vec<_> = actions.into_iter().collect();
         actions.sort_by_key(|(at, _)| *at);
         Self { actions: actions.into(), ..Self::default() }
     }
 
-    /// This script of a run that the user interrupted at the start of the slot at `end`.
+    /// Interrupts the run at the start of the slot at `end`, as the user did in the recorded run.
     pub fn interrupted(self, end: Time) -> Self {
         Self { interrupted: Some(end), ..self }
     }
 
-    /// This script at this pace.
+    /// Sets the pace; `None` for as fast as possible.
     pub fn paced(self, pace: Option<Pace>) -> Self {
         Self { pace, ..self }
     }
 
-    /// What was refused so far: the run is another one than that in which the script was recorded.
+    /// Actions refused so far: the run differs from the one in which the script was recorded.
     pub fn refused(&self) -> &[(Time, Refusal)] {
         &self.refused
     }
 
-    /// Takes the run further: to its next actions or, where it has a pace, to its next slot, but not for much longer than `real`.
-    /// [`Progress::Over`] once nothing is left to be done.
+    /// Advances the run to its next actions or, with a pace, to its next slot, but not for much longer than the real time `real`.
+    /// Returns [`Progress::Over`] once nothing is left to do.
     pub fn advance(&mut self, run: &mut Scheduler, real: Duration) -> Progress {
         let boundary = run.boundary();
         let start = self.actions.front().map(|(at, _)| slot_start(*at, &boundary));

@@ -1,11 +1,11 @@
-//! Signals: what the kernel says of a broken robot program.
+//! Signal handlers that catch the faults of robot programs.
 //!
-//! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) is caught on the thread's alternate stack, written into
-//! the thread's [`ThreadBlock`] and the thread is parked for good: nothing of the program runs again. The supervisor does
-//! the rest. The handler calls nothing but `write` and `pause`, and touches only memory allocated before.
+//! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack and written into
+//! the thread's [`ThreadBlock`], and the thread is parked for good: no code of the program runs again on it. The supervisor handles
+//! the rest. The handler calls only `write` and `pause`, and touches only memory allocated before.
 //!
-//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is no robot's flow goes to the handler
-//! that was there before.
+//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is no robot's flow is passed to the previous
+//! handler.
 
 use std::cell::Cell;
 use std::io;
@@ -20,21 +20,21 @@ use parking_lot::Mutex;
 use super::bell::Bell;
 use crate::program::float;
 
-/// What a signal handler may read and write of one robot's thread.
+/// State of one flow's thread that a signal handler may read and write.
 pub struct ThreadBlock {
     /// Kernel's id of the thread, 0 before it runs.
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
-    /// How often the robot was resumed: a new number is a new release.
+    /// Number of the present release: counts how often the flow was resumed or handed the run token.
     pub releases: AtomicU64,
     /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
     pub last_call: AtomicU16,
-    /// True while the host works for the program: its locks may be held, so the thread must not be parked there.
+    /// The host works for the program: its locks may be held, so the thread must not be parked now.
     pub in_host: AtomicBool,
-    /// The program's environment of floats while the host works in the default one; 0 where it is that itself.
+    /// The program's floating-point environment while the host uses the default one; 0 if the program's is the default.
     float_environment: AtomicU32,
-    /// Set when the watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
+    /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
     fault_signal: AtomicI32,
     fault_address: AtomicUsize,
@@ -42,25 +42,25 @@ pub struct ThreadBlock {
     fault_sp: AtomicUsize,
     faulted: AtomicBool,
     on_fault: OnFault,
-    /// Where the alternate stack of this block's threads lies, 0 before the first.
+    /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
 }
 
-/// What happens at a fault.
+/// Action at a fault.
 enum OnFault {
-    /// The thread is parked, and the bell of its run rings.
+    /// Parks the thread and rings the bell of its run.
     Park(Arc<Bell>),
-    /// This takes it; async-signal-safe.
+    /// Calls this async-signal-safe function.
     Report(Report),
 }
 
-/// Takes a fault of the thread that the block belongs to, on whose alternate stack it runs; a return lets the thread go on.
+/// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
 pub type Report = fn(&ThreadBlock, Fault);
 
 /// A fault as the kernel reported it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Number of the signal; [`OVERDUE_SIGNAL`] when the watchdog stopped the thread.
+    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread.
     pub signal: i32,
     /// Address that the program touched, for SIGSEGV and SIGBUS.
     pub address: usize,
@@ -81,12 +81,12 @@ thread_local! {
 }
 
 impl ThreadBlock {
-    /// A block whose thread does not run yet; its fault parks the thread and rings `bell`.
+    /// Creates a block whose thread does not run yet; its fault parks the thread and rings `bell`.
     pub fn ringing(bell: Arc<Bell>) -> Self {
         Self::new(OnFault::Park(bell))
     }
 
-    /// A block whose faults are handed to `report`.
+    /// Creates a block whose faults are passed to `report`.
     pub fn reporting(report: Report) -> Self {
         Self::new(OnFault::Report(report))
     }
@@ -120,7 +120,7 @@ impl ThreadBlock {
         })
     }
 
-    /// The host begins to work for the program, in an environment of floats of its own.
+    /// Marks the thread as working for the program in the host, in the default floating-point environment.
     pub fn enter_host(&self) {
         self.in_host.store(true, Ordering::Relaxed);
         if let Some(environment) = float::hold_default() {
@@ -129,7 +129,7 @@ impl ThreadBlock {
         compiler_fence(Ordering::SeqCst);
     }
 
-    /// The host returns to the program; parks for good if the watchdog's signal came meanwhile.
+    /// Marks the thread as back in the program; parks it for good if the watchdog's signal came meanwhile.
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);
         if environment != 0 {
@@ -172,13 +172,13 @@ impl ThreadBlock {
         if low == 0 { usize::MAX } else { ((&raw const here) as usize).saturating_sub(low) }
     }
 
-    /// Makes this block the calling thread's: its bounds are noted and its faults are caught from now on.
+    /// Makes this block the calling thread's: records the stack bounds and catches the thread's faults from now on.
     ///
     /// # Errors
-    /// When the alternate stack cannot be mapped or set.
+    /// The alternate stack cannot be mapped or set.
     ///
     /// # Safety
-    /// The block lives as long as the calling thread, and a thread that had it before has ended.
+    /// The block must outlive the calling thread, and a thread that had it before must have ended.
     pub unsafe fn adopt_current_thread(&self) -> io::Result<()> {
         let (low, high) = stack_bounds()?;
         self.stack[0].store(low, Ordering::Relaxed);
@@ -201,13 +201,13 @@ impl Drop for ThreadBlock {
         let address = *self.alternate_stack.get_mut();
         if address != 0 {
             // SAFETY: mapped with this size by `set_alternate_stack`; by the contract of `adopt_current_thread` the threads that
-            // had the block have ended, and nobody else knows the address.
+            // had the block have ended, and no other code knows the address.
             unsafe { libc::munmap(ptr::with_exposed_provenance_mut(address), ALTERNATE_STACK) };
         }
     }
 }
 
-/// Catches the faults of flows as long as any of these lives; then the handlers are back that were there before.
+/// Catches the faults of flows as long as any value of this type lives; dropping the last one restores the previous handlers.
 #[derive(Debug)]
 pub struct Handlers(());
 
@@ -215,33 +215,33 @@ pub struct Handlers(());
 const CAUGHT: [i32; 7] =
     [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP, OVERDUE_SIGNAL];
 
-/// Who holds the handlers.
+/// State shared by all values of [`Handlers`].
 struct Holders {
     count: usize,
-    /// For each of [`CAUGHT`] what was there before, as long as ours is there.
+    /// For each of [`CAUGHT`] the previous action, while ours is installed.
     previous: [Option<libc::sigaction>; CAUGHT.len()],
 }
 
 static HOLDERS: Mutex<Holders> = Mutex::new(Holders { count: 0, previous: [None; CAUGHT.len()] });
 
-/// True while the handlers are held, for signal handlers.
+/// True while any [`Handlers`] live; read in signal handlers.
 static ARE_HELD: AtomicBool = AtomicBool::new(false);
 
-/// What was there before, as far as a handler needs it.
+/// The parts of the previous action that a handler needs.
 struct Previous {
     handler: AtomicUsize,
     flags: AtomicI32,
 }
 
-/// For each of [`CAUGHT`]; valid once ours has been installed, and kept after that: somebody may call ours as what was there before.
+/// For each of [`CAUGHT`]; valid once ours has been installed, and kept after that: other code may chain to our handler later.
 static PREVIOUS: [Previous; CAUGHT.len()] =
     [const { Previous { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } }; CAUGHT.len()];
 
 impl Handlers {
-    /// Installs the handlers if nobody holds them yet.
+    /// Installs the handlers unless they are installed already.
     ///
     /// # Errors
-    /// When the kernel refuses a handler.
+    /// The kernel refuses a handler.
     pub fn hold() -> io::Result<Self> {
         let mut holders = HOLDERS.lock();
         if holders.count == 0 {
@@ -251,7 +251,7 @@ impl Handlers {
         Ok(Self(()))
     }
 
-    /// True while anybody holds them.
+    /// Returns true while any value of this type lives.
     pub fn are_held() -> bool {
         ARE_HELD.load(Ordering::Acquire)
     }
@@ -273,7 +273,7 @@ impl Holders {
         for (place, signal) in CAUGHT.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
-            // Ours may still be there, below that of somebody who passes on to it; not where somebody has put back the default.
+            // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
             let is_taken_back = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
             if self.previous[place].is_none() || is_taken_back {
                 PREVIOUS[place].handler.store(previous.sa_sigaction, Ordering::Relaxed);
@@ -287,12 +287,12 @@ impl Holders {
         Ok(())
     }
 
-    /// Puts back what was there, where nobody has put another handler over ours.
+    /// Restores the previous handlers, unless other code has installed its own over ours.
     fn restore(&mut self) {
         ARE_HELD.store(false, Ordering::Release);
         for (signal, previous) in CAUGHT.into_iter().zip(&mut self.previous) {
             let is_ours = |now: libc::sigaction| now.sa_sigaction == on_fault as *const () as usize;
-            // SAFETY: nothing changes, or what was there before is there again; that the kernel takes back.
+            // SAFETY: the first call changes nothing, the second restores the previous action, which came from the kernel.
             unsafe {
                 if previous.is_some() && change_action(signal, None).is_ok_and(is_ours) {
                     let _ = change_action(signal, previous.take().as_ref());
@@ -302,10 +302,10 @@ impl Holders {
     }
 }
 
-/// Lets the handler that was there before ours have a signal; async-signal-safe as far as that one is.
+/// Passes a signal to the previous handler; async-signal-safe if that handler is.
 ///
 /// # Safety
-/// The arguments are those of an SA_SIGINFO handler.
+/// The arguments must be those of an SA_SIGINFO handler.
 unsafe fn pass_on(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|place| &PREVIOUS[place]) else {
         return;
@@ -329,11 +329,11 @@ unsafe fn pass_on(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c
     }
 }
 
-/// In a robot's own process: catches faults of the threads whose blocks [report](ThreadBlock::reporting) them, for ever; what ends
-/// the host is the host's to hear.
+/// Installs the handlers for good in a robot's own process: they catch faults of the threads whose blocks
+/// [report](ThreadBlock::reporting) them. Signals that end the host are ignored: the host handles them.
 ///
 /// # Errors
-/// When the kernel refuses a handler.
+/// The kernel refuses a handler.
 pub fn install_in_child() -> io::Result<()> {
     std::mem::forget(Handlers::hold()?);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGQUIT] {
@@ -343,7 +343,7 @@ pub fn install_in_child() -> io::Result<()> {
     Ok(())
 }
 
-/// Lets `signal` do to this process what it does by default; returns only if that is nothing. Async-signal-safe.
+/// Performs the default action of `signal`; returns only if that does not end the process. Async-signal-safe.
 pub fn default_action(signal: i32) {
     // SAFETY: signal and raise are async-signal-safe.
     unsafe {
@@ -355,7 +355,7 @@ pub fn default_action(signal: i32) {
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &ThreadBlock) {
     let tid = block.tid.load(Ordering::Relaxed);
-    // SAFETY: tgkill takes no pointer; for a thread that has ended meanwhile it answers that there is none.
+    // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
 }
 
@@ -383,9 +383,9 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
 /// Program counter and stack pointer at the fault.
 ///
 /// # Safety
-/// `context` is the third argument of an SA_SIGINFO handler.
+/// `context` must be the third argument of an SA_SIGINFO handler.
 unsafe fn registers(context: *mut libc::c_void) -> (usize, usize) {
-    // SAFETY: the caller's promise.
+    // SAFETY: by this function's contract.
     let machine = unsafe { &(*context.cast::<libc::ucontext_t>()).uc_mcontext };
     #[cfg(target_arch = "x86_64")]
     return (machine.gregs[libc::REG_RIP as usize] as usize, machine.gregs[libc::REG_RSP as usize] as usize);
@@ -393,7 +393,7 @@ unsafe fn registers(context: *mut libc::c_void) -> (usize, usize) {
     return (machine.pc as usize, machine.sp as usize);
 }
 
-/// What [`change_action`] installs.
+/// Signal action for [`change_action`], with an empty mask.
 pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
     // SAFETY: an all-zero sigaction is a valid value: no flags, an empty mask.
     let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
@@ -401,13 +401,13 @@ pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
     action
 }
 
-/// What is done at `signal`, and lets `new` be done from now on where there is one.
+/// Returns the present action of `signal`, and installs `new` if given.
 ///
 /// # Safety
-/// The handler of `new` has the type that its flags say, and is async-signal-safe.
+/// The handler of `new` must have the type that its flags say, and be async-signal-safe.
 pub(super) unsafe fn change_action(signal: i32, new: Option<&libc::sigaction>) -> io::Result<libc::sigaction> {
     let mut old = action(libc::SIG_DFL, 0);
-    // SAFETY: `new` is null or valid, as `old` is; the caller's promise.
+    // SAFETY: `new` is null or valid, as `old` is; the handler is safe by this function's contract.
     let status = unsafe { libc::sigaction(signal, new.map_or(ptr::null(), ptr::from_ref), &mut old) };
     if status == 0 { Ok(old) } else { Err(io::Error::last_os_error()) }
 }

@@ -1,4 +1,4 @@
-//! Makes the robots of a run: those of its start, and those that come later.
+//! Creation of a run's robots: those of its start and those spawned during the run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ use crate::robios::storage::Storage;
 use crate::robios::truth::Census;
 use crate::scenery::{LazyScenery, Newcomer};
 
-/// What a run's robots are made with, besides the scene.
+/// Options for a run's robots, besides the scene.
 pub struct RobotOptions {
     /// Seed of the run.
     pub seed: u64,
@@ -36,48 +36,48 @@ pub struct RobotOptions {
     pub slot: Time,
     /// Key presses of all robots.
     pub keys: Vec<Press>,
-    /// True when programs may run commands of this machine (`OSExecute`).
+    /// Programs may run commands of this machine (`OSExecute`).
     pub may_execute: bool,
     /// Bytes that each program may print.
     pub output_limit: u64,
-    /// True when every call is to be recorded.
+    /// Every call is recorded.
     pub is_verbose: bool,
-    /// What cameras see.
+    /// Scenery for the cameras.
     pub scenery: Arc<LazyScenery>,
-    /// Where the images go that programs take, if the user wants them.
+    /// Sink of the images that programs take, if the user wants them.
     pub frames: Option<Arc<Frames>>,
-    /// Where the programs run.
+    /// Place in which the programs run.
     pub exec: Exec,
 }
 
-/// Makes the robots of a run, and knows who ever was in it.
+/// Creates the robots of a run, and keeps a register of all robots and objects that were ever in it.
 pub struct Spawner {
     scene: Arc<SceneSpec>,
     options: RobotOptions,
     factory: RobotFactory,
-    /// Everybody who ever was in the run, and the types of which more can be added.
+    /// All robots and objects that were ever in the run, and the types that can be added.
     roster: Roster,
     /// The programs of the robots, in the order of their ids.
     programs: Vec<Option<Arc<Prepared>>>,
     census: Arc<Census>,
-    /// What loads the programs of those who come later; none before the first of them.
+    /// Loader of the programs of spawned robots; created for the first of them.
     loader: Option<Loader>,
 }
 
-/// A robot that is about to come into the run.
+/// A robot that is ready to be added to the run.
 pub struct NewRobot {
-    /// What it is.
+    /// Specification of the robot.
     pub spec: RobotSpec,
-    /// It itself.
+    /// The robot itself.
     pub robot: Robot,
-    /// What happens to its messages.
+    /// Noise model of its radio messages.
     pub heard: Radio,
-    /// Its program, loaded, and what that is a copy of; none for a robot that only stands there.
+    /// Its program, loaded, and the prepared program of which that is a copy; `None` for a robot without a program.
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
 
 impl Spawner {
-    /// That of a run of `scene` with these programs.
+    /// Creates the spawner for a run of `scene` with these programs.
     pub fn new(scene: Arc<SceneSpec>, programs: &Programs, options: RobotOptions) -> Self {
         debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
         Self {
@@ -91,20 +91,20 @@ impl Spawner {
         }
     }
 
-    /// Makes robots without programs.
+    /// Factory of robots without programs.
     pub fn factory(&self) -> &RobotFactory {
         &self.factory
     }
 
-    /// Everybody who ever was in the run, and the types of the scene, then those that are built in.
+    /// All robots and objects that were ever in the run, and the types that can be added: those of the scene, then the built-in ones.
     pub fn roster(&self) -> &Roster {
         &self.roster
     }
 
-    /// The world at time 0 and its robots.
+    /// Creates the world at time 0 and its robots.
     ///
     /// # Errors
-    /// A robot type with which nothing can be computed.
+    /// [`FactoryError`] for a robot type whose values cannot be simulated.
     pub fn start(&mut self) -> Result<(World, Vec<Robot>), FactoryError> {
         let scene = Arc::clone(&self.scene);
         let programs = self.programs.clone();
@@ -115,10 +115,10 @@ impl Spawner {
         Ok((world, robots))
     }
 
-    /// The robot of `spec`, which comes at `since`; its program is that of the robot `program_of`.
+    /// Creates a robot from `spec`, spawned at `since`, with the program of the robot `program_of`.
     ///
     /// # Errors
-    /// In words: a program that cannot be loaded, or a robot that has none.
+    /// The program cannot be loaded, or the robot `program_of` has none.
     pub fn robot(&mut self, spec: RobotSpec, program_of: Option<RobotId>, since: Time) -> anyhow::Result<NewRobot> {
         let prepared = program_of.and_then(|id| self.programs[id.index()].clone());
         if let (Some(id), None) = (program_of, &prepared) {
@@ -129,7 +129,7 @@ impl Spawner {
         Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
     }
 
-    /// Loads a program for one more robot.
+    /// Loads the program of a spawned robot.
     fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> anyhow::Result<RobotProgram> {
         Child::make_room(self.programs.len() + 1);
         let loader = match &mut self.loader {
@@ -139,7 +139,7 @@ impl Spawner {
         load::load_program(spec, prepared, self.options.exec, loader)
     }
 
-    /// A robot has come into the run.
+    /// Registers a robot that was added to the run.
     pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
         self.census.newcomers.push(Placeable::Robot(spec.id));
         self.options.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
@@ -147,14 +147,14 @@ impl Spawner {
         self.programs.push(program);
     }
 
-    /// A movable object has come into the run.
+    /// Registers a movable object that was added to the run.
     pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
         self.census.newcomers.push(Placeable::Object(id));
         self.options.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
         self.roster.keep_object(spec);
     }
 
-    /// A robot that comes at `since`, and what happens to its messages.
+    /// Creates a robot that exists from `since` on, and the noise model of its radio messages.
     fn make(
         &mut self,
         spec: &RobotSpec,
@@ -180,7 +180,7 @@ impl Spawner {
     }
 }
 
-/// The roster of `scene`, to whose types those are added that are built in.
+/// The roster of `scene`, extended by the built-in types.
 pub fn roster_of(scene: &SceneSpec) -> Roster {
     let mut roster = Roster::of(scene);
     for name in builtin::ROBOTS {

@@ -1,4 +1,4 @@
-//! How a robot's program stands at the end of a run, and the words in which the user is told.
+//! Final status of robot programs, in values and in words for the user.
 
 use parking_lot::MutexGuard;
 use sim_core::time::Time;
@@ -10,20 +10,20 @@ use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Waiting, Waits};
 use sim_core::record::{Event, Outcome};
 
-/// How a program stands.
+/// Status of a program at the end of the run.
 pub struct Standing {
-    /// In one word.
+    /// The outcome in one word.
     pub outcome: Outcome,
-    /// Why, where there is more to say.
+    /// Reason for the outcome, if there is more to say.
     pub reason: Option<String>,
-    /// Its exit code, where it gave one.
+    /// Exit code of the program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Where it broke, and what it called last.
+    /// Place of the break and last call, if the program broke.
     pub fault: Option<Place>,
 }
 
 impl Standing {
-    /// Records it at the end of the run of `robot`.
+    /// Records the status in the journal of `robot` at the end of the run.
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
         if let Some(Place { what, location, last_call }) = &self.fault {
@@ -35,54 +35,54 @@ impl Standing {
         }
     }
 
-    /// That of a robot that was taken out of the world while its program ran.
+    /// Status of a robot that was removed while its program ran.
     pub fn removed() -> Self {
         Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }
     }
 
-    /// That of a robot without a program.
+    /// Status of a robot without a program.
     pub fn without_program() -> Self {
         Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }
     }
 }
 
-/// Where a program broke.
+/// Break of a program: description, place and last call.
 pub struct Place {
-    /// What happened, without the place.
+    /// Description of the break, without the place.
     pub what: String,
-    /// Source file and line, empty where unknown.
+    /// Source file and line; empty if unknown.
     pub location: String,
-    /// The last RoBIOS call, empty where there was none.
+    /// The last RoBIOS call; empty if there was none.
     pub last_call: &'static str,
 }
 
-/// What the end of a run is to all its robots.
+/// End of a run, as far as it matters to the status of every robot.
 pub struct Finish<'a> {
-    /// Why the run ended.
+    /// Reason for the end of the run.
     pub end: &'a End,
     /// Simulated time at its end.
     pub time: Time,
     /// Number of robots.
     pub robots: usize,
-    /// Who could still have sent a message.
+    /// Programs that could still have sent a message.
     pub senders: Senders,
 }
 
-/// Who could still send a message to a robot that waits for one when the run ends.
+/// Programs that could still send a message to a robot that waits for one when the run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Senders {
-    /// Nobody: its program is the only one.
+    /// None: the waiting program is the only one.
     None,
-    /// Nobody: all other programs have ended.
+    /// None: all other programs have ended.
     Ended,
-    /// The other programs that have not ended, and they all wait for messages.
+    /// Other programs that have not ended, but all of them wait for messages.
     Waiting,
     /// A program that waits for something else.
     Other,
 }
 
 impl Senders {
-    /// Who they are, given the robots that have a program.
+    /// Classifies the programs of `robots`, which are all the robots that have one.
     pub fn among<'a>(robots: impl Iterator<Item = MutexGuard<'a, Robot>>) -> Self {
         let (mut programs, mut living, mut listening) = (0, 0, 0);
         for robot in robots {
@@ -100,7 +100,7 @@ impl Senders {
         }
     }
 
-    /// What to say of them behind the message that is waited for.
+    /// Remark about the possible senders, appended to the message that is waited for.
     fn advice(self) -> &'static str {
         match self {
             Self::None => " (no other robot has a program)",
@@ -111,7 +111,7 @@ impl Senders {
     }
 }
 
-/// How the program of `robot` stands, given how the run finished and whether its flow broke.
+/// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
 pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, program: &RobotProgram) -> Standing {
     let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
@@ -142,7 +142,7 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
     }
 }
 
-/// What each task waits for: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
+/// Describes the wait of each task: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
 fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>) -> String {
     if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
         return tasks_in_words(robot, program, finish.senders);
@@ -156,8 +156,8 @@ fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// What the tasks of a robot wait for while it runs, in words without places: `waits for KEY4 since 2.310 s`; empty where one of
-/// them does not wait.
+/// Describes the waits of a robot's tasks during the run, without places: `waits for KEY4 since 2.310 s`; empty if a task does not
+/// wait.
 pub fn waits_now(robot: &Robot) -> String {
     if !robot.tasks.are_waiting() {
         return String::new();
@@ -170,8 +170,8 @@ pub fn waits_now(robot: &Robot) -> String {
     words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
 }
 
-/// What each task of RoBIOS 6 waits for: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task `right`
-/// (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
+/// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task
+/// `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
 pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -> String {
     let tasks = &robot.tasks;
     let at = |site| program.place_of(site).map(|place| format!(" at {place}")).unwrap_or_default();
@@ -211,7 +211,7 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
     words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
 }
 
-/// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
+/// Describes one wait: `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
 fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, finish: &Finish<'_>) -> String {
     let Waiting { call, waits_for, since, site } = waiting;
     let mut place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! One OS thread for each task of a robot: debuggers and all libraries work. The default.
+//! Executor with one OS thread for each task of a robot: works with debuggers and all libraries. The default.
 
 use std::cell::Cell;
 use std::io;
@@ -26,53 +26,53 @@ use crate::robios::task::MAIN;
 /// Stack of a task's thread, in bytes of address space; memory is used as the program touches it.
 pub(super) const STACK: usize = 8 << 20;
 
-/// Stack that a RoBIOS call may need, the slot loop included: below it the program has overflowed.
+/// Stack that a RoBIOS call may need, in bytes, the scheduler step included: with less left the program has overflowed.
 const RESERVE: usize = 128 << 10;
 
-/// How long the thread of a program that has ended may take to end itself before it is given up.
+/// Time in which the thread of a program that has ended must end before it counts as lost.
 const LAST_STEPS: Duration = Duration::from_secs(10);
 
-/// Executor with one OS thread a task.
+/// Executor with one OS thread for each task.
 pub struct ThreadExecutor {
     robots: boxcar::Vec<Arc<Threads>>,
-    /// The processor of each lane.
+    /// The processor of each worker.
     processors: Arc<[usize]>,
-    /// What flows ring that break; none before the run begins.
+    /// Bell that broken flows ring; unset before the run begins.
     bell: OnceLock<Arc<Bell>>,
 }
 
 /// The threads of one robot.
 struct Threads {
-    /// The lane to whose processor they are bound; `u32::MAX` for none.
+    /// The worker to whose processor the threads are bound; `u32::MAX` for none.
     lane: AtomicU32,
-    /// The processor of each lane; empty where threads are not bound to any.
+    /// The processor of each worker; empty if threads are not bound to any.
     processors: Arc<[usize]>,
-    /// The process that they serve.
+    /// The process that the threads serve.
     child: OnceLock<Arc<Child>>,
     flows: Mutex<Flows>,
 }
 
 #[derive(Default)]
 struct Flows {
-    /// Those that have not ended, with the tasks that they run.
+    /// Flows that have not ended, with their tasks' numbers.
     list: Vec<(u32, Arc<Flow>)>,
-    /// The one that has the baton.
+    /// The flow that holds the run token.
     holder: Option<Arc<Flow>>,
-    /// The one that handed it on as the last thing it did: whoever has the baton waits for the end of its thread, which may still
-    /// run the program's destructors of thread-locals.
+    /// The flow that handed on the run token as its last action. The new holder joins its thread before it runs, since that thread
+    /// may still run the program's destructors of thread-locals.
     ending: Option<Arc<Flow>>,
 }
 
-/// What is known of one thread, which has a count of its own of it, given back by [`Flow::join`] alone.
+/// State of one thread. The thread owns a reference count of it, which [`Flow::join`] alone gives back.
 struct Flow {
     block: ThreadBlock,
-    /// The lane to whose processor the thread is bound.
+    /// The worker to whose processor the thread is bound.
     lane: AtomicU32,
     go: AtomicBool,
-    /// None once it has been joined, or cannot be.
+    /// `None` once it has been joined, or has been found not to end.
     thread: Mutex<Option<JoinHandle<()>>>,
     watch: Mutex<Watch>,
-    /// A flow that never ends keeps them.
+    /// Keeps the signal handlers installed, for ever if the flow never ends.
     _handlers: Handlers,
 }
 
@@ -82,11 +82,11 @@ thread_local! {
 }
 
 impl ThreadExecutor {
-    /// An executor for `count` robots, with ids from 1. As many as there are `lanes` run at one time of the `flows` that will be
+    /// Creates an executor for `count` robots, with ids from 1, on `lanes` workers; `flows` is the number of flows that will be
     /// started.
     ///
-    /// Where robots hand over to each other within a lane, the threads of a lane are bound to one processor: on the machines
-    /// measured a hand-over to another one costs two to three times as much.
+    /// If there are more flows than workers, the threads of a worker are bound to one processor: on the machines measured a
+    /// hand-over to another processor costs two to three times as much.
     pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
         let processors: Arc<[usize]> = if flows > lanes { processors(lanes).into() } else { Arc::default() };
         let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, bell: OnceLock::new() };
@@ -113,25 +113,25 @@ impl Flow {
         })
     }
 
-    /// Makes this the flow of the calling thread, of which nobody else is one.
+    /// Makes this the flow of the calling thread, which must be the only thread that does so.
     fn adopt_current_thread(self: Arc<Self>) -> io::Result<()> {
         let flow = Arc::into_raw(self);
         FLOW.set(flow);
-        // SAFETY: the count that the thread has from now on is given back when the thread has been joined, so that it has ended;
-        // its block never had another one.
+        // SAFETY: the thread's reference count is given back only after the thread has been joined, so that it has ended; its block
+        // never had another thread.
         unsafe { (*flow).block.adopt_current_thread() }
     }
 
-    /// The flow of the calling thread; the reference does not leave that.
+    /// The flow of the calling thread; the reference must not leave that thread.
     fn current<'a>() -> &'a Self {
-        // SAFETY: null, or kept alive by the count of this thread as long as that lives, see `adopt_current_thread`.
+        // SAFETY: null, or kept alive by this thread's count as long as the thread lives, see `adopt_current_thread`.
         let Some(flow) = (unsafe { FLOW.get().as_ref() }) else { unreachable!("only flows of robots come here") };
         flow
     }
 
-    /// Waits for the end of its thread, which has adopted it and ends soon; false if it breaks, or has not ended after `patience`: it is lost.
+    /// Joins the thread, which has adopted this flow and ends soon; false if it breaks or has not ended after `patience`: it is lost.
     fn join(self: &Arc<Self>, patience: Duration) -> bool {
-        /// How often is looked whether it has broken.
+        /// Interval of the checks for a break.
         const LOOK: Duration = Duration::from_millis(20);
         let Some(thread) = self.thread.lock().take().map(JoinHandle::into_pthread_t) else { return false };
         let start = Instant::now();
@@ -141,8 +141,8 @@ impl Flow {
                 tv_sec: until.as_secs() as libc::time_t,
                 tv_nsec: until.subsec_nanos() as libc::c_long,
             };
-            // SAFETY: nobody else has the handle, which has been neither joined nor detached; `until` is valid. Then the thread has
-            // ended, and nobody else gives back the count that it took when it adopted the flow.
+            // SAFETY: no other code has the handle, which has been neither joined nor detached; `until` is valid. After the join the
+            // thread has ended, and no other code gives back the count that it took when it adopted the flow.
             unsafe {
                 if libc::pthread_timedjoin_np(thread, ptr::null_mut(), &until) == 0 {
                     Arc::decrement_strong_count(Arc::as_ptr(self));
@@ -153,19 +153,19 @@ impl Flow {
         false
     }
 
-    /// It is released once more: its time begins anew for the watchdog.
+    /// Begins a new release, for which the watchdog measures anew.
     fn begin_release(&self) {
         self.block.releases.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// What tells its present release from all others.
+    /// Identifies the present release among all releases.
     fn release(&self) -> Release {
         Release { thread: self.block.tid.load(Ordering::Relaxed), number: self.block.releases.load(Ordering::Relaxed) }
     }
 }
 
 impl Threads {
-    /// Lets `flow` go on.
+    /// Lets `flow` continue, bound to the processor of the robot's worker.
     fn go(&self, flow: &Flow) {
         let lane = self.lane.load(Ordering::Relaxed);
         if let Some(processor) = self.processors.get(lane as usize)
@@ -182,7 +182,7 @@ impl Threads {
         }
     }
 
-    /// Waits until the calling flow, `flow`, is to go on, and until the one before it has wholly ended.
+    /// Waits until the calling flow, `flow`, may continue, and until the thread of the flow before it has ended.
     fn wait(&self, flow: &Flow) {
         while !flow.go.swap(false, Ordering::Acquire) {
             thread::park();
@@ -190,7 +190,7 @@ impl Threads {
         flow.begin_release();
         let ending = self.flows.lock().ending.clone();
         if let Some(ending) = ending {
-            // The supervisor hears of one that has broken; nothing of the robot runs on then.
+            // The supervisor is told of a flow that has broken; no other flow of the robot runs then.
             while !ending.join(Duration::MAX) {
                 thread::park();
             }
@@ -200,11 +200,11 @@ impl Threads {
         }
     }
 
-    /// Hands the baton from the calling flow to that of `task`; the calling one goes no further if it `is_ending`.
+    /// Hands the run token from the calling flow to that of `task`; the calling flow does not continue if it `is_ending`.
     fn hand_to(&self, task: u32, is_ending: bool) {
         let mut flows = self.flows.lock();
         let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).cloned() else {
-            // The run is over and its flows have been given up: this one comes too late.
+            // The run is over and its flows have been given up: the calling thread is parked for good.
             drop(flows);
             loop {
                 thread::park();
@@ -219,14 +219,14 @@ impl Threads {
         self.go(&next);
     }
 
-    /// The flow that works for the robot now.
+    /// The flow whose thread runs now: the ending one, else the holder of the run token.
     fn working(&self) -> Option<Arc<Flow>> {
         let flows = self.flows.lock();
         flows.ending.as_ref().or(flows.holder.as_ref()).cloned()
     }
 }
 
-/// How many times longer than anything else the import of a module may take.
+/// Factor by which the import of a module may take longer than anything else.
 const IMPORT_PATIENCE: f64 = 12.0;
 
 impl Executor for ThreadExecutor {
@@ -291,7 +291,7 @@ impl Executor for ThreadExecutor {
             }
         };
         let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(life)?;
-        // The handle is known before anybody lets the flow go on.
+        // The handle must be known before the flow may continue.
         *place.thread.lock() = Some(thread);
         let adopted = adoption.recv().map_err(io::Error::other)?;
         adopted.inspect_err(|_| _ = place.join(LAST_STEPS))?;
@@ -348,8 +348,8 @@ impl Executor for ThreadExecutor {
     fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
         let block = &Flow::current().block;
         block.leave_host();
-        // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the
-        // first in a task that such a call started, and holds no lock; its frames hold the run, and with it the program.
+        // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the first
+        // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
         let result = unsafe { callback.call() };
         block.enter_host();
         result
@@ -406,8 +406,8 @@ impl Executor for ThreadExecutor {
     }
 }
 
-/// A processor for each lane, of those that this process may use, beginning with the one that it runs on; none where there
-/// are fewer processors than lanes.
+/// A processor for each worker, among those that this process may use, beginning with the calling thread's; empty if there are
+/// fewer processors than workers.
 fn processors(lanes: usize) -> Vec<usize> {
     // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the others take no pointers.
     let (allowed, here) = unsafe {
@@ -425,7 +425,7 @@ fn processors(lanes: usize) -> Vec<usize> {
     allowed.iter().cycle().skip(first).take(lanes).copied().collect()
 }
 
-/// Binds a thread to a processor; where the kernel refuses, the thread runs where it likes, only slower.
+/// Binds a thread to a processor; if the kernel refuses, the thread is not bound and only slower.
 fn bind(tid: i32, processor: usize) {
     // SAFETY: an all-zero set is valid, `processor` was read from such a set, and the call gets the set's size.
     unsafe {

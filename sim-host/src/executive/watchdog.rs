@@ -1,4 +1,4 @@
-//! The watchdog's measure: a thread's or process's own processor time since its release, so that a loaded machine fails nobody.
+//! Detection of overdue programs, by the processor time of a thread or process since its release: a loaded machine makes none overdue.
 
 use std::fs;
 use std::sync::atomic::Ordering::Relaxed;
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::signal::ThreadBlock;
 
-/// What is known of one flow since the watchdog first saw its present release.
+/// Measurement of one flow since the watchdog first saw its present release.
 #[derive(Default)]
 pub struct Watch {
     release: u64,
@@ -15,23 +15,23 @@ pub struct Watch {
 
 struct Since {
     processor_time: Duration,
-    /// When it was last seen to run, or ready to.
+    /// Last time at which it was seen running, or ready to run.
     last_active: Instant,
     last_processor_time: Duration,
 }
 
-/// What the watchdog sees of a flow.
+/// Sample of a flow's state.
 pub struct Look {
-    /// Number of its release, see [`ThreadBlock::releases`](super::signal::ThreadBlock::releases).
+    /// Number of the flow's release, see [`ThreadBlock::releases`](super::signal::ThreadBlock::releases).
     pub release: u64,
-    /// Processor time that it has used in all.
+    /// Processor time that the flow has used in all.
     pub processor_time: Duration,
-    /// True when it sleeps in the kernel.
+    /// The flow sleeps in the kernel.
     pub is_asleep: bool,
 }
 
 impl Look {
-    /// At a thread of this process.
+    /// Samples a thread of this process.
     pub fn at_thread(block: &ThreadBlock) -> Option<Self> {
         let tid = block.tid.load(Relaxed);
         Some(Self {
@@ -41,7 +41,7 @@ impl Look {
         })
     }
 
-    /// At the process `pid`, which the thread of `block` serves; nothing while a debugger holds it.
+    /// Samples the process `pid`, which the thread of `block` serves; `None` while a debugger is attached to it.
     pub fn at_process(pid: i32, block: &ThreadBlock) -> Option<Self> {
         if is_traced(&pid.to_string()) {
             return None;
@@ -50,27 +50,27 @@ impl Look {
         Some(Self {
             release: block.releases.load(Relaxed),
             processor_time: process_time(pid)?,
-            // While the host works for the program its threads sleep with good reason.
+            // While the host works for the program, the program's threads rightly sleep.
             is_asleep: !block.in_host.load(Relaxed) && threads.all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}"))),
         })
     }
 }
 
 impl Look {
-    /// The same look at a flow whose time for other things does not count.
+    /// Subtracts `other`, processor time that does not count.
     pub fn without(self, other: Duration) -> Self {
         Self { processor_time: self.processor_time.saturating_sub(other), ..self }
     }
 }
 
 impl Watch {
-    /// The host works for the program, such as on an image: that is not the program's time, which is measured anew behind it.
+    /// Discards the measurement while the host works for the program, such as on an image: it begins anew after that.
     pub fn pause(&mut self) {
         self.since = None;
     }
 
-    /// True when the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its
-    /// last release. Measured from the first look at a release, so up to one look's interval in the program's favour.
+    /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its last
+    /// release. Measured from the first sample of a release, so up to one sampling interval in the program's favour.
     pub fn is_overdue(&mut self, look: &Look, timeout: f64) -> bool {
         let processor_time = look.processor_time;
         let now = Instant::now();
@@ -90,12 +90,12 @@ impl Watch {
     }
 }
 
-/// True while a debugger holds this process: nothing is overdue then.
+/// Returns true while a debugger is attached to this process: nothing is overdue then.
 pub fn is_debugged() -> bool {
     is_traced("self")
 }
 
-/// True while a debugger holds the process `pid`.
+/// Returns true while a debugger is attached to the process `pid`.
 pub fn is_traced(pid: &str) -> bool {
     fs::read_to_string(format!("/proc/{pid}/status"))
         .ok()
@@ -103,7 +103,7 @@ pub fn is_traced(pid: &str) -> bool {
         .unwrap_or(false)
 }
 
-/// The kernel's ids of the threads of process `pid`; none once it has ended.
+/// The kernel's ids of the threads of process `pid`; empty once it has ended.
 pub fn threads(pid: i32) -> Vec<i32> {
     let threads = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
     threads.filter_map(|thread| thread.file_name().to_str()?.parse().ok()).collect()
@@ -131,17 +131,17 @@ fn clock(clock: libc::clockid_t) -> Option<Duration> {
     (status == 0).then(|| Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32))
 }
 
-/// True when the kernel says that the thread of the folder sleeps (as opposed to runs or waits for a processor).
+/// Returns true if the thread whose folder in `/proc` this is sleeps, and neither runs nor waits for a processor.
 fn is_asleep(folder: &str) -> bool {
     matches!(state(folder), Some('S' | 'D'))
 }
 
-/// True when a signal has stopped the process `pid`; not when a debugger has.
+/// Returns true if a signal has stopped the process `pid`; false if a debugger has.
 pub fn is_stopped(pid: i32) -> bool {
     state(&format!("/proc/{pid}")) == Some('T')
 }
 
-/// The kernel's letter for what the thread or process of the folder does.
+/// The kernel's state letter of the thread or process whose folder in `/proc` this is.
 fn state(folder: &str) -> Option<char> {
     let stat = fs::read_to_string(format!("{folder}/stat")).ok()?;
     // "tid (name) S ...": the name may hold blanks and brackets.

@@ -27,26 +27,26 @@ pub struct Built {
 }
 
 impl Built {
-    /// Every file that decides what is run.
+    /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// What the user should know of the programs: how they were found, what the compiler said, what is outside the guarantee.
+    /// Messages for the user about the programs: notes of the search, output of the compiler, warnings about the guarantee of equal runs.
     pub fn remarks(&self) -> &[String] {
         &self.programs.remarks
     }
 
-    /// False when every robot only stands there.
+    /// Returns true if at least one robot has a program.
     pub fn has_programs(&self) -> bool {
         self.programs.iter().next().is_some()
     }
 
-    /// Makes its robots and loads their programs.
+    /// Creates the robots and loads their programs.
     ///
     /// # Errors
     /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Asked`] for
-    /// a folder of images that cannot be made.
+    /// a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
         let Self { options, settings, scene, scenery, inputs, programs } = self;
         let frames = |folder: &PathBuf| {

@@ -1,4 +1,4 @@
-//! What is wrong with a scene beyond what its files say: programs that cannot be found, functions that RoBIOS has not got.
+//! Checks of a scene beyond its files: programs that cannot be found, unknown RoBIOS functions.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -13,21 +13,21 @@ use crate::program::scene::wanted_of;
 use crate::program::{Generation, Wanted};
 use crate::robios::cost;
 
-/// Tells whether a robot's program can be found and for which generation it is written; if not, which of both it is and a
-/// message.
+/// Checks that a robot's program can be found and that its generation can be chosen; otherwise returns the code of the failed check
+/// and a message.
 pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
-/// Where programs of a scene are looked for, besides its folder: the working folder and the installation.
+/// Folders in which programs of a scene are searched besides its own: the working folder and the installation.
 ///
 /// # Errors
-/// If the working folder is unknown.
+/// The working folder is unknown.
 pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
     let working_folder = std::env::current_dir()?;
     Ok(SearchPath { working_folder, installation: files.home().map(PathBuf::from), ..SearchPath::default() })
 }
 
-/// Looks for programs where `eyesim run` does: in the scene's folder and along `search`; `api` is the generation that they are given
-/// in place of the scene's.
+/// A search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that replaces the
+/// scene's.
 pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'static>> {
     Box::new(move |scene, robot| {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
@@ -41,12 +41,12 @@ pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'s
     })
 }
 
-/// True when `diagnostics` are such that a scene is not run: errors, or when `strict` anything.
+/// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, of any diagnostic.
 pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
     sim_format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
 }
 
-/// How many errors and warnings there are in how many files: `3 errors, 12 warnings in 2 files`.
+/// Numbers of errors, warnings and their files: `3 errors, 12 warnings in 2 files`.
 pub fn count(diagnostics: &[Diagnostic]) -> String {
     let of = |severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
     let counts = [(of(Severity::Error), "error"), (of(Severity::Warning), "warning")];
@@ -60,7 +60,7 @@ pub fn plural(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The entries of a cost table that no function of RoBIOS has.
+/// Diagnostics for the entries of a cost table that match no RoBIOS function.
 pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> {
     cost::mistakes(table).map(|(entry, _)| Diagnostic {
         severity: Severity::Error,
@@ -73,12 +73,12 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
     })
 }
 
-/// What is said about the programs that the files of a scene name and that are not found, each once, in the order of the robots.
+/// Diagnostics for programs that the files of a scene name and that are not found, each once, in the order of the robots.
 pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
     let mut tried: BTreeSet<&str> = BTreeSet::new();
     let mut missing = Vec::new();
     for robot in &scene.robots {
-        // Many robots may run the same program. One that the command line names has no place in a file.
+        // Many robots may run the same program. A program named on the command line has no place in a file.
         let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
         let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
         if let Err((code, message)) = find_program(scene, robot) {

@@ -1,4 +1,4 @@
-//! Robots' processes, which are started from the program of the process that runs them.
+//! Entry point of robots' processes, which are started from the binary that runs them.
 
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStrExt as _;
@@ -7,10 +7,10 @@ use std::process::ExitCode;
 
 use crate::executive::process::{CHILD_NAME, client};
 
-/// Serves a robot's program if this process was started for one: gives the exit code with which it is to end.
+/// Serves a robot's program if this process was started for one; returns the exit code with which the process must end.
 ///
-/// A binary whose runs have robots in processes of their own ([`Exec::Process`](crate::executive::program::Exec::Process)) calls it first
-/// in its `main`, since these processes are started from the same binary. Programs in Python do not need it.
+/// A binary whose runs have robots in their own processes ([`Exec::Process`](crate::executive::program::Exec::Process)) must call
+/// this first in its `main`, since these processes are started from the same binary. Programs in Python do not need it.
 pub fn serve_child() -> Option<ExitCode> {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let [name, command, library] = &arguments[..] else { return None };

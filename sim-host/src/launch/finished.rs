@@ -1,4 +1,4 @@
-//! A run that is over: how it ended, as values.
+//! Results of a run that is over.
 
 use std::sync::Arc;
 
@@ -19,20 +19,20 @@ use crate::scenery::LazyScenery;
 
 /// A run that is over.
 pub struct Finished {
-    /// What scene and options said of it.
+    /// Settings of the run from the scene and the options.
     pub settings: Settings,
-    /// What was run.
+    /// The scene.
     pub scene: Arc<SceneSpec>,
-    /// What its cameras see.
+    /// Scenery of its cameras.
     pub scenery: Arc<LazyScenery>,
-    /// How it ended, with its world and its robots at rest.
+    /// End of the run, with its world and its robots at rest.
     pub ended: Ended,
-    /// The same for people and programs.
+    /// The results as a report, which can be written to a file.
     pub report: Report,
 }
 
 impl Finished {
-    /// The world from above with the paths that `trails`, a sink of the run, has kept.
+    /// Draws the world from above with the paths that `trails`, a sink of the run, has recorded.
     pub fn drawing(&self, trails: &Trails) -> Drawing {
         let spawner = self.ended.run.spawner();
         let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &Way)| RunRobot {
@@ -66,7 +66,7 @@ impl Finished {
     }
 }
 
-/// What became of the run, with these inputs.
+/// Report of the run with these inputs.
 pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> Report {
     let spawner = ended.run.spawner();
     let world = ended.run.world();

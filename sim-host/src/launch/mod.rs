@@ -1,8 +1,8 @@
 //! Runs of scenes with robot programs, as a library: no command line, no console.
 //!
-//! [`Scene::open`] reads a scene with all that it names; what is wrong in its files is a list of diagnostics. [`Scene::load`] builds and
-//! loads its programs. [`Ready::start`] gives a [`Running`] run, which its owner steps or takes to its end; [`Running::finish`] gives
-//! what became of it. Several runs may go on side by side in one process.
+//! [`Scene::open`] reads a scene with all files that it names; mistakes in them are a list of diagnostics. [`Scene::load`] builds and
+//! loads its programs. [`Ready::start`] returns a [`Running`] run, which its owner advances step by step or to its end;
+//! [`Running::finish`] returns the results. Several runs may exist side by side in one process.
 
 mod built;
 pub mod check;
@@ -25,16 +25,16 @@ use sim_format::{Diagnostic, InputFile};
 
 use crate::record::RecordError;
 
-/// Why a scene is not run.
+/// Reasons why a scene cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Its files have mistakes.
     #[error(transparent)]
     Rejected(#[from] Rejected),
-    /// What was asked for makes no sense: a path that is no scene, an option that fits nothing in it, a program that cannot be built.
+    /// The request makes no sense: a path that is no scene, an option that does not fit the scene, a program that cannot be built.
     #[error("{0}")]
     Asked(String),
-    /// A robot's type, or errors of its drive, with which nothing can be computed.
+    /// A robot's type, or the noise model of its drive, has values that cannot be simulated.
     #[error(transparent)]
     Robot(#[from] FactoryError),
     /// A program that was built cannot be loaded.
@@ -43,24 +43,24 @@ pub enum Error {
     /// The system has no room for the robots.
     #[error("cannot start the robots: {0}")]
     Start(String),
-    /// A file that records the run cannot be written.
+    /// A file of the run's record cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
 }
 
 impl Error {
-    /// What was asked for makes no sense for this reason, with all its causes.
+    /// [`Error::Asked`] with the message of `error` and all its causes.
     pub(crate) fn asked(error: anyhow::Error) -> Self {
         Self::Asked(format!("{error:#}"))
     }
 }
 
-/// A scene that is not run because of what is wrong in its files.
+/// A scene that cannot be run because of mistakes in its files.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("the scene is not run: {}", check::count(diagnostics))]
 pub struct Rejected {
-    /// What is wrong.
+    /// The mistakes.
     pub diagnostics: Vec<Diagnostic>,
-    /// The files of which they speak.
+    /// The files to which the diagnostics refer.
     pub inputs: Vec<InputFile>,
 }

@@ -1,4 +1,4 @@
-//! What a run is told beside its scene.
+//! Options of a run.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -11,49 +11,50 @@ use crate::executive::program::Exec;
 use crate::program::Generation;
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 
-/// Simulated time after which a run ends when nobody says anything.
+/// Simulated time after which a run ends if neither options nor scene set one.
 pub const DEFAULT_UNTIL: Time = Time::from_millis(600_000);
 
-/// What a run is told beside its scene; by default nothing. What is said here goes before what the scene says.
+/// Options of a run; they take precedence over the scene. By default no option is set.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Seed of all randomness; that of the scene, else 0, where none is given.
+    /// Seed of all randomness; default: that of the scene, else 0.
     pub seed: Option<u64>,
-    /// Length of a slot; that of the scene, else 50 ms, where none is given.
+    /// Length of a slot; default: that of the scene, else 50 ms.
     pub slot: Option<Time>,
-    /// Simulated time at which the run ends; that of the scene, else [`Options::default_until`], where none is given.
+    /// Simulated time at which the run ends; default: that of the scene, else [`Options::default_until`].
     pub until: Option<Time>,
-    /// When the run ends where neither [`Options::until`] nor the scene says it: [`DEFAULT_UNTIL`].
+    /// End of the run if neither [`Options::until`] nor the scene sets one; default: [`DEFAULT_UNTIL`].
     pub default_until: Time,
-    /// How long the run goes on after its last program has ended, as long as anything moves; not at all.
+    /// Time that the run goes on after its last program has ended, as long as anything moves; default: 0.
     pub linger: Time,
-    /// Robots that run at one time; one for each processor where nothing is given.
+    /// Number of workers: robots that run at one time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
-    /// Where programs run: on threads of this process by default. [`Exec::Process`] needs a `main` that calls [`serve_child`](super::serve_child) first.
+    /// Place of the programs; default: threads of this process. [`Exec::Process`] needs a `main` that calls
+    /// [`serve_child`](super::serve_child) first.
     pub exec: Exec,
-    /// Processor time in seconds that a program may compute within one slot before it is stopped; 10 s.
+    /// Processor time in seconds that a program may use within one slot before it is stopped; default: 10 s.
     pub timeout: f64,
     /// Programs of robots, in place of the scene's.
     pub programs: Vec<ProgramOption>,
     /// Generation of RoBIOS that the programs are written for.
     pub api: Option<Generation>,
-    /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`.
+    /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
     pub keys: Vec<String>,
-    /// Arguments of programs in place of the scene's: `1:--kp 0.5`, without a number for all robots.
+    /// Arguments of programs in place of the scene's: `1:--kp 0.5`; without a number for all robots.
     pub arguments: Vec<String>,
-    /// The file of what RoBIOS calls cost, in place of the scene's.
+    /// File with the costs of RoBIOS calls, in place of the scene's.
     pub costs: Option<PathBuf>,
-    /// Errors of devices and drives of all robots, in place of the scene's: a preset's name or a noise profile's file.
+    /// Noise profile of all robots, in place of the scene's: a preset's name or a file.
     pub noise: Option<String>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
-    /// Bytes that each program may print before the rest is cut: [`DEFAULT_OUTPUT_LIMIT`].
+    /// Bytes that each program may print before the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,
     /// Every RoBIOS call is recorded.
     pub is_verbose: bool,
-    /// A scene that has warnings is not run.
+    /// A scene with warnings is not run.
     pub strict: bool,
-    /// The folder for the images that programs take, as PNG.
+    /// Folder for the images that programs take, as PNG.
     pub frames: Option<PathBuf>,
     /// The images that programs take are kept for a recording.
     pub keep_frames: bool,

@@ -1,4 +1,4 @@
-//! A run that can start, and one that has started.
+//! A run that is ready to start, and one that has started.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -27,7 +27,7 @@ use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 
-/// A run that can start: its programs are loaded.
+/// A run that is ready to start: its programs are loaded.
 pub struct Ready {
     pub(super) options: Options,
     pub(super) settings: Settings,
@@ -41,47 +41,47 @@ pub struct Ready {
     pub(super) programs: Vec<Option<RobotProgram>>,
 }
 
-/// What tells meshes and images of which cameras see that they have mistakes, and the files of which these speak.
+/// Callback for mistakes in the meshes and images that cameras need, with the files to which the diagnostics refer.
 pub type TellDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
 
-/// Who follows a run beside its owner, and who ends it.
+/// Observers of a run besides its owner, and its interrupt.
 #[derive(Default)]
 pub struct Observers {
-    /// Get what is recorded, in this order.
+    /// Receive the record, in this order.
     pub sinks: Vec<Box<dyn Sink>>,
-    /// Is told what is wrong in the meshes and images that are read when the first camera is used.
+    /// Receives the mistakes in the meshes and images that are read when the first camera is used.
     pub diagnostics: Option<Box<TellDiagnostics>>,
     /// Ends the run from any thread.
     pub interrupt: Interrupt,
 }
 
 impl Ready {
-    /// What is to be run.
+    /// The scene to be run.
     pub fn scene(&self) -> &Arc<SceneSpec> {
         &self.scene
     }
 
-    /// What the scene and the options say of the run.
+    /// Settings of the run from the scene and the options.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// What its cameras see.
+    /// Scenery for its cameras.
     pub fn scenery(&self) -> &Arc<LazyScenery> {
         &self.scenery
     }
 
-    /// The images that its programs will take, if anybody wants them.
+    /// Sink of the images that its programs will take, if requested.
     pub fn frames(&self) -> Option<&Arc<Frames>> {
         self.frames.as_ref()
     }
 
-    /// Every file that decides what is run.
+    /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// The first line of its trace, which says how it is run again.
+    /// First line of the trace, with the command line that repeats the run.
     pub fn trace_header(&self) -> TraceHeader {
         let robot = |robot: &RobotSpec| TraceRobot {
             id: robot.id.0,
@@ -97,10 +97,10 @@ impl Ready {
         }
     }
 
-    /// Starts it: it stands before its first slot.
+    /// Starts the run, paused before its first slot.
     ///
     /// # Errors
-    /// [`Error::Start`] when the system has no room for the robots.
+    /// [`Error::Start`] if the system has no room for the robots.
     pub fn start(self, observers: Observers) -> Result<Running, Error> {
         let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs } = self;
         let Observers { sinks, diagnostics, interrupt } = observers;
@@ -135,7 +135,7 @@ impl Ready {
         Ok(Running { scheduler, settings, scene, scenery, inputs })
     }
 
-    /// Runs it to its end.
+    /// Starts the run and advances it to its end.
     ///
     /// # Errors
     /// As [`Ready::start`].
@@ -146,12 +146,12 @@ impl Ready {
     }
 }
 
-/// Words behind `eyesim run` that ask for the same run: all that decides what happens in it.
+/// Arguments of `eyesim run` that repeat the run: everything that determines its results.
 fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
-    /// Most seconds that the command line takes.
+    /// Longest time in seconds that the command line accepts.
     const MAX_SECONDS: f64 = 1e9;
     let mut words = vec![scene.to_owned()];
-    // One word each, so that no value is taken for an option.
+    // Option and value are one word, so that no value is taken for an option.
     let mut add = |option: &str, value: &dyn std::fmt::Display| words.push(format!("--{option}={value}"));
     add("seed", &settings.seed);
     add("slot", &(settings.slot.seconds() * 1000.0));
@@ -177,9 +177,9 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     words
 }
 
-/// A run that has started. Its owner advances [`Running::scheduler`], and looks at world and robots between two slots.
+/// A run that has started. Its owner advances [`Running::scheduler`], and reads world and robots between two slots.
 pub struct Running {
-    /// What advances it.
+    /// Advances the run.
     pub scheduler: Scheduler,
     settings: Settings,
     scene: Arc<SceneSpec>,
@@ -188,7 +188,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Ends it, to the last line of its record.
+    /// Ends the run and completes its record.
     pub fn finish(self) -> Finished {
         let Self { scheduler, settings, scene, scenery, mut inputs } = self;
         let ended = scheduler.finish();
@@ -206,8 +206,8 @@ fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
-/// Tells, in the slot in which the first camera is used, what is wrong in the meshes and images that are read then, and ends the run
-/// if that is more than it may be.
+/// Sink that reports mistakes in the meshes and images read for the first camera, in the slot in which that is used, and ends the run
+/// if they do not allow it to go on.
 struct SceneryWatch {
     scenery: Arc<LazyScenery>,
     is_strict: bool,

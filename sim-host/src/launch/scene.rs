@@ -1,4 +1,4 @@
-//! A scene with what its files say, before its programs are built.
+//! A scene and the contents of its files, before its programs are built.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -27,22 +27,22 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads the scene at `path`, a sim file or one in TOML, with all that it names. What is wrong in its files is told by
+    /// Reads the scene at `path`, a sim file or a scene in TOML, with all files that it names. Mistakes in the files are in
     /// [`Scene::diagnostics`].
     ///
     /// # Errors
-    /// [`Error::Asked`] for a path that is no scene, and for options that name a noise profile that is none.
+    /// [`Error::Asked`] for a path that is no scene, and for options that name an unknown noise profile.
     pub fn open(path: impl AsRef<Path>, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         expect_scene(path).map_err(Error::asked)?;
         Self::read(path, DiskFiles::of_environment(), options)
     }
 
-    /// The same of the scene `text`, as if it were the file `path`, which need not be there: its name says of which form it is, and its
-    /// folder where the files are that it names.
+    /// As [`Scene::open`], for a scene given as `text`, as if it were the file `path`, which need not exist: its name determines the
+    /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors
-    /// [`Error::Asked`] for options that name a noise profile that is none.
+    /// [`Error::Asked`] for options that name an unknown noise profile.
     pub fn of_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path, DiskFiles::of_environment().with_text(path, text), options)
@@ -59,45 +59,46 @@ impl Scene {
         Ok(Self { options, files, loaded })
     }
 
-    /// What the scene is.
+    /// The scene's specification.
     pub fn spec(&self) -> &SceneSpec {
         &self.loaded.scene
     }
 
-    /// The same, to be changed before it is built; a trace of its run does not know of it, and cannot be repeated by its words alone.
+    /// The scene's specification, to be changed before it is built. A trace of the run does not contain the changes, so it alone cannot
+    /// repeat the run.
     pub fn spec_mut(&mut self) -> &mut SceneSpec {
         &mut self.loaded.scene
     }
 
-    /// What is wrong in its files.
+    /// Mistakes in the scene's files.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.loaded.diagnostics
     }
 
-    /// Its files.
+    /// The scene's files.
     pub fn inputs(&self) -> &[InputFile] {
         &self.loaded.inputs
     }
 
-    /// What its run is told.
+    /// Options of the run.
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// True when a run is refused because of [`Scene::diagnostics`].
+    /// Returns true if the scene cannot be run because of its [diagnostics](Scene::diagnostics).
     pub fn is_rejected(&self) -> bool {
         check::is_rejected(&self.loaded.diagnostics, self.options.strict)
     }
 
-    /// What builds its programs as the environment of this process says: compilers, flags, the folder of what has been built.
+    /// Builder for its programs, with the compilers, flags and cache folder of this process's environment.
     ///
     /// # Errors
-    /// [`Error::Asked`] when there is no such folder.
+    /// [`Error::Asked`] if no cache folder can be used.
     pub fn builder(&self) -> Result<Builder, Error> {
         let cache = Cache::of_user().context("no folder for built programs").map_err(Error::asked)?;
         let mut tools = Tools::of_environment();
         if self.options.debug.is_some() {
-            // Every line is there to stop at, and every variable to look at; what the user says of it goes behind.
+            // Unoptimised, so that every line and variable exists for the debugger; the user's own flags follow and take precedence.
             tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
         }
         Ok(Builder::new(cache, Kits::of_robios(), tools))
@@ -115,8 +116,8 @@ impl Scene {
     /// Finds its programs and builds them with `builder`, each once.
     ///
     /// # Errors
-    /// [`Error::Rejected`] for mistakes in its files, a program that is not found among them; [`Error::Asked`] for an option that fits
-    /// nothing in it, and for programs that cannot be built.
+    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Asked`] for an option
+    /// that does not fit the scene, and for programs that cannot be built.
     pub fn build(mut self, builder: &Builder) -> Result<Built, Error> {
         let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
         if self.is_rejected() {
@@ -137,15 +138,15 @@ impl Scene {
         Ok(Built { options, settings, scene, scenery, inputs: read, programs })
     }
 
-    /// What options and scene say of its run; its robots get the programs and arguments of the options.
+    /// Settings of the run; gives its robots the programs and arguments of the options.
     ///
     /// # Errors
-    /// An option that fits nothing in the scene.
+    /// An option does not fit the scene.
     pub(crate) fn settings(&mut self) -> anyhow::Result<Settings> {
         Settings::new(&self.options, &mut self.loaded.scene)
     }
 
-    /// What it is and what its cameras see.
+    /// The scene's specification and the scenery of its cameras.
     pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
         let Loaded { scene, diagnostics, inputs } = self.loaded;
         let scene = Arc::new(scene);
@@ -153,7 +154,7 @@ impl Scene {
     }
 }
 
-/// Refuses what is named in place of a scene, such as the program itself, before it is read as one.
+/// Refuses a path that is no scene, such as that of a program, before it is read as one.
 fn expect_scene(path: &Path) -> anyhow::Result<()> {
     let name = path.display();
     if path.is_dir() {
@@ -161,7 +162,7 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
     }
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("toml") {
-        // A file that cannot be read is told of by the reader.
+        // The reader reports a file that cannot be read.
         let is_scene = read_regular(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
         ensure!(is_scene, "`{name}` is no scene: it has none of `scene`, `world` and `robot` at its top level");
     } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
@@ -173,12 +174,12 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Every file that decides what is run, each once, in the order in which they are read.
+/// Every file that determines the run, each once, in the order in which the files are read.
 fn read_files(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
     let mut inputs: Vec<Input> =
         scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
     let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
-    // A source that has vanished since it was compiled cannot be hashed any more.
+    // A source that was deleted after its compilation cannot be hashed any more.
     inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))));
     inputs
 }

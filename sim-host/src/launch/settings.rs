@@ -1,4 +1,4 @@
-//! What the options of a run change in its scene, and say of its keys and costs.
+//! Settings of a run: the options combined with the scene.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -17,29 +17,29 @@ use crate::program::words::split_words;
 use crate::robios::cost::Costs;
 use crate::robios::key::{Press, parse_script};
 
-/// What a scene and the options of its run say together; the options go before.
+/// Settings of a run from its scene and options; the options take precedence.
 pub struct Settings {
     /// Seed of all randomness.
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
-    /// When the run ends.
+    /// Simulated time at which the run ends.
     pub until: Time,
-    /// Neither the scene nor the options say when it ends.
+    /// `until` is the default: neither the scene nor the options set it.
     pub is_until_default: bool,
-    /// Keys that are pressed.
+    /// Key presses.
     pub keys: Vec<Press>,
-    /// What calls cost.
+    /// Costs of calls.
     pub costs: Costs,
-    /// The file that says so.
+    /// File with the costs, if the options name one.
     pub costs_input: Option<InputFile>,
 }
 
 impl Settings {
-    /// Those of a run of `scene`, whose robots get the programs and arguments that `options` give.
+    /// Settings of a run of `scene`; gives its robots the programs and arguments of `options`.
     ///
     /// # Errors
-    /// A robot that does not exist, keys, words or costs that cannot be read, a program that nobody needs.
+    /// A robot does not exist, keys, words or costs cannot be read, or no robot needs a program of the options.
     pub fn new(options: &Options, scene: &mut SceneSpec) -> anyhow::Result<Self> {
         let mut keys = Vec::new();
         for script in &options.keys {
@@ -69,30 +69,30 @@ impl Settings {
     }
 }
 
-/// A program for robots of a scene.
+/// Option that assigns a program to robots of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramOption {
     who: Who,
-    /// As in a sim file.
+    /// Reference to the program, as in a sim file.
     program: String,
 }
 
-/// Who gets it.
+/// Robots that get the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Who {
-    /// All robots that have no program.
+    /// All robots without a program.
     Without,
     /// One robot.
     Robot(u32),
-    /// All robots whose program the scene calls so; if there are none, all of the type that is called so.
+    /// All robots whose program in the scene has this name; if there are none, all robots of the type with this name.
     Name(String),
 }
 
 impl ProgramOption {
-    /// `2=maze.c`, `search.x=maze.c`, or `maze.c`.
+    /// Parses `2=maze.c`, `search.x=maze.c` or `maze.c`.
     ///
     /// # Errors
-    /// When no program is named.
+    /// The text names no program.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (who, program) = match (split_robot(text, '='), text.split_once('=')) {
             ((Some(robot), program), _) => (Who::Robot(robot), program),
@@ -112,7 +112,7 @@ impl ProgramOption {
 }
 
 impl std::fmt::Display for ProgramOption {
-    /// As on a command line.
+    /// In the syntax of the command line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.who {
             Who::Without if self.program.contains('=') => write!(f, "={}", self.program),
@@ -123,11 +123,11 @@ impl std::fmt::Display for ProgramOption {
     }
 }
 
-/// Gives the robots of `scene` the programs of the command line; what names a robot's number goes before what names its
-/// program, and that before its type.
+/// Gives the robots of `scene` the programs of the command line. An option with a robot's number takes precedence over one with the
+/// name of its program, and that over one with its type.
 ///
 /// # Errors
-/// An option that fits no robot.
+/// An option fits no robot.
 pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
     let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
@@ -166,10 +166,11 @@ pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow
     Ok(())
 }
 
-/// Gives all robots of a scene the noise profile `name` of the command line: a preset or a file.
+/// Gives all robots of a scene the noise profile `name` of the command line: a preset or a file. Mistakes in the file are added to the
+/// scene's diagnostics.
 ///
 /// # Errors
-/// A name that is neither. What is wrong in the file is among the scene's diagnostics.
+/// `name` is neither a preset nor a file.
 pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
     let noise = match preset(name) {
         Some(preset) => NoiseRef::Preset(preset),
@@ -183,7 +184,7 @@ pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> any
             );
             let (noise, read) = load_noise(&files.name(path), files);
             loaded.diagnostics.extend(read.diagnostics);
-            // The scene may name it, too.
+            // The scene may name the same file.
             let is_new = |input: &InputFile| loaded.inputs.iter().all(|known| known.path != input.path);
             let new: Vec<InputFile> = read.inputs.into_iter().filter(is_new).collect();
             loaded.inputs.extend(new);
@@ -197,7 +198,7 @@ pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> any
     Ok(())
 }
 
-/// How closely an option names a robot, from the loosest.
+/// Precision with which an option names a robot, lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
     Type,
@@ -205,7 +206,7 @@ enum Rank {
     Number,
 }
 
-/// The places in the scene of the robots that `who` names; those without a program are not named.
+/// Indices in the scene of the robots that `who` names; empty for [`Who::Without`], which [`give_programs`] handles.
 fn robots_of(scene: &SceneSpec, who: &Who) -> anyhow::Result<(Rank, Vec<usize>)> {
     match who {
         Who::Without => Ok((Rank::Type, Vec::new())),
@@ -226,15 +227,15 @@ fn robots_of(scene: &SceneSpec, who: &Who) -> anyhow::Result<(Rank, Vec<usize>)>
     }
 }
 
-/// What a file may be called: as it is written, without its folder, without folder and extension. Sim files write folders as
-/// Windows or as Unix does.
+/// Names under which a file may be given: as written, without its folder, without folder and extension. Sim files contain paths in the
+/// syntax of Windows or of Unix.
 fn names_of_file(path: &str) -> impl Iterator<Item = &str> {
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     [path, file, stem].into_iter().filter(|name| !name.is_empty())
 }
 
-/// The programs and types of a scene, each once.
+/// The programs and types of a scene, each once, for a message.
 fn known(scene: &SceneSpec) -> String {
     let list = |names: BTreeSet<&str>| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let programs: BTreeSet<&str> =
@@ -247,7 +248,7 @@ fn known(scene: &SceneSpec) -> String {
     }
 }
 
-/// Replaces the arguments of the robots that `options` name; several for one robot follow each other.
+/// Replaces the arguments of the robots that `options` name; several options for one robot are appended to each other.
 fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<()> {
     let mut replaced = vec![false; scene.robots.len()];
     for text in options {
@@ -273,10 +274,10 @@ fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<(
     Ok(())
 }
 
-/// The place of robot `robot` in the scene.
+/// Index of robot `robot` in the scene.
 ///
 /// # Errors
-/// There is none of that number.
+/// The scene has no robot with this number.
 pub fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
     let known = match scene.robots.len() {
         0 => "no robots".to_owned(),
@@ -305,7 +306,7 @@ fn read_costs(path: &Path) -> anyhow::Result<(Costs, Option<InputFile>)> {
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
-/// The costs that the scene gives, before those that are compiled in.
+/// The costs given by the scene, with the built-in ones for all other calls.
 fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
     let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
     Costs::of_table(table).with_context(|| format!("cost table in `{}`", table.file))
@@ -381,7 +382,7 @@ mod tests {
         }
         assert_eq!(programs(&["progs/maze.x=x.c"]).unwrap(), ["own.c", r"..\Progs\maze.x", "x.c"]);
         assert_eq!(programs(&["r=x.c"]).unwrap(), ["x.c", "x.c", "x.c"], "a type");
-        // Whatever their order: number, program, type.
+        // In any order: number before program before type.
         for options in [["r=t.c", "maze=p.c", "3=n.c"], ["3=n.c", "maze=p.c", "r=t.c"]] {
             assert_eq!(programs(&options).unwrap(), ["t.c", "p.c", "n.c"]);
         }

@@ -11,12 +11,12 @@ use sim_core::scene::Texture;
 use super::PlotError;
 use super::drawing::{Line, Paint};
 
-/// Height of the letters, pixels.
+/// Height of text, in pixels.
 pub const TEXT: f64 = 12.0;
-/// The same of the title.
+/// Height of the title, in pixels.
 pub const TITLE: f64 = 14.0;
 
-/// How light an image on the floor is made, so that what stands on it can be seen: the part of white in it.
+/// Share of white mixed into an image on the floor, so that bodies on it remain visible.
 const WHITENESS: f64 = 0.35;
 
 /// A backend that can show an image.
@@ -24,7 +24,7 @@ pub trait Surface: DrawingBackend {
     /// Shows an image, stretched over the rectangle of `size` units whose upper left corner is `at`.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     fn image(&mut self, at: (i32, i32), size: (u32, u32), texture: &Texture) -> Result<(), PlotError>;
 }
 
@@ -43,40 +43,40 @@ impl Surface for BitMapBackend<'_> {
 }
 
 impl Surface for SVGBackend<'_> {
-    /// Shows nothing: plotters' writer of SVG has no images. `to_svg` puts it in afterwards.
+    /// Does nothing: plotters' writer of SVG has no images. `to_svg` inserts the image afterwards.
     fn image(&mut self, _: (i32, i32), _: (u32, u32), _: &Texture) -> Result<(), PlotError> {
         Ok(())
     }
 }
 
-/// A pixel of an image on the floor as it is shown: on white, and lighter.
+/// Colour in which a pixel of an image on the floor is shown: on white, and lighter.
 pub fn lightened([red, green, blue, opacity]: [u8; 4]) -> [u8; 3] {
     let part = f64::from(opacity) / 255.0 * (1.0 - WHITENESS);
     [red, green, blue].map(|colour| (f64::from(colour) * part + 255.0 * (1.0 - part)).round() as u8)
 }
 
-/// Where a text stands as seen from its place.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy)]
 pub struct Anchor {
-    /// Left: the text begins at its place.
+    /// Left: the text begins at its point.
     pub horizontal: HPos,
-    /// Top: the text hangs below its place.
+    /// Top: the text is below its point.
     pub vertical: VPos,
 }
 
 impl Anchor {
-    /// Begins at its place, half above and half below.
+    /// Begins at its point, vertically centred.
     pub const START: Self = Self { horizontal: HPos::Left, vertical: VPos::Center };
-    /// Ends at its place.
+    /// Ends at its point, vertically centred.
     pub const END: Self = Self { horizontal: HPos::Right, vertical: VPos::Center };
-    /// Hangs below its place.
+    /// Below its point, horizontally centred.
     pub const BELOW: Self = Self { horizontal: HPos::Center, vertical: VPos::Top };
 }
 
-/// A backend with its own fine units: as plotters knows whole units only, a pixel has several.
+/// Backend with several units per pixel, since plotters takes integer coordinates only.
 pub struct Canvas<'b, B> {
     backend: &'b mut B,
-    /// Units a pixel.
+    /// Units per pixel.
     unit: i32,
 }
 
@@ -87,10 +87,10 @@ impl<'b, B: Surface> Canvas<'b, B> {
         Self { backend, unit }
     }
 
-    /// The area within `corners`.
+    /// Fills the polygon with these corners.
     ///
     /// # Errors
-    /// The backend's, as in all that follows.
+    /// Errors of the backend.
     pub fn area(&mut self, corners: &[DVec2], fill: Paint) -> Result<(), PlotError> {
         if corners.len() < 3 {
             return Ok(());
@@ -99,19 +99,19 @@ impl<'b, B: Surface> Canvas<'b, B> {
         check(self.backend.fill_polygon(points, &inside(fill)))
     }
 
-    /// The rectangle from its upper left to its lower right corner.
+    /// Fills the rectangle from its upper left to its lower right corner.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn rectangle(&mut self, from: DVec2, to: DVec2, fill: Paint) -> Result<(), PlotError> {
         let (from, to) = (self.unit(from), self.unit(to));
         check(self.backend.draw_rect(from, to, &inside(fill), true))
     }
 
-    /// The line through `points`.
+    /// Draws the line through `points`.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn path(&mut self, points: &[DVec2], line: Line) -> Result<(), PlotError> {
         if points.len() < 2 {
             return Ok(());
@@ -120,10 +120,10 @@ impl<'b, B: Surface> Canvas<'b, B> {
         check(self.backend.draw_path(points, &style))
     }
 
-    /// A circle, filled or not.
+    /// Draws a circle, filled or not.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn disc(
         &mut self,
         centre: DVec2,
@@ -142,18 +142,18 @@ impl<'b, B: Surface> Canvas<'b, B> {
         Ok(())
     }
 
-    /// A line of text of `height` pixels.
+    /// Draws a line of text of `height` pixels.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn text(&mut self, words: &str, at: DVec2, height: f64, anchor: Anchor, paint: Paint) -> Result<(), PlotError> {
         self.turned_text(words, at, height, anchor, paint, FontTransform::None)
     }
 
-    /// A line of text that reads upwards.
+    /// Draws a line of text that reads upwards.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn upward_text(&mut self, words: &str, at: DVec2, height: f64, paint: Paint) -> Result<(), PlotError> {
         self.turned_text(words, at, height, Anchor::BELOW, paint, FontTransform::Rotate270)
     }
@@ -174,10 +174,10 @@ impl<'b, B: Surface> Canvas<'b, B> {
         check(self.backend.draw_text(words, &style, at))
     }
 
-    /// An image, stretched over the rectangle from its upper left to its lower right corner.
+    /// Draws an image, stretched over the rectangle from its upper left to its lower right corner.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn image(&mut self, from: DVec2, to: DVec2, texture: &Texture) -> Result<(), PlotError> {
         let (from, to) = (self.unit(from), self.unit(to));
         let size = ((to.0 - from.0).max(0) as u32, (to.1 - from.1).max(0) as u32);
@@ -187,7 +187,7 @@ impl<'b, B: Surface> Canvas<'b, B> {
     /// Finishes the picture.
     ///
     /// # Errors
-    /// The backend's.
+    /// Errors of the backend.
     pub fn finish(self) -> Result<(), PlotError> {
         check(self.backend.present())
     }
@@ -210,7 +210,7 @@ impl<'b, B: Surface> Canvas<'b, B> {
 /// Width in pixels of a text of `height` pixels.
 pub fn text_width(words: &str, height: f64) -> f64 {
     register_fonts();
-    // Measured large, as plotters rounds to whole units.
+    // Measured at a larger size, since plotters rounds to integer units.
     const FINE: f64 = 16.0;
     let estimate = 0.6 * height * words.chars().count() as f64;
     font(height * FINE).layout_box(words).map_or(estimate, |(low, high)| f64::from(high.0 - low.0) / FINE)
@@ -224,12 +224,11 @@ fn font(size: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::SansSerif, size, FontStyle::Normal)
 }
 
-/// Gives plotters its font, once: pictures must not depend on what is installed.
-/// Makes the letters of the pictures known to plotters.
+/// Registers the embedded font with plotters, once: pictures must not depend on installed fonts.
 pub fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // A font that could not be read would show in every test of a picture.
+        // An unreadable font would show in every test of a picture.
         let _ = register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular());
     });
 }

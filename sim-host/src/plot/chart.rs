@@ -8,9 +8,9 @@ use plotters::prelude::*;
 use super::PlotError;
 use super::canvas::{TEXT, TITLE, register_fonts};
 
-/// Pixels of a figure.
+/// Width and height of a figure, in pixels.
 const SIZE: (u32, u32) = (860, 440);
-/// Legible on white, and told apart by people who see few colours (Okabe and Ito).
+/// Colours legible on white and distinct with any kind of colour vision (Okabe and Ito).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -20,15 +20,15 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
 ];
-/// Pixels of the legend's column beside its longest name.
+/// Width of the legend's column without its longest name, in pixels.
 const LEGEND: u32 = 34;
-/// Powers of ten that a logarithmic axis shows at most.
+/// Most powers of ten on a logarithmic axis.
 const DECADES: f64 = 20.0;
 
-/// The figure as SVG.
+/// Renders a figure as SVG.
 ///
 /// # Errors
-/// [`PlotError::Draw`] if the drawing library refuses it.
+/// [`PlotError::Draw`] if the drawing library fails.
 pub fn to_svg(figure: &Figure) -> Result<String, PlotError> {
     register_fonts();
     let mut svg = String::new();
@@ -103,7 +103,7 @@ fn is_drawn(point: &(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// The parts of a line between points that are not finite.
+/// Splits a line at points that are not finite.
 fn stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     let mut runs = vec![Vec::new()];
     for point in points {
@@ -116,23 +116,23 @@ fn stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     runs
 }
 
-/// Distance of the first two points along x.
+/// Distance between the first two points along x.
 fn bar_width(series: &Series) -> f64 {
     series.points.windows(2).next().map_or(1.0, |pair| pair[1].0 - pair[0].0)
 }
 
-/// An axis; a logarithmic one is a linear one of the exponents.
+/// An axis; a logarithmic axis is a linear axis of the exponents.
 #[derive(Clone)]
 struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
-    /// What is not positive stands at the lower edge of a logarithmic axis, which is labelled 0 then.
+    /// On a logarithmic axis: numbers that are not positive are drawn at the lower edge, which is labelled 0.
     holds_zero: bool,
 }
 
 impl Axis {
-    /// The axis that holds these coordinates, and 0 where asked for.
+    /// Axis that covers these coordinates and, if `holds_zero`, 0.
     fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, holds_zero: bool) -> Self {
         let coordinates: Vec<f64> = coordinates.filter(|c| c.is_finite()).collect();
         let is_log = scale == Scale::Logarithmic;
@@ -145,7 +145,7 @@ impl Axis {
         if is_log {
             let is_short = high - low < SHORT;
             let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
-            // The next marks outside, and one decade for 0.
+            // Extended to the next marks outside, and by one decade for 0.
             let mark = |place: f64, up: f64| {
                 let near =
                     (-1..=1).flat_map(|d| marks.iter().map(move |mark| place.floor() + f64::from(d) + mark.log10()));
@@ -168,7 +168,7 @@ impl Axis {
         Self { scale, range: RangedCoordf64::from(low..high), low, holds_zero }
     }
 
-    /// Where a coordinate stands along the axis.
+    /// Position of a coordinate along the axis.
     fn place(&self, coordinate: f64) -> f64 {
         match self.scale {
             Scale::Linear => coordinate,
@@ -193,7 +193,7 @@ impl Axis {
     }
 }
 
-/// A logarithmic axis of fewer decades has marks between the powers of ten.
+/// A logarithmic axis of fewer decades than this has marks between the powers of ten.
 const SHORT: f64 = 2.0;
 /// The marks of a decade.
 const MARKS: [f64; 3] = [1.0, 2.0, 5.0];

@@ -1,6 +1,6 @@
-//! The colours of all pictures: those of Okabe & Ito, which people with any kind of colour vision tell apart, and greys.
+//! Colours of all pictures: those of Okabe & Ito, which are distinct with any kind of colour vision, and greys.
 //!
-//! Nothing is told by colour alone: forms differ too, and robots bear their numbers.
+//! Colour is never the only distinction: forms differ too, and robots have their numbers.
 
 use plotters::style::RGBColor;
 
@@ -14,7 +14,7 @@ const PALETTE: [RGBColor; 6] = [
     RGBColor(230, 159, 0),
 ];
 
-/// Walls without a colour of their own.
+/// Walls without a specified colour.
 pub const WALL: RGBColor = RGBColor(51, 51, 51);
 /// The floor.
 pub const FLOOR: RGBColor = RGBColor(248, 247, 243);
@@ -22,7 +22,7 @@ pub const FLOOR: RGBColor = RGBColor(248, 247, 243);
 pub const GRID: RGBColor = RGBColor(226, 226, 226);
 /// Text, axes and outlines.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
-/// What is there but not meant: outlines of meshes, starts that no robot takes.
+/// Secondary things: outlines of meshes, starts without a robot.
 pub const SHADE: RGBColor = RGBColor(120, 120, 120);
 /// Paper.
 pub const PAPER: RGBColor = RGBColor(255, 255, 255);
@@ -36,14 +36,14 @@ pub const RANGE: RGBColor = RGBColor(0, 114, 178);
 pub const INFRARED: RGBColor = RGBColor(213, 94, 0);
 /// Bumpers.
 pub const BUMPER: RGBColor = RGBColor(204, 121, 167);
-/// What cameras see.
+/// Fields of view of cameras.
 pub const CAMERA: RGBColor = RGBColor(230, 159, 0);
 /// Laser scanners.
 pub const LIDAR: RGBColor = RGBColor(0, 158, 115);
-/// Objects without a colour of their own.
+/// Objects without a specified colour.
 pub const OBJECT: RGBColor = RGBColor(240, 228, 66);
 
-/// The colour of the robot at `index` of a list; again the first after the last.
+/// Colour of the robot at `index` of a list; the colours repeat.
 pub fn robot(index: usize) -> RGBColor {
     PALETTE[index % PALETTE.len()]
 }

@@ -1,4 +1,4 @@
-//! What a picture shows, in metres of the world: shapes with their paint, labels, a legend. Knows no pixels.
+//! Contents of a picture in metres of the world: shapes with their paint, labels, a legend. Independent of the picture's scale.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use sim_core::pose::Pose;
 use sim_core::scene::Texture;
 
-/// Everything in a picture; see `render` for how it becomes one. Shapes cover those before them.
+/// Everything in a picture, as input of `render`. Later shapes cover earlier ones.
 #[derive(Clone, Debug, Default)]
 pub struct Drawing {
     /// The line above the picture.
@@ -16,11 +16,11 @@ pub struct Drawing {
     pub backdrop: Option<Backdrop>,
     /// The shapes, the lowest first.
     pub shapes: Vec<Shape>,
-    /// Words, above all shapes.
+    /// Labels, above all shapes.
     pub labels: Vec<Label>,
-    /// What the shapes mean.
+    /// Meanings of the shapes.
     pub legend: Vec<Entry>,
-    /// The part of the world that must be seen: opposite corners.
+    /// Opposite corners of the area that must be visible.
     extent: Option<(DVec2, DVec2)>,
 }
 
@@ -36,13 +36,13 @@ pub struct Backdrop {
 /// A form with its paint.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Where.
+    /// Its form and position.
     pub form: Form,
     /// The colour of its inside.
     pub fill: Option<Paint>,
     /// Its outline.
     pub line: Option<Line>,
-    /// Its size in metres where it is a detail: it is left out when that is too few pixels. Infinite for what must be seen.
+    /// Size in metres of a detail, which is left out if that is too few pixels; infinite for a shape that is always drawn.
     pub detail: f64,
 }
 
@@ -64,7 +64,7 @@ pub enum Form {
     },
     /// A straight line, never shorter than `least` pixels.
     Needle {
-        /// Where it begins, and its direction.
+        /// Its start and direction.
         pose: Pose,
         /// Its length in metres.
         length: f64,
@@ -77,12 +77,12 @@ pub enum Form {
     Cross(DVec2),
 }
 
-/// A colour that may let through what is below it.
+/// A colour with an opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
     /// The colour.
     pub colour: RGBColor,
-    /// 1 for what covers, 0 for nothing.
+    /// 1 for opaque, 0 for invisible.
     pub opacity: f64,
 }
 
@@ -95,18 +95,18 @@ pub struct Line {
     pub width: f64,
 }
 
-/// Words at a place.
+/// Text beside a point.
 #[derive(Clone, Debug)]
 pub struct Label {
-    /// What stands there.
+    /// The text.
     pub text: String,
-    /// The place that it belongs to.
+    /// The labelled point.
     pub at: DVec2,
-    /// Metres around the place that it should leave free.
+    /// Radius around the point that the text leaves free, in metres.
     pub clearance: f64,
-    /// Least pixels around the place that it should leave free.
+    /// Least such radius, in pixels.
     pub least: f64,
-    /// Where it had best stand, as seen from the place; zero if that does not matter.
+    /// Preferred direction of the text from the point; zero for none.
     pub direction: DVec2,
 }
 
@@ -115,7 +115,7 @@ pub struct Label {
 pub struct Entry {
     /// The sign.
     pub symbol: Symbol,
-    /// What it means.
+    /// Its meaning.
     pub text: String,
 }
 
@@ -128,9 +128,9 @@ pub enum Symbol {
     Square(Option<Paint>, Line),
     /// A line.
     Line(Line),
-    /// A line with a dot where it begins.
+    /// A line with a dot at its start.
     Beam(Line),
-    /// A part of a circle.
+    /// A sector of a circle.
     Sector(Paint, Line),
     /// The arrow of a start.
     Arrow(Line),
@@ -139,12 +139,12 @@ pub enum Symbol {
 }
 
 impl Drawing {
-    /// A picture without anything below its title.
+    /// An empty picture with a title.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// Makes sure that `point` is in the picture.
+    /// Extends the visible area to `point`, if it is finite.
     pub fn include(&mut self, point: DVec2) {
         if point.is_finite() {
             let (low, high) = self.extent.unwrap_or((point, point));
@@ -152,13 +152,13 @@ impl Drawing {
         }
     }
 
-    /// Makes sure that all within `radius` metres of `centre` is in the picture.
+    /// Extends the visible area to everything within `radius` metres of `centre`.
     pub fn include_around(&mut self, centre: DVec2, radius: f64) {
         self.include(centre - DVec2::splat(radius));
         self.include(centre + DVec2::splat(radius));
     }
 
-    /// Lower left and upper right corner of what must be in the picture; a square metre where there is nothing.
+    /// Lower left and upper right corner of the area that must be visible; a square metre if nothing was included.
     pub fn extent(&self) -> (DVec2, DVec2) {
         self.extent.unwrap_or((DVec2::ZERO, DVec2::ONE))
     }
@@ -168,7 +168,7 @@ impl Drawing {
         self.shapes.push(shape);
     }
 
-    /// Adds a line to the legend unless it is there.
+    /// Adds a line to the legend, unless it is there already.
     pub fn explain(&mut self, symbol: Symbol, text: impl Into<String>) {
         let entry = Entry { symbol, text: text.into() };
         if !self.legend.contains(&entry) {
@@ -188,19 +188,19 @@ impl Shape {
         Self { form, fill: None, line: Some(line), detail: f64::INFINITY }
     }
 
-    /// The same with an outline.
+    /// Returns the shape with an outline.
     pub fn with_line(self, line: Line) -> Self {
         Self { line: Some(line), ..self }
     }
 
-    /// The same, left out where `size` metres are too few pixels.
+    /// Returns the shape as a detail, left out if `size` metres are too few pixels.
     pub fn detail(self, size: f64) -> Self {
         Self { detail: size, ..self }
     }
 }
 
 impl Paint {
-    /// A colour that covers what is below it.
+    /// Opaque colour.
     pub const fn solid(colour: RGBColor) -> Self {
         Self { colour, opacity: 1.0 }
     }
@@ -212,7 +212,7 @@ impl Paint {
 }
 
 impl Line {
-    /// A line of this `width` in pixels that covers what is below it.
+    /// Opaque line of this `width` in pixels.
     pub const fn solid(colour: RGBColor, width: f64) -> Self {
         Self { paint: Paint::solid(colour), width }
     }

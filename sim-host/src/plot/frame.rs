@@ -1,35 +1,35 @@
-//! From metres of the world to pixels of the picture, the same scale in both directions.
+//! Mapping from metres of the world to pixels of the picture, with the same scale in both directions.
 
 use glam::DVec2;
 
-/// Longer side of the world's part of a picture whose size nobody gave, pixels.
+/// Longer side of the world's area in a picture without a given size, in pixels.
 const LONG_SIDE: f64 = 800.0;
-/// Least length of its shorter side, pixels: enough for a short legend.
+/// Least length of its shorter side, in pixels: enough for a short legend.
 const SHORT_SIDE: f64 = 240.0;
 
-/// Pixels around the world's part of the picture.
+/// Margin above the world's area, in pixels.
 pub const TOP: f64 = 36.0;
-/// The same on the right, between it and the legend.
+/// Margin on the right, before the legend, in pixels.
 pub const RIGHT: f64 = 14.0;
-/// The same below, for the axis.
+/// Margin below, for the axis, in pixels.
 pub const BOTTOM: f64 = 50.0;
-/// The same on the left, for the axis.
+/// Margin on the left, for the axis, in pixels.
 pub const LEFT: f64 = 72.0;
 /// Width of the legend in pixels.
 pub const LEGEND: f64 = 210.0;
 
-/// Which part of the world is shown, and how large.
+/// Visible part of the world, and its scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     min: DVec2,
     max: DVec2,
-    /// Pixels a metre.
+    /// Pixels per metre.
     scale: f64,
 }
 
 impl Frame {
-    /// The frame that shows the rectangle between `low` and `high` with some room around it: in a picture of `size` pixels
-    /// in all, or of a size that suits it.
+    /// Frame that shows the rectangle between `low` and `high` with a margin around it, in a picture of `size` pixels in all, or of
+    /// a suitable size.
     pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
         let (centre, shown) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
         let shown = shown + DVec2::splat(0.05 * shown.max_element());
@@ -48,12 +48,12 @@ impl Frame {
         Self { min: centre - 0.5 * pixels / scale, max: centre + 0.5 * pixels / scale, scale }
     }
 
-    /// Lower left and upper right corner of what is shown, metres.
+    /// Lower left and upper right corner of the visible part, in metres.
     pub fn corners(&self) -> (DVec2, DVec2) {
         (self.min, self.max)
     }
 
-    /// Pixels a metre.
+    /// Pixels per metre.
     pub fn scale(&self) -> f64 {
         self.scale
     }
@@ -69,17 +69,17 @@ impl Frame {
         (pixels.x as u32, pixels.y as u32)
     }
 
-    /// Place in the picture, pixels from its upper left corner.
+    /// Position in the picture of a point of the world, in pixels from the upper left corner.
     pub fn place(&self, point: DVec2) -> DVec2 {
         DVec2::new(LEFT + (point.x - self.min.x) * self.scale, TOP + (self.max.y - point.y) * self.scale)
     }
 
-    /// Whether the point is shown.
+    /// Returns true if the point is visible.
     pub fn contains(&self, point: DVec2) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// The parts of the line through `points` that are shown.
+    /// Visible parts of the line through `points`.
     pub fn clip_path(&self, points: &[DVec2]) -> Vec<Vec<DVec2>> {
         if points.iter().all(|point| self.contains(*point)) {
             return vec![points.to_vec()];
@@ -111,7 +111,7 @@ impl Frame {
             first = first.max(one.min(other));
             last = last.min(one.max(other));
         }
-        // Ends that are inside stay what they are, so that parts join.
+        // End points inside are kept exactly, so that parts join.
         let at = |part: f64| {
             if part == 0.0 {
                 from
@@ -124,12 +124,12 @@ impl Frame {
         (first <= last).then(|| (at(first), at(last)))
     }
 
-    /// The part of an area that is shown.
+    /// Visible part of an area.
     pub fn clip_area(&self, corners: &[DVec2]) -> Vec<DVec2> {
         if corners.iter().all(|corner| self.contains(*corner)) {
             return corners.to_vec();
         }
-        // One side of the frame after the other: how far inside of it a point lies.
+        // Clipped at one side of the frame after another, by the distance of a point inside that side.
         let sides: [&dyn Fn(DVec2) -> f64; 4] =
             [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {
                 self.max.y - point.y
@@ -151,7 +151,7 @@ impl Frame {
     }
 }
 
-/// A round number of metres (1, 2 or 5 with noughts) that is at least `least`.
+/// Round number of metres (1, 2 or 5 times a power of ten) that is at least `least`.
 pub fn round_step(least: f64) -> f64 {
     let mut decade = 1e-9;
     while decade * 10.0 <= least {
@@ -160,7 +160,7 @@ pub fn round_step(least: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= least).unwrap_or(least)
 }
 
-/// A number of metres as it is written where numbers differ by `step`.
+/// Formats metres with the decimals that distinguish multiples of `step`.
 pub fn metres(value: f64, step: f64) -> String {
     let decimals = (0..9).find(|places| step * 10f64.powi(*places) > 0.99).unwrap_or(9) as usize;
     // No "-0".

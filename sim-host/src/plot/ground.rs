@@ -12,12 +12,12 @@ use super::colour::{FLOOR, INK, SHADE, WALL};
 use super::drawing::{Backdrop, Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::terrain;
 
-/// Wall lines in pixels.
+/// Width of walls without thickness, in pixels.
 const WALL_WIDTH: f64 = 2.0;
-/// The line around a wall with a thickness.
+/// Outline of a wall with a thickness.
 const EDGE: Line = Line::solid(WALL, 0.75);
 
-/// Draws floor and walls. The floor comes first: everything else stands on it.
+/// Draws floor and walls. The floor comes first, so that everything else covers it.
 pub fn draw_world(drawing: &mut Drawing, world: &WorldSpec, texture: Option<Arc<Texture>>) {
     let (low, high) = world.bounds();
     drawing.include(low);
@@ -48,14 +48,14 @@ fn draw_wall(drawing: &mut Drawing, wall: &WallSpec) {
         let sides = Segment { a: wall.from, b: wall.to }.thickened(wall.thickness);
         let corners: Vec<DVec2> = sides.iter().map(|side| side.a).collect();
         corners.iter().for_each(|corner| drawing.include(*corner));
-        // Thin walls must be seen in large worlds, light ones on a light floor: both by the line around.
+        // The outline keeps thin walls visible in large worlds, and light walls on a light floor.
         drawing.push(Shape::filled(Form::Polygon(corners), Paint::solid(colour)).with_line(EDGE));
     } else {
         drawing.push(Shape::outlined(Form::Path(ends), Line::solid(colour, WALL_WIDTH)));
     }
 }
 
-/// Draws the spots of colour on the floor.
+/// Draws the markers: coloured spots on the floor.
 pub fn draw_markers(drawing: &mut Drawing, markers: &[MarkerSpec]) {
     let edge = Line::solid(SHADE, 0.75);
     for marker in markers {

@@ -1,4 +1,4 @@
-//! Places for words, so that they hide neither each other nor what they name.
+//! Placement of labels, so that they cover neither each other nor the bodies that they name.
 
 use glam::DVec2;
 
@@ -6,12 +6,12 @@ use super::canvas::{TEXT, text_width};
 use super::drawing::Label;
 use super::frame::{Frame, LEFT, TOP};
 
-/// Pixels between a label and what it names, and between two labels.
+/// Pixels between a label and its body, and between two labels.
 const GAP: f64 = 3.0;
 /// Height of a label in pixels.
 const HEIGHT: f64 = TEXT + 2.0;
 
-/// A rectangle of the picture that is taken: upper left and lower right corner in pixels.
+/// Occupied rectangle of the picture: upper left and lower right corner in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
     low: DVec2,
@@ -19,7 +19,7 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    /// What a label names.
+    /// Square around the body that a label names.
     pub fn around(label: &Label, frame: &Frame) -> Self {
         let (centre, radius) = (frame.place(label.at), radius(label, frame));
         Self { low: centre - DVec2::splat(radius), high: centre + DVec2::splat(radius) }
@@ -30,22 +30,22 @@ impl Obstacle {
     }
 }
 
-/// The labels that stand already, and what they must not hide.
+/// Labels placed so far, and the bodies that they must not cover.
 pub struct Labels<'a> {
     frame: &'a Frame,
     taken: Vec<Obstacle>,
-    /// All that labels name; no label stands on them.
+    /// Bodies with labels; no other label covers them if there is room.
     named: Vec<Obstacle>,
 }
 
 impl<'a> Labels<'a> {
-    /// No labels yet, in a picture where all of `named` will have one.
+    /// No labels yet; `named` are all bodies that will get one.
     pub fn new(frame: &'a Frame, named: Vec<Obstacle>) -> Self {
         Self { frame, taken: Vec::new(), named }
     }
 
-    /// Upper left corner in pixels at which the label stands: the first of some places around what it names that is free; if
-    /// none is, the first that hides no other label. `None` where there is no room at all.
+    /// Upper left corner of the label in pixels, and its text: at the first free one of some places around its body, else at the
+    /// first that covers no other label. `None` if there is no room.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.frame.contains(label.at) {
             return None;
@@ -83,7 +83,7 @@ impl<'a> Labels<'a> {
     }
 }
 
-/// Pixels around the place of a label that it leaves free.
+/// Radius around the point of a label that it leaves free, in pixels.
 fn radius(label: &Label, frame: &Frame) -> f64 {
     (label.clearance * frame.scale()).max(label.least)
 }
@@ -110,7 +110,7 @@ mod tests {
         for (index, one) in labels.taken.iter().enumerate() {
             assert!(labels.taken[..index].iter().all(|other| !other.overlaps(one)));
         }
-        // Those that have the choice stand clear of the bodies.
+        // Labels placed while there is room keep clear of the bodies.
         let first = labels.taken[0];
         assert!(named[1..].iter().all(|body| !body.overlaps(&first)));
     }

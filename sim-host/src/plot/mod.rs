@@ -1,8 +1,8 @@
 //! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`); and charts of figures
 //! (`eyesim accuracy --plots`).
 //!
-//! `scene` and `run` say what is seen, as a [`Drawing`] in metres; `render` makes a picture of it. Nothing here changes
-//! what is simulated, and nothing depends on fonts or libraries of the machine.
+//! `scene` and `run` describe a picture as a [`Drawing`] in metres; `render` renders it. Nothing here changes the simulation or
+//! depends on fonts or libraries of the machine.
 
 mod canvas;
 pub mod chart;
@@ -28,21 +28,21 @@ pub use drawing::Drawing;
 pub use run::{RunObject, RunPicture, RunRobot, draw_run};
 pub use scene::{draw_object_type, draw_robi, draw_scene};
 
-/// Why there is no picture.
+/// Error when making a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The file's name does not say which kind of picture it is.
+    /// The file's extension is no known kind of picture.
     #[error("`{0}` is no kind of picture: expected a name that ends in .svg or .png")]
     Kind(String),
-    /// The drawing library refuses it.
+    /// Error of the drawing library.
     #[error("cannot draw the picture: {0}")]
     Draw(String),
-    /// The operating system refuses to write it.
+    /// Error of the operating system when writing.
     #[error("cannot write the picture `{}`: {source}", path.display())]
     Write {
         /// The file as the user named it.
         path: PathBuf,
-        /// The system's own words.
+        /// The system's error.
         source: std::io::Error,
     },
 }
@@ -57,10 +57,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind that a file's name ends in; a device gets SVG, which is text.
+    /// Kind of the extension of a file's name; a device gets SVG, which is text.
     ///
     /// # Errors
-    /// [`PlotError::Kind`] for another ending, or none.
+    /// [`PlotError::Kind`] for another extension, or none.
     pub fn of(path: &Path) -> Result<Self, PlotError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match extension.as_str() {
@@ -71,10 +71,10 @@ impl Kind {
         }
     }
 
-    /// The bytes of a picture of this kind: `size` pixels in all, or of a size that suits it.
+    /// Renders a picture of this kind, of `size` pixels in all or of a suitable size.
     ///
     /// # Errors
-    /// [`PlotError::Draw`] if the drawing library refuses it.
+    /// [`PlotError::Draw`] if the drawing library fails.
     pub fn render(self, drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
         match self {
             Self::Svg => render::to_svg(drawing, size).map(String::into_bytes),
@@ -83,7 +83,7 @@ impl Kind {
     }
 }
 
-/// Writes a picture to `path`, as a whole or not at all; its name says of which kind. `size` in pixels as for
+/// Writes a picture to `path`, completely or not at all, in the kind of its extension. `size` in pixels as for
 /// [`Kind::render`].
 ///
 /// # Errors

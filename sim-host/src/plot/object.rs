@@ -1,4 +1,4 @@
-//! Passive objects from above: the outline of the mesh, the shapes that are touched.
+//! Passive objects from above: outline of the mesh, and colliders.
 
 use glam::{DVec2, DVec3};
 use plotters::style::RGBColor;
@@ -10,12 +10,12 @@ use sim_core::spec::{Axis, Collider, ObjectType};
 use super::colour::{INK, OBJECT, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};
 
-/// Corners of a half circle's outline.
+/// Segments of a half circle's outline.
 const ARC: u32 = 12;
 
-/// The outline of what touches.
+/// Outline of a collider.
 pub const COLLIDER: Line = Line::solid(INK, 1.0);
-/// The outline of a mesh.
+/// Outline of a mesh.
 pub const MESH: Line = Line::solid(SHADE, 1.0);
 
 /// Draws an object of this type at `pose`, with its mesh if there is one.
@@ -48,7 +48,7 @@ pub fn draw_mesh(drawing: &mut Drawing, mesh: &Mesh, pose: &Pose, fill: Paint) {
     drawing.explain(Symbol::Square(Some(fill), MESH), "outline of a mesh");
 }
 
-/// A part of a body from above.
+/// A collider from above.
 pub fn collider_shape(collider: &Collider, pose: &Pose, fill: Paint, line: Line) -> Shape {
     let form = match *collider {
         Collider::Sphere { centre, radius }
@@ -63,7 +63,7 @@ pub fn collider_shape(collider: &Collider, pose: &Pose, fill: Paint, line: Line)
     Shape::filled(form, fill).with_line(line)
 }
 
-/// Corners of the outline of a part of a body from above, in the body's frame; round outlines are inscribed polygons.
+/// Corners of a collider's outline from above, in the body's frame; round outlines are inscribed polygons.
 pub fn footprint(collider: &Collider) -> Vec<DVec2> {
     let half_circle = |centre: DVec2, radius: f64, from: f64| {
         (0..=ARC).map(move |step| {
@@ -93,7 +93,7 @@ pub fn footprint(collider: &Collider) -> Vec<DVec2> {
     }
 }
 
-/// The corners of the smallest convex area with all `points`, counter-clockwise.
+/// Corners of the convex hull of `points`, counter-clockwise.
 pub fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();

@@ -1,4 +1,4 @@
-//! From a drawing to a picture: axes, shapes, labels, legend, as SVG text or PNG bytes.
+//! Renders a drawing as SVG text or PNG bytes: axes, shapes, labels, legend.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ use super::drawing::{Backdrop, Drawing, Form, Line, Paint, Shape, Symbol};
 use super::frame::{Frame, LEFT, LEGEND, RIGHT, TOP, metres, round_step};
 use super::label::{Labels, Obstacle};
 
-/// Units a pixel: a quarter of a pixel is fine enough for the eye.
+/// Units per pixel: a quarter of a pixel is fine enough for the eye.
 const UNIT: i32 = 4;
 /// Pictures of more pixels than this are drawn half as finely, to save memory.
 const MANY_PIXELS: u64 = 4_000_000;
@@ -34,10 +34,10 @@ const BAR: f64 = 60.0;
 const TEXT_PAINT: Paint = Paint::solid(INK);
 const AXIS: Line = Line::solid(INK, 1.0);
 
-/// The picture as SVG text; `size` in pixels as for [`super::Picture`].
+/// The picture as SVG text; `size` in pixels as for [`super::Kind::render`].
 ///
 /// # Errors
-/// [`PlotError::Draw`] if the drawing library refuses it.
+/// [`PlotError::Draw`] if the drawing library fails.
 pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, PlotError> {
     let (low, high) = drawing.extent();
     let frame = Frame::around(low, high, size);
@@ -62,7 +62,7 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
 /// The picture as the bytes of a PNG file.
 ///
 /// # Errors
-/// [`PlotError::Draw`] if the drawing library refuses it.
+/// [`PlotError::Draw`] if the drawing library fails.
 pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
     let (low, high) = drawing.extent();
     let frame = Frame::around(low, high, size);
@@ -77,7 +77,7 @@ pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, Pl
     png(width, height, mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
 }
 
-/// An image of one pixel for each square of `side` times `side` pixels: their mean. Smooths all edges.
+/// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. Smooths all edges.
 fn mean_of_blocks(pixels: &[u8], width: usize, side: usize) -> Vec<u8> {
     let mut means = Vec::with_capacity(pixels.len() / (side * side));
     let mut sums = vec![0u32; 3 * (width / side)];
@@ -126,7 +126,7 @@ fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
     Ok(element)
 }
 
-/// Upper left and lower right corner in pixels.
+/// Upper left and lower right corner of the backdrop, in pixels.
 fn corners_of(backdrop: &Backdrop, frame: &Frame) -> (DVec2, DVec2) {
     let [low, high] = backdrop.corners.map(|corner| frame.place(corner));
     (low.min(high), low.max(high))
@@ -158,7 +158,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         self.canvas.finish()
     }
 
-    /// Grid, ticks and their numbers, what the axes mean.
+    /// Draws the grid, the ticks with their numbers, and the names of the axes.
     fn axes(&mut self) -> Result<(), PlotError> {
         let (low, high) = self.frame.corners();
         let step = round_step(TICKS / self.frame.scale());
@@ -185,7 +185,7 @@ impl<B: Surface> Painter<'_, '_, B> {
     }
 
     fn shapes(&mut self, shapes: &[Shape]) -> Result<(), PlotError> {
-        // Crosses of which one covers the other.
+        // Pixels that have a cross already: coinciding crosses are drawn once.
         let mut crosses = BTreeSet::new();
         for shape in shapes {
             if shape.detail * self.frame.scale() < LEAST_DETAIL {
@@ -245,7 +245,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         points.iter().map(|point| self.frame.place(*point)).collect()
     }
 
-    /// An arrow of 20 pixels from `at` along `way`, a direction of the world.
+    /// Draws an arrow of 20 pixels from `at` along `way`, a direction in the world frame.
     fn arrow(&mut self, at: DVec2, way: DVec2, line: Line) -> Result<(), PlotError> {
         let ahead = DVec2::new(way.x, -way.y);
         let tip = at + 20.0 * ahead;
@@ -266,7 +266,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         let mut labels = Labels::new(self.frame, obstacles.collect());
         for label in &drawing.labels {
             let Some((corner, text)) = labels.place(label) else { continue };
-            // A veil keeps the words apart from the lines below them.
+            // A veil separates the text from the lines below it.
             let (width, height) = (text_width(&text, TEXT), TEXT + 2.0);
             let veil = Paint::veil(PAPER, 0.7);
             self.canvas.rectangle(corner, corner + DVec2::new(width, height), veil)?;
@@ -276,7 +276,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         Ok(())
     }
 
-    /// The scale bar, and what the signs mean as far as there is room.
+    /// Draws the scale bar, and as many lines of the legend as there is room for.
     fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
         let (width, height) = self.frame.whole();
         let left = f64::from(width) - LEGEND;
@@ -341,7 +341,7 @@ fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |number| number as f64 * step)
 }
 
-/// `words` cut to `width` pixels, the cut marked.
+/// Cuts `words` to `width` pixels, and marks the cut.
 pub fn shortened(words: &str, height: f64, width: f64) -> String {
     if text_width(words, height) <= width {
         return words.to_owned();

@@ -1,4 +1,4 @@
-//! Robots from above: body, heading, wheels, sensors with what they reach.
+//! Robots from above: body, heading, wheels, sensors with their ranges.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +15,7 @@ use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, RANGE, WHEEL};
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::object::{collider_shape, draw_mesh, footprint};
 
-/// Least radius of the mark of a robot, pixels.
+/// Least radius of a robot's body, in pixels.
 const MARK: f64 = 4.0;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
@@ -27,12 +27,12 @@ const CAMERA_LINE: Line = Line::solid(CAMERA, 1.0);
 const CAMERA_FILL: Paint = Paint::veil(CAMERA, 0.2);
 const LIDAR_LINE: Line = Line::solid(LIDAR, 1.25);
 
-/// How a robot is drawn.
+/// Appearance of a robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Looks<'a> {
     /// Colour of its body.
     pub colour: RGBColor,
-    /// Its mesh, where it is to be shown.
+    /// Its mesh, if it is to be shown.
     pub mesh: Option<&'a Mesh>,
 }
 
@@ -55,14 +55,14 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, looks: &Lo
     draw_heading(drawing, pose, radius);
 }
 
-/// Draws where a robot looks: a line from its middle to its edge.
+/// Draws the heading of a robot: a line from its centre to its edge.
 pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
     let needle = Form::Needle { pose: *pose, length: radius, least: MARK };
     drawing.push(Shape::outlined(needle, Line::solid(INK, 1.25)));
 }
 
 fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
-    // A wheel's width is nowhere said; a fifth of its diameter looks like one.
+    // The width of a wheel is specified nowhere; a fifth of its diameter looks right.
     let half = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
     for wheel in build::wheel_places(robi) {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -72,7 +72,7 @@ fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     }
 }
 
-/// Draws what lies on the body: bumpers, and where beams begin.
+/// Draws bumpers and the origins of beams, on top of the body.
 pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     for bumper in &robi.bumpers {
         let arc = arc(pose, DVec2::ZERO, 0.5 * robi.diameter, bumper.from, bumper.to);
@@ -87,7 +87,7 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     }
 }
 
-/// Draws what all sensors reach, below the bodies; beams end at `walls`.
+/// Draws the ranges of all sensors, below the bodies; beams end at `walls`.
 pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: &Walls) {
     draw_camera(drawing, robi, pose);
     let reach = |origin: DVec2, direction: DVec2, range: f64| {
@@ -111,7 +111,7 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     }
     let radius = 0.5 * robi.diameter;
     if let Some(lidar) = &robi.lidar {
-        // All of its range would hide the others: short rays around its place, over what it scans.
+        // Its full range would hide the other sensors: short rays around its position, over its sweep.
         let place = pose.transform_point(scanner_place(robi, lidar).position.truncate());
         let steps = (36.0 * lidar.sweep / TAU).ceil().max(1.0) as u32;
         let middle = scanner_place(robi, lidar).forward();
@@ -149,18 +149,18 @@ fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
     }
 }
 
-/// A range sensor from above, its servos in the middle.
+/// Range sensor from above, with its servos centred.
 struct Sight<'r> {
     name: &'r str,
-    /// Its place in the robot's frame.
+    /// Position in the robot's frame.
     at: DVec2,
-    /// Its line of sight there; not a unit vector where it looks up or down.
+    /// Line of sight in the robot's frame, projected on the floor; shorter than a unit vector if it points up or down.
     way: DVec2,
-    /// How far along the floor it reaches.
+    /// Range along the floor.
     reach: f64,
-    /// Its greatest distance.
+    /// Range along the line of sight.
     range: f64,
-    /// Half of the angle of a beam.
+    /// Half angle of a sonar's beam.
     half_angle: Option<f64>,
     model: RangeModel,
 }
@@ -175,7 +175,7 @@ impl Sight<'_> {
     }
 }
 
-/// The range sensors as a robot holds them whose servos stand in the middle.
+/// Range sensors of a robot whose servos are centred.
 fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
     let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
     let sensors = build::range_sensors(robi);
@@ -193,7 +193,7 @@ fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
     names.map(String::as_str).zip(&sensors).map(sight).collect()
 }
 
-/// Where what sits at `mount` on a link, or on the body, is in the robot's frame, the servos in the middle.
+/// Pose in the robot's frame of a device at `mount` on a link, or on the body, with the servos centred.
 fn frame_of(robi: &RobiSpec, mount: &Pose3, link: Option<usize>) -> Pose3 {
     let servos = robi.all_servos().into_iter().map(|servo| 0.5 * (servo.swing[0] + servo.swing[1]));
     let joints = build::legs(robi).map_or_else(Vec::new, |legs| legs.standing_joints());
@@ -202,7 +202,7 @@ fn frame_of(robi: &RobiSpec, mount: &Pose3, link: Option<usize>) -> Pose3 {
     Posture { links: &links, angles: &angles, ..Posture::default() }.world_from(mount, link)
 }
 
-/// Where a laser scanner sits and looks in the robot's frame.
+/// Pose of a laser scanner in the robot's frame.
 fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
     let (mount, link) = build::scanner_mount(robi, lidar);
     frame_of(robi, &mount, link)
@@ -221,7 +221,7 @@ fn draw_cone(drawing: &mut Drawing, sight: &Sight<'_>, half: f64, pose: &Pose, w
     drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(sight.reach));
 }
 
-/// The field of view from the camera's place; where a servo pans, the arc of its range as well.
+/// Draws the field of view of the camera and, if a servo pans it, the arc of the servo's range.
 fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let Some(camera) = &robi.camera else { return };
     let (pan, range) = match camera.pan {
@@ -251,14 +251,14 @@ fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2
     (0..=steps).map(point).collect()
 }
 
-/// Labels each device of a robot that is drawn alone, with its name and what it reaches.
+/// Labels each device of a robot that is drawn alone, with its name and range.
 pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let mut label = |text: String, place: DVec2, way: DVec2| {
         let at = pose.transform_point(place);
         drawing.labels.push(Label { text, at, clearance: 0.0, least: 4.0, direction: pose.transform_vector(way) });
     };
     let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
-    // Beside the body, where the beam leaves it: sensors themselves stand close together.
+    // At the edge of the body, where the beam leaves it: the sensors themselves are close together.
     let edge = |position: DVec2, way: DVec2, range: f64| {
         let (along, radius) = (position.dot(way), 0.5 * robi.diameter);
         let beyond = along * along + radius * radius - position.length_squared();
@@ -287,7 +287,7 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     }
 }
 
-/// Millimetres without noughts behind.
+/// Metres rounded to a millimetre.
 fn rounded(metres: f64) -> f64 {
     (metres * 1000.0).round() / 1000.0
 }

@@ -1,4 +1,4 @@
-//! The picture of a finished run: the world with the robots' trails.
+//! Picture of a finished run: the world with the trails of robots and objects.
 
 use std::sync::Arc;
 
@@ -20,11 +20,11 @@ pub struct RunRobot {
     pub id: u32,
     /// Its type.
     pub robi: Arc<RobiSpec>,
-    /// Where it started.
+    /// Pose at the start.
     pub start: Pose,
-    /// Where it ended.
+    /// Pose at the end.
     pub end: Pose,
-    /// Where it has been: a line for each time that it was put elsewhere, and the first.
+    /// Its path: one line from the start, and one from each pose at which it was placed.
     pub trails: Vec<Vec<DVec2>>,
 }
 
@@ -33,11 +33,11 @@ pub struct RunRobot {
 pub struct RunObject {
     /// Its type.
     pub kind: Arc<ObjectType>,
-    /// Where it stood at the start.
+    /// Pose at the start.
     pub start: Pose,
-    /// Where it came to.
+    /// Pose at the end.
     pub end: Pose,
-    /// Where it has been, in lines as those of a robot; empty for what does not move.
+    /// Its path, in lines as that of a robot; empty for an object that does not move.
     pub trails: Vec<Vec<DVec2>>,
 }
 
@@ -54,11 +54,11 @@ pub struct RunPicture<'a> {
     pub robots: &'a [RunRobot],
     /// The objects.
     pub objects: &'a [RunObject],
-    /// Where bodies touched.
+    /// Points of contact between bodies.
     pub contacts: &'a [DVec2],
 }
 
-/// Draws the world, where robots and objects went, and where bodies touched. Images and meshes are not read for it.
+/// Draws the world, the paths of robots and objects, and the contacts. Reads no images and meshes.
 pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     let RunPicture { robots, contacts, .. } = run;
     let mut drawing = Drawing::new(run.title);
@@ -102,7 +102,7 @@ fn draw_trails(drawing: &mut Drawing, trails: &[Vec<DVec2>], line: Line) {
     }
 }
 
-/// Objects where they came to, and the outlines of those that moved where they had been.
+/// Draws objects at their last poses, and the outlines of moved objects at their first poses.
 fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
     let line = Line::solid(SHADE, 1.0);
     for object in objects.iter().filter(|object| object.start != object.end) {

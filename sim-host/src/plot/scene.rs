@@ -16,18 +16,18 @@ use super::frame::metres;
 use super::robot::{Looks, draw_body, draw_fittings, draw_sensors, label_sensors};
 use super::{colour, ground, object};
 
-/// With more robots than this, labels beside them would hide the picture.
+/// Most robots that get labels: more labels would hide the picture.
 pub const MAX_LABELS: usize = 100;
-/// With more robots than this, their sensors would.
+/// Most robots whose sensors are drawn: more sensors would hide the picture.
 const MAX_SENSING: usize = 30;
 
-/// The world with its robots at their starts, objects and markers.
+/// Draws the world with robots at their starts, objects and markers.
 pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
     let mut drawing = Drawing::new(title(scene));
     ground::draw_world(&mut drawing, world, looks.floor(world));
     ground::draw_markers(&mut drawing, &scene.markers);
-    // An arrow says no more than the robot that stands there.
+    // An arrow adds nothing to a robot at the same place.
     let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
     ground::draw_starts(&mut drawing, world.starts.iter().filter(|start| !is_taken(&start.pose)));
     let mut meshes = BTreeMap::new();
@@ -52,7 +52,7 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
         }
     }
     for (index, robot) in scene.robots.iter().enumerate() {
-        // Folders leave no room for the name.
+        // Folders would leave no room for the name.
         let program = path::file_name(robot.program_name());
         let words = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
         let program = words.collect::<Vec<_>>().join(" ");
@@ -62,7 +62,7 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
     drawing
 }
 
-/// The file's name, and how large the world is.
+/// File name, size of the floor and number of walls.
 fn title(scene: &SceneSpec) -> String {
     let name = scene.file.rsplit('/').next().unwrap_or_default();
     let DVec2 { x, y } = scene.world.floor;
@@ -76,26 +76,26 @@ fn title(scene: &SceneSpec) -> String {
     if facts.is_empty() { name.to_owned() } else { format!("{name}: {}", facts.join(", ")) }
 }
 
-/// The number of a robot, in front of it.
+/// Label with the number of a robot, in front of it.
 pub fn robot_label(id: u32, robi: &RobiSpec, pose: &Pose) -> Label {
     let direction = pose.heading.direction();
     Label { text: format!("r{id}"), at: pose.position, clearance: 0.5 * robi.diameter, least: 4.0, direction }
 }
 
-/// The sign of the robot at `index` of the list.
+/// Legend symbol of the robot at `index` of the list.
 pub fn body_symbol(index: usize) -> Symbol {
     let colour = colour::robot(index);
     Symbol::Disc(Some(Paint::veil(colour, 0.35)), Line::solid(colour, 1.5))
 }
 
-/// A robot type, looking to the right, with its sensors and their names.
+/// Draws a robot type, facing right, with its sensors and their names.
 pub fn draw_robi(robi: &RobiSpec, looks: &mut MeshReader<'_>) -> Drawing {
     let name = robi.file.rsplit('/').next().unwrap_or_default();
     let title = format!("{name}: {}, {} mm across", robi.name, (robi.diameter * 1000.0).round());
     let mut drawing = Drawing::new(title);
     let pose = Pose::new(0.0, 0.0, 0.0);
     let mesh = looks.robot(robi);
-    // Beams lead out of the picture; their lengths stand beside them.
+    // Beams leave the picture; their lengths are written beside them.
     drawing.include_around(DVec2::ZERO, 1.1 * robi.diameter);
     draw_sensors(&mut drawing, robi, &pose, &Walls::new(Vec::new()));
     draw_body(&mut drawing, robi, &pose, &Looks { colour: colour::robot(0), mesh: mesh.as_deref() });
@@ -105,7 +105,7 @@ pub fn draw_robi(robi: &RobiSpec, looks: &mut MeshReader<'_>) -> Drawing {
     drawing
 }
 
-/// An object type, looking to the right.
+/// Draws an object type, facing right.
 pub fn draw_object_type(kind: &ObjectType, looks: &mut MeshReader<'_>) -> Drawing {
     let name = kind.file.rsplit('/').next().unwrap_or_default();
     let mut drawing = Drawing::new(format!("{name}: {}", kind.name));

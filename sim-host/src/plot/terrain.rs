@@ -9,15 +9,15 @@ use super::colour::SHADE;
 use super::drawing::{Backdrop, Drawing, Line, Symbol};
 use super::frame::metres;
 
-/// Pixels of the longer side of its image.
+/// Longer side of the image, in pixels.
 const PIXELS: f64 = 900.0;
-/// Contours of the ground, about.
+/// Approximate greatest number of contours.
 const CONTOURS: f64 = 8.0;
-/// Towards the light: from the upper left, as on relief maps.
+/// Direction towards the light: from the upper left, as on relief maps.
 const LIGHT: DVec3 = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
-/// Share of the light that comes from everywhere.
+/// Share of ambient light.
 const AMBIENT: f64 = 0.45;
-/// How much darker a contour is than the ground.
+/// Brightness of a contour relative to the ground.
 const DARKER: f64 = 0.72;
 
 /// Draws the ground below everything else.
@@ -35,7 +35,7 @@ pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
     }
 }
 
-/// From one contour to the next: 1, 2 or 5 times a power of ten, in metres; none on level ground.
+/// Height between two contours: 1, 2 or 5 times a power of ten, in metres; none on level ground.
 fn contour_step(range: f64) -> Option<f64> {
     let steps = (-3..4).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10.0_f64.powi(power)));
     steps.into_iter().find(|step| range / step <= CONTOURS).filter(|_| range > 1e-6)

@@ -1,4 +1,4 @@
-//! Pictures are looked at as SVG text and as pixels: what must be there, where, and to scale.
+//! Tests of pictures as SVG text and as pixels: contents, positions and scale.
 
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ fn up_in_the_world_is_up_in_the_picture() {
     let up = svg(&picture("", &square(2.0), std::slice::from_ref(&robot), &[]));
     let trail = points(elements(&up, "polyline", "#0072B2")[0]);
     assert!(trail[1].1 < trail[0].1 && trail[1].0 == trail[0].0, "{trail:?}");
-    // A trail out of the world is in the picture all the same.
+    // A trail that leaves the world is still in the picture.
     robot.trails[0].push(DVec2::new(-7.0, 9.0));
     let wide = picture("", &square(2.0), &[robot], &[]);
     assert_eq!(wide.extent(), (DVec2::new(-7.0, 0.0), DVec2::new(2.0, 9.0)));

@@ -1,4 +1,4 @@
-//! Builds what was found: C and C++ sources through the cache, Cargo packages through cargo.
+//! Builds programs: C and C++ sources through the cache, Cargo packages with cargo.
 
 use std::fs;
 use std::io;
@@ -16,10 +16,10 @@ use super::python::{Python, PythonError};
 use super::words::{WordsError, split_words};
 use crate::files::read_regular;
 
-/// Changes when the layout of the cache changes.
+/// Version of the cache's layout; part of every key.
 const CACHE_VERSION: u32 = 2;
 
-/// Variables that change what a compiler does.
+/// Environment variables that change the output of a compiler.
 const ENVIRONMENT: [&str; 7] = [
     "CPATH",
     "C_INCLUDE_PATH",
@@ -30,18 +30,18 @@ const ENVIRONMENT: [&str; 7] = [
     "SOURCE_DATE_EPOCH",
 ];
 
-/// What the user's environment says of the tools.
+/// Tools named by the user's environment.
 #[derive(Clone, Debug, Default)]
 pub struct Tools {
     /// `$CC`: the C compiler, with arguments if any.
     pub cc: Option<String>,
     /// `$CXX`: the C++ compiler, with arguments if any.
     pub cxx: Option<String>,
-    /// `$EYESIM_CFLAGS`: flags of the compilation, behind all others.
+    /// `$EYESIM_CFLAGS`: flags of the compilation, after all others.
     pub cflags: Option<String>,
-    /// `$CARGO`: cargo, else `cargo` on the search path.
+    /// `$CARGO`: the cargo command; if unset, `cargo` on the search path.
     pub cargo: Option<PathBuf>,
-    /// `$PYTHON`: the interpreter of Python programs, else `python3` on the search path.
+    /// `$PYTHON`: the interpreter of Python programs; if unset, `python3` on the search path.
     pub python: Option<PathBuf>,
 }
 
@@ -64,15 +64,15 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Built {
-    /// The shared library; a Python program itself, which needs no building.
+    /// The shared library, or the file of a Python program, which needs no building.
     pub library: PathBuf,
-    /// What it was made from.
+    /// Source of the program.
     pub source: ProgramSource,
-    /// What the compiler said: warnings. Also when it was built earlier.
+    /// Warnings of the compiler, also if the program was built earlier.
     pub output: String,
-    /// Whether a compiler ran now; `false` if the library was there and nothing has changed.
+    /// A compiler ran now; false if the existing library was up to date.
     pub compiled: bool,
-    /// The generation of RoBIOS that sources were compiled for, and why.
+    /// The generation of RoBIOS for which sources were compiled, with the reason.
     pub choice: Option<Choice>,
 }
 
@@ -85,10 +85,10 @@ pub enum BuildError {
     /// The sources call functions of two generations.
     #[error(transparent)]
     Generation(#[from] GenerationError),
-    /// The sources do not become a program.
+    /// The sources cannot be compiled or linked.
     #[error(transparent)]
     Compile(#[from] CompileError),
-    /// A Cargo package that does not become a program.
+    /// A Cargo package cannot be built into a program.
     #[error(transparent)]
     Cargo(#[from] CargoError),
     /// `$EYESIM_CFLAGS` cannot be split into words.
@@ -102,7 +102,7 @@ pub enum BuildError {
         /// Why.
         error: io::Error,
     },
-    /// There is no Python to run a program in Python.
+    /// There is no Python interpreter for a Python program.
     #[error(transparent)]
     Python(#[from] PythonError),
     /// The cache cannot be read or written.
@@ -115,16 +115,16 @@ pub enum BuildError {
     },
 }
 
-/// Somebody who wants to know what is being compiled, since that takes time. Called from the threads that build.
+/// Observer of compilations, which take time. Called from the threads that build.
 pub trait Watch: std::fmt::Debug + Send + Sync {
-    /// A compiler, or cargo, begins to work on `source`.
+    /// A compiler, or cargo, starts to work on `source`.
     fn begins(&self, source: &ProgramSource);
 
-    /// It has ended, with whatever result.
+    /// The compiler has ended, successfully or not.
     fn ends(&self, source: &ProgramSource);
 }
 
-/// Builds programs. One for a run: it finds the compiler once.
+/// Builds the programs of a run; each compiler is searched only once.
 #[derive(Debug)]
 pub struct Builder {
     cache: Cache,
@@ -132,26 +132,26 @@ pub struct Builder {
     tools: Tools,
     /// The compilers of [`Language::ALL`].
     compilers: [OnceLock<Compiler>; 2],
-    /// Held while a compiler is looked for, so that only one thread does.
+    /// Locked while a compiler is searched, so that only one thread does so.
     looking: Mutex<()>,
     watch: Option<Box<dyn Watch>>,
 }
 
 impl Builder {
-    /// A builder that keeps what it builds in `cache` and gives C and C++ programs the headers and the shim of `kits`.
+    /// Creates a builder that stores its results in `cache` and gives C and C++ programs the headers and the shim of `kits`.
     pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
         Self { cache, kits, tools, compilers: Default::default(), looking: Mutex::new(()), watch: None }
     }
 
-    /// The same builder with somebody who watches.
+    /// Sets the observer.
     pub fn watched_by(self, watch: Box<dyn Watch>) -> Self {
         Self { watch: Some(watch), ..self }
     }
 
-    /// Makes a library of `source`, or takes the one that is there if nothing has changed since.
+    /// Builds a library from `source`, or returns the existing one if it is up to date.
     ///
     /// # Errors
-    /// [`BuildError`], with the compiler's own messages where it is the compiler that refuses.
+    /// [`BuildError`], with the compiler's own messages if the compiler refuses a source.
     pub fn build(&self, source: &ProgramSource) -> Result<Built, BuildError> {
         match source {
             ProgramSource::Library(library) | ProgramSource::Python(library) => {
@@ -173,7 +173,7 @@ impl Builder {
         }
     }
 
-    /// What runs Python programs.
+    /// The interpreter of Python programs.
     ///
     /// # Errors
     /// [`BuildError::Python`].
@@ -181,7 +181,7 @@ impl Builder {
         Ok(Python::find(self.tools.python.as_deref(), &self.cache)?)
     }
 
-    /// Builds each of `sources` once, on as many threads as there are processors; the results are in their order.
+    /// Builds each of `sources` once, on as many threads as there are processors; the results are in the order of `sources`.
     pub fn build_all(&self, sources: &[ProgramSource]) -> Vec<Result<Built, BuildError>> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(sources.len());
         if threads < 2 {
@@ -204,9 +204,9 @@ impl Builder {
         results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 
-    /// Compiles `sources` to the file `out` without the cache, with `flags` behind all others.
+    /// Compiles `sources` to the file `out` without the cache, with `flags` after all others.
     ///
-    /// Gives the generation, the commands run, one a line, and the compiler's warnings.
+    /// Returns the choice of the generation, the commands run, one a line, and the compiler's warnings.
     ///
     /// # Errors
     /// [`BuildError`].
@@ -244,7 +244,7 @@ impl Builder {
             compiled,
             choice: Some(choice.clone()),
         };
-        // A source that is saved while the compiler reads it is compiled again: the key must tell what was read.
+        // If a source is saved while the compiler reads it, it is compiled again: the key must match the contents read.
         let mut attempts = 0;
         loop {
             attempts += 1;
@@ -299,7 +299,7 @@ impl Builder {
         Ok(compilation.run()?)
     }
 
-    /// Does `work` on `source` while whoever watches knows of it.
+    /// Runs `work` on `source`, reported to the observer.
     fn watched<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
         self.watch.iter().for_each(|watch| watch.begins(source));
         let result = work();
@@ -329,7 +329,7 @@ impl Builder {
         Ok(self.tools.cflags.as_deref().map(split_words).transpose()?.unwrap_or_default())
     }
 
-    /// The files of `kit`, written into the cache: a place that stays, for debuggers and editors.
+    /// The files of `kit`, written into the cache: a permanent folder, for debuggers and editors.
     fn kit_folder(&self, kit: &ShimKit) -> io::Result<PathBuf> {
         let folder = self.cache.folder("kits")?.join(kit.digest());
         let headers = kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
@@ -343,7 +343,7 @@ impl Builder {
         Ok(folder)
     }
 
-    /// Digest of all that decides what is built, except the contents of the headers included.
+    /// Digest of everything that determines the built program, except the contents of the headers included.
     fn sources_key(
         &self,
         sources: &[PathBuf],
@@ -372,7 +372,7 @@ impl Builder {
         for source in sources {
             add(source.as_os_str().as_encoded_bytes());
             add(&read_regular(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
-            // A header that is new beside a source may hide one that was included from elsewhere.
+            // A new header beside a source may take precedence over one that was included from elsewhere.
             for header in headers_beside(source) {
                 add(header.as_os_str().as_encoded_bytes());
             }
@@ -385,7 +385,7 @@ impl Builder {
     }
 }
 
-/// What `build` gives for the choice or, where that is a guess and the sources do not become a program, for the other generation.
+/// Result of `build` for the choice or, if that is a guess and the sources do not compile, for the other generation.
 fn or_for_the_other<T>(choice: Choice, build: impl Fn(&Choice) -> Result<T, BuildError>) -> Result<T, BuildError> {
     match build(&choice) {
         Err(BuildError::Compile(error)) if choice.is_guess() => {
@@ -395,7 +395,7 @@ fn or_for_the_other<T>(choice: Choice, build: impl Fn(&Choice) -> Result<T, Buil
     }
 }
 
-/// Puts a copy of `from` at `to` in one step: a process that has loaded the old one keeps it.
+/// Replaces `to` by a copy of `from` atomically: a process that has loaded the old file keeps it.
 fn replace_file(from: &Path, to: &Path) -> io::Result<()> {
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let copy = tempfile::NamedTempFile::new_in(folder)?;
@@ -421,7 +421,7 @@ fn is_header(path: &Path) -> bool {
     ["h", "hh", "hpp", "hxx", "inc"].contains(&extension)
 }
 
-/// Digest of the sources' key and of the contents of every file that `note` lists, one a line; `None` if one is gone.
+/// Digest of the sources' key and of the contents of every file that `note` lists, one a line; `None` if a file no longer exists.
 fn program_key(sources_key: &str, note: &str) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(sources_key.as_bytes());

@@ -1,7 +1,7 @@
-//! The folder in which built programs are kept, shared by concurrent runs.
+//! Cache folder of built programs, shared by concurrent runs.
 //!
-//! An entry is a folder that appears whole, by one rename, and is checked against its own digest when it is used: one
-//! that is broken or half written is built anew. Entries that nobody used for [`KEEP`] are removed.
+//! An entry is a folder that is put in place by one atomic rename, and is checked against its own digest when it is used: a broken
+//! entry is built again. Entries that were not used for [`KEEP`] are removed.
 
 use std::fs;
 use std::io;
@@ -10,10 +10,10 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-/// How long an entry stays after its last use.
+/// Time that an entry is kept after its last use.
 pub const KEEP: Duration = Duration::from_secs(60 * 24 * 3600);
 
-/// How long a folder of a build stays that never ended.
+/// Time that the folder of an unfinished build is kept.
 const KEEP_UNFINISHED: Duration = Duration::from_secs(24 * 3600);
 
 const LIBRARY: &str = "program.so";
@@ -28,9 +28,9 @@ pub struct Cache {
 /// A built program in the cache.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// The shared library; the object file of a shim.
+    /// The shared library, or the object file of a shim.
     pub library: PathBuf,
-    /// What the compiler said when it was built (warnings), as it said it.
+    /// Output of the compiler (warnings), unchanged.
     pub output: String,
 }
 
@@ -41,21 +41,21 @@ struct Record {
 }
 
 impl Cache {
-    /// The cache in `root`, made if it is not there.
+    /// Opens the cache in `root`, and creates the folder if it does not exist.
     ///
     /// # Errors
-    /// If the folder cannot be made or written to.
+    /// The folder cannot be created or written to.
     pub fn open(root: &Path) -> io::Result<Self> {
         fs::create_dir_all(root)?;
         tempfile::Builder::new().prefix("tmp-").tempfile_in(root)?;
         Ok(Self { root: std::path::absolute(root)? })
     }
 
-    /// The cache of this user: `$EYESIM_CACHE`, else `$XDG_CACHE_HOME/eyesim`, else `~/.cache/eyesim`; where none of
-    /// them can be written to, a folder of the user's own under the temporary folder.
+    /// Opens the cache of this user: `$EYESIM_CACHE`, else `$XDG_CACHE_HOME/eyesim`, else `~/.cache/eyesim`; if these cannot be written
+    /// to, a private folder in the temporary folder.
     ///
     /// # Errors
-    /// If `$EYESIM_CACHE` is set and cannot be written to, or if none of the others can.
+    /// `$EYESIM_CACHE` is set and cannot be written to, or none of the others can.
     pub fn of_user() -> io::Result<Self> {
         let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         if let Some(root) = set("EYESIM_CACHE") {
@@ -63,7 +63,7 @@ impl Cache {
                 io::Error::new(error.kind(), format!("$EYESIM_CACHE `{}` cannot be used: {error}", root.display()))
             });
         }
-        // A relative $XDG_CACHE_HOME is to be ignored: XDG Base Directory Specification, 0.8.
+        // A relative $XDG_CACHE_HOME must be ignored: XDG Base Directory Specification, 0.8.
         let user =
             set("XDG_CACHE_HOME").filter(|root| root.is_absolute()).or_else(|| Some(set("HOME")?.join(".cache")));
         if let Some(cache) = user.and_then(|user| Self::open(&user.join("eyesim")).ok()) {
@@ -77,25 +77,25 @@ impl Cache {
         &self.root
     }
 
-    /// A new folder to build in, on the same file system as the entries, removed when dropped.
+    /// Creates a folder to build in, on the same file system as the entries; it is removed when dropped.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// The folder cannot be created.
     pub fn build_folder(&self) -> io::Result<tempfile::TempDir> {
         tempfile::Builder::new().prefix("tmp-").tempdir_in(&self.root)
     }
 
-    /// A folder of the cache for a purpose of its own, made if it is not there.
+    /// The subfolder `name` of the cache, created if it does not exist.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// The folder cannot be created.
     pub fn folder(&self, name: &str) -> io::Result<PathBuf> {
         let folder = self.root.join(name);
         fs::create_dir_all(&folder)?;
         Ok(folder)
     }
 
-    /// The entry of `key`, if it is there and whole. Marks it as used.
+    /// The entry of `key`, if it exists and is complete. Marks it as used.
     pub fn entry(&self, key: &str) -> Option<Entry> {
         let folder = self.entry_folder(key);
         let record: Record = serde_json::from_slice(&fs::read(folder.join(RECORD)).ok()?).ok()?;
@@ -108,12 +108,12 @@ impl Cache {
         Some(Entry { library, output: record.output })
     }
 
-    /// Takes the folder of a build, in which `library` is the file built, as the entry of `key`.
+    /// Stores the file `library`, built in the folder `build`, as the entry of `key`.
     ///
-    /// If another run was faster its entry stays.
+    /// If another run has stored that entry meanwhile, the other one is kept and returned.
     ///
     /// # Errors
-    /// If a file cannot be written or renamed.
+    /// A file cannot be written or renamed.
     pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<Entry> {
         let digest = blake3::hash(&fs::read(library)?).to_hex().to_string();
         let whole = self.build_folder()?;
@@ -123,7 +123,7 @@ impl Cache {
         build.close()?;
         let folder = self.entry_folder(key);
         fs::create_dir_all(folder.parent().unwrap_or(&self.root))?;
-        // Each turn, another run may put its entry there first, or take a broken one away.
+        // At each attempt another run may have stored its entry first, or removed a broken one.
         for _ in 0..8 {
             match fs::rename(whole.path(), &folder) {
                 Ok(()) => {
@@ -137,14 +137,14 @@ impl Cache {
             if let Some(entry) = self.entry(key) {
                 return Ok(entry);
             }
-            // What is there is broken.
+            // The stored entry is broken.
             let aside = self.build_folder()?;
             let _ = fs::rename(&folder, aside.path().join("broken"));
         }
         self.entry(key).ok_or_else(|| io::Error::other(format!("the entry `{}` stays broken", folder.display())))
     }
 
-    /// A small text kept beside the entries under `key`, such as the headers that a source included.
+    /// A small text stored beside the entries under `key`, such as the headers that a source included. Marks it as used.
     pub fn note(&self, key: &str) -> Option<String> {
         let path = self.note_path(key);
         let text = fs::read_to_string(&path).ok()?;
@@ -152,18 +152,18 @@ impl Cache {
         Some(text)
     }
 
-    /// Keeps `text` under `key`, in the place of an earlier one.
+    /// Stores `text` under `key`, in place of an earlier one.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// The file cannot be written.
     pub fn set_note(&self, key: &str, text: &str) -> io::Result<()> {
         self.write_atomically(&self.note_path(key), text.as_bytes())
     }
 
-    /// Writes `path` (inside the cache) so that no reader ever sees a part of it.
+    /// Writes `path` (inside the cache) atomically, so that no reader ever sees a part of it.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// The file cannot be written.
     pub fn write_atomically(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(path.parent().unwrap_or(&self.root))?;
         let mut file = tempfile::Builder::new().prefix("tmp-").tempfile_in(&self.root)?;
@@ -179,7 +179,7 @@ impl Cache {
         self.root.join("notes").join(key)
     }
 
-    /// Removes what has not been used for long. What cannot be removed stays: another run may be at it.
+    /// Removes files that were not used for long. Files that cannot be removed stay: another run may use them.
     fn sweep(&self) {
         let old = |path: &Path, keep: Duration| {
             let used = fs::metadata(path).and_then(|metadata| metadata.modified());
@@ -209,11 +209,11 @@ fn paths_in(folder: &Path) -> impl Iterator<Item = PathBuf> {
 }
 
 fn mark_used(path: &Path) {
-    // A cache on a read-only disk still serves; it is only not known which entries are used.
+    // A cache on a read-only disk still works; only the times of use are unknown.
     let _ = fs::File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// A folder under the temporary folder that is this user's and nobody else's: what lies in it is loaded and run.
+/// A folder in the temporary folder that only this user can write to: its files are loaded and run.
 fn private_temporary_folder() -> io::Result<PathBuf> {
     use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
     // SAFETY: geteuid reads a number of this process, takes no argument and cannot fail.

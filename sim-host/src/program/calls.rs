@@ -1,28 +1,28 @@
-//! Which functions a C or C++ source calls, told from its text: enough to know which header it needs, before there is one to
-//! compile it with.
+//! Scan of a C or C++ source for the functions and constants that it uses: enough to choose the header that it needs before it can be
+//! compiled with one.
 
 use std::collections::BTreeSet;
 
-/// What a text says of functions.
+/// Names found in a source.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Calls {
-    /// Names that stand before `(`, those of declarations included.
+    /// Names in front of `(`, those of declarations included.
     pub called: BTreeSet<String>,
-    /// Names of functions that it defines outside of classes and namespaces.
+    /// Names of functions that the source defines outside of classes and namespaces.
     pub defined: BTreeSet<String>,
-    /// Names of functions that it declares without defining them.
+    /// Names of functions that the source declares without defining them.
     pub declared: BTreeSet<String>,
-    /// Other names that it uses, such as those of constants, and does not define.
+    /// Other names that the source uses, such as those of constants, and does not define.
     pub used: BTreeSet<String>,
-    /// Names that it defines as macros, enumerators, variables or types.
+    /// Names that the source defines as macros, enumerators, variables or types.
     pub own: BTreeSet<String>,
-    /// Files that it includes with `"..."`.
+    /// Files that the source includes with `"..."`.
     pub includes: Vec<String>,
-    /// Whether it includes the next header of a name, as one does that wraps it.
+    /// The source contains `#include_next`, as a header that wraps another one does.
     pub is_wrapper: bool,
 }
 
-/// Reads `text`. Comments and literals are passed over, and macros are not expanded: what their definitions call counts.
+/// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions count.
 pub fn calls_of(text: &str) -> Calls {
     let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
     let tokens = tokens_of(text);
@@ -32,7 +32,7 @@ pub fn calls_of(text: &str) -> Calls {
     for (index, token) in tokens.iter().enumerate() {
         let before = index.checked_sub(1).map(|before| tokens[before]);
         match *token {
-            // What `extern "C"` encloses stands outside all the same: its literal is passed over.
+            // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
             Token::Mark('{') if before == Some(Token::Name("extern")) => {}
             Token::Mark('{') => depth += 1,
             Token::Mark('}') => {
@@ -42,7 +42,7 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Name("enum") => is_enum = true,
             Token::Name("include_next") => calls.is_wrapper = true,
             Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
-                // Functions of classes have names of their own.
+                // Functions inside classes do not define the unqualified name.
                 let is_definition = depth == 0 && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
                 let is_typed = before == Some(Token::Mark('*')) || is_type(before);
                 if depth == 0 && is_typed && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark(';')) {
@@ -71,7 +71,7 @@ pub fn calls_of(text: &str) -> Calls {
     calls
 }
 
-/// Whether a name behind this token is declared by it.
+/// Returns true if a name after this token is declared by it: the token may be a type.
 fn is_type(token: Option<Token<'_>>) -> bool {
     const NO_TYPES: [&str; 12] =
         ["return", "case", "else", "goto", "sizeof", "do", "ifdef", "ifndef", "undef", "if", "elif", "defined"];
@@ -90,7 +90,7 @@ fn included_file(line: &str) -> Option<&str> {
     rest.strip_prefix('"')?.split_once('"').map(|(name, _)| name)
 }
 
-/// The token behind the parentheses with which `tokens` begin.
+/// The token after the parentheses with which `tokens` begin.
 fn behind_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
     let mut depth = 0_usize;
     for (index, token) in tokens.iter().enumerate() {
@@ -105,7 +105,7 @@ fn behind_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
     None
 }
 
-/// Names and marks of `text`, without comments, literals, numbers and blanks.
+/// Names and punctuation of `text`, without comments, literals, numbers and blanks.
 fn tokens_of(text: &str) -> Vec<Token<'_>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut tokens = Vec::new();
@@ -135,7 +135,7 @@ fn tokens_of(text: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// Where a comment to the end of the line ends; a back-slash there joins the next line.
+/// End of a `//` comment, as a byte offset; a back-slash at the end of a line continues the comment on the next line.
 fn line_end(text: &str) -> usize {
     let mut at = 0;
     while let Some(end) = text[at..].find('\n') {
@@ -148,7 +148,7 @@ fn line_end(text: &str) -> usize {
     text.len()
 }
 
-/// Where a literal that begins with `quote` ends: behind its second quote, or at the end of the line.
+/// End of a literal that begins with `quote`, as a byte offset: after its closing quote, or at the end of the line.
 fn literal_end(text: &str, quote: char) -> usize {
     let mut is_escaped = false;
     for (at, c) in text.char_indices().skip(1) {
@@ -163,7 +163,7 @@ fn literal_end(text: &str, quote: char) -> usize {
     text.len()
 }
 
-/// Where a literal `R"x(...)x"` ends.
+/// End of a raw string literal `R"x(...)x"`, as a byte offset.
 fn raw_end(text: &str) -> usize {
     let Some(open) = text.find('(') else { return text.len() };
     let close = format!("){}\"", &text[2..open]);

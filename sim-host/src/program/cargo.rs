@@ -1,4 +1,4 @@
-//! Builds a robot program that is a Cargo package, with cargo, which decides what is fresh.
+//! Builds a robot program that is a Cargo package; cargo decides if it is up to date.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use super::cache::Cache;
 pub struct Package {
     /// Its shared library.
     pub library: PathBuf,
-    /// What cargo and the compiler said: warnings.
+    /// Warnings of cargo and the compiler.
     pub output: String,
-    /// Whether nothing had to be compiled.
+    /// The library was up to date: nothing was compiled.
     pub fresh: bool,
 }
 
-/// A Cargo package that does not become a program.
+/// Reasons why a Cargo package cannot be built into a program.
 #[derive(Debug, thiserror::Error)]
 pub enum CargoError {
     /// cargo does not start.
@@ -33,15 +33,15 @@ pub enum CargoError {
         /// Why it does not start.
         error: io::Error,
     },
-    /// cargo ends with an error; its messages follow as they are.
+    /// cargo ends with an error; its messages follow unchanged.
     #[error("the Rust program in `{}` does not build:\n{output}", folder.display())]
     Refused {
         /// The package's folder.
         folder: PathBuf,
-        /// What cargo and the compiler said.
+        /// Messages of cargo and the compiler.
         output: String,
     },
-    /// The package builds and gives no shared library.
+    /// The package builds, but has no shared library.
     #[error(
         "the package in `{}` builds no library that can be loaded: its Cargo.toml needs\n  [lib]\n  crate-type = [\"cdylib\"]",
         folder.display()
@@ -50,7 +50,7 @@ pub enum CargoError {
         /// The package's folder.
         folder: PathBuf,
     },
-    /// The folder for what cargo builds cannot be made.
+    /// The folder for cargo's output cannot be created.
     #[error("cannot make a folder for the build of `{}`: {error}", folder.display())]
     Io {
         /// The package's folder.
@@ -60,15 +60,15 @@ pub enum CargoError {
     },
 }
 
-/// Variables by which a cargo that runs this program would disturb the one that it starts: its job server and what it
-/// says of the package that it runs.
+/// Variables of a cargo that runs this process (its job server and its data about the package), which would disturb the cargo
+/// started here.
 const FOREIGN_VARIABLES: &[&str] =
     &["MAKEFLAGS", "MFLAGS", "CARGO_MAKEFLAGS", "CARGO_MANIFEST_DIR", "CARGO_MANIFEST_PATH"];
 
-/// Builds the package in `folder` in release mode, with line tables and unwinding whatever its profile says.
+/// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder lies in `cache`, one for each workspace: never the one that a `cargo run` or `cargo test` around
-/// this process may have locked.
+/// The target folder is in `cache`, one for each workspace: never one that a `cargo run` or `cargo test` around this process
+/// may have locked.
 ///
 /// # Errors
 /// [`CargoError`].
@@ -105,7 +105,7 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
 
 fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
     let mut command = Command::new(cargo);
-    // The folder decides which `.cargo/config.toml` and `rust-toolchain.toml` hold.
+    // The working folder determines which `.cargo/config.toml` and `rust-toolchain.toml` apply.
     command.current_dir(manifest.parent().unwrap_or(Path::new("."))).stdin(Stdio::null());
     for name in FOREIGN_VARIABLES {
         command.env_remove(name);
@@ -113,7 +113,7 @@ fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
     command
 }
 
-/// The manifest of the workspace of `manifest`, or itself where cargo does not tell (the build then says why).
+/// The manifest of the workspace of `manifest`, or `manifest` itself if cargo fails (the build then reports the reason).
 fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["locate-project", "--workspace", "--message-format=plain", "--manifest-path"]).arg(manifest);
@@ -122,7 +122,7 @@ fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     Ok(if output.status.success() { PathBuf::from(said.trim()) } else { manifest.to_owned() })
 }
 
-/// The shared library of the package, and whether it was fresh, from cargo's messages (one JSON value a line).
+/// The shared library of the package, and true if it was up to date, from cargo's messages (one JSON value a line).
 fn library_of(messages: &str, manifest: &Path) -> Option<(PathBuf, bool)> {
     messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok()).find_map(|message| {
         let is_ours = message["reason"] == "compiler-artifact"
@@ -136,7 +136,7 @@ fn library_of(messages: &str, manifest: &Path) -> Option<(PathBuf, bool)> {
     })
 }
 
-/// What cargo said without its own report of progress, which is of no use afterwards.
+/// The output of cargo without its progress messages.
 fn without_progress(said: &str) -> String {
     const PROGRESS: &[&str] = &[
         "Compiling ",

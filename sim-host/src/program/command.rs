@@ -1,4 +1,4 @@
-//! Commands of others (compilers, interpreters), which may hang.
+//! External commands (compilers, interpreters), run with a time limit.
 
 use std::io::{self, Read};
 use std::os::unix::process::CommandExt as _;
@@ -6,16 +6,16 @@ use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long a compiler may take for one source; our choice.
+/// Time limit of a compiler for one source; our choice.
 pub const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Runs `command` to its end and collects what it prints; its standard input is empty. One that has not ended after `patience` is
-/// killed, with all that it has started.
+/// Runs `command` to its end and collects its output; its standard input is empty. A command that has not ended after `patience` is
+/// killed with all processes that it has started.
 ///
 /// # Errors
-/// A command that cannot be started, and [`io::ErrorKind::TimedOut`] for one that was killed.
+/// The command cannot be started; [`io::ErrorKind::TimedOut`] if it was killed.
 pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Output> {
-    /// How often is looked whether it has ended.
+    /// Interval of the checks for its end.
     const LOOK: Duration = Duration::from_millis(2);
     // SAFETY: prctl is async-signal-safe and takes no pointer; the thread that starts the command waits for its end.
     unsafe {
@@ -27,7 +27,7 @@ pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Ou
     let mut child =
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0).spawn()?;
     let group = child.id() as i32;
-    // SAFETY: kill takes no pointer; the number is the group's as long as anybody is in it.
+    // SAFETY: kill takes no pointer; the number identifies the group as long as the group has a member.
     let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
     let readers = [read_all(child.stdout.take())?, read_all(child.stderr.take())?];
     let start = Instant::now();
@@ -43,7 +43,7 @@ pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Ou
         }
         thread::sleep(LOOK);
     };
-    // What it has started and left behind may hold the pipes.
+    // Processes that the command has started and left running may hold the pipes open.
     let [stdout, stderr] = readers.map(|reader| {
         while !reader.is_finished() && start.elapsed() <= patience {
             thread::sleep(LOOK);
@@ -56,11 +56,11 @@ pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Ou
     Ok(Output { status, stdout, stderr })
 }
 
-/// Reads a stream to its end on a thread of its own, so that nobody waits for the other one.
+/// Reads a stream to its end on a new thread, so that the other stream cannot block.
 fn read_all(stream: Option<impl Read + Send + 'static>) -> io::Result<thread::JoinHandle<Vec<u8>>> {
     thread::Builder::new().name("output".to_owned()).spawn(move || {
         let mut bytes = Vec::new();
-        // What was read before an error counts.
+        // Bytes read before an error count.
         let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));
         bytes
     })

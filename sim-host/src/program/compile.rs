@@ -1,4 +1,4 @@
-//! Compiles and links C and C++ sources to the library of one robot program.
+//! Compiles and links C and C++ sources into the library of one robot program.
 
 use std::fs;
 use std::io;
@@ -17,16 +17,16 @@ use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
 
-/// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
+/// Source texts that are part of every C program: the headers that it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
 pub struct ShimKit {
     /// Headers: file name and text.
     pub headers: Vec<(&'static str, &'static str)>,
     /// The shim's files, of which the first one is compiled: file name and text.
     pub shim: Vec<(&'static str, &'static str)>,
-    /// Flags of the compilation of the shim.
+    /// Compiler flags of the shim.
     pub shim_flags: &'static [&'static str],
-    /// The digest, once somebody has asked for it.
+    /// The digest, computed lazily.
     pub(super) digest: OnceLock<String>,
 }
 
@@ -59,12 +59,12 @@ impl ShimKit {
     }
 }
 
-/// Which kit a program is built with.
+/// Selection of the kit with which a program is built.
 #[derive(Clone, Debug)]
 pub enum Kits {
-    /// That of the generation that it is built for.
+    /// The kit of the program's generation.
     ByGeneration,
-    /// This one, whatever the generation.
+    /// This kit, for both generations.
     Only(ShimKit),
 }
 
@@ -89,58 +89,58 @@ impl Kits {
 /// One library to build.
 #[derive(Debug)]
 pub struct Compilation<'a> {
-    /// The compilers, one for each language of the sources, and that of C, in which the shim is written.
+    /// The compilers: one for each language of the sources, and always that of C, the shim's language.
     pub compilers: &'a [&'a Compiler],
-    /// The generation of RoBIOS, whose kit it is.
+    /// The generation of RoBIOS to which the kit belongs.
     pub generation: Generation,
-    /// The kit, whose files lie in `kit_folder`.
+    /// The kit, whose files are in `kit_folder`.
     pub kit: &'a ShimKit,
-    /// Where the kit's files lie: headers in `include/`, the shim in `shim/`.
+    /// Folder of the kit's files: headers in `include/`, the shim in `shim/`.
     pub kit_folder: &'a Path,
     /// The sources, absolute, each in a language of its extension.
     pub sources: &'a [PathBuf],
-    /// The user's further flags of the compilation, behind all others.
+    /// The user's further flags of the compilation, after all others.
     pub extra_flags: &'a [String],
-    /// A folder for what is built.
+    /// Folder for object files and the library.
     pub folder: &'a Path,
-    /// Where the object files of shims are kept.
+    /// Cache of the shims' object files.
     pub cache: &'a Cache,
 }
 
-/// What a compilation gave.
+/// Result of a compilation.
 #[derive(Debug)]
 pub struct Compiled {
     /// The library, in the folder of the compilation.
     pub library: PathBuf,
     /// The compiler's warnings.
     pub output: String,
-    /// Every file that was read for the program's sources: they and their headers, absolute.
+    /// Every file that was read for the program: its sources and their headers, absolute.
     pub read: Vec<PathBuf>,
     /// The commands run, one a line.
     pub commands: String,
 }
 
-/// Sources that do not become a program.
+/// Sources that cannot be compiled or linked.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
-    /// The compiler refuses a source; its messages follow as they are.
+    /// The compiler refuses a source; its messages follow unchanged.
     #[error("`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
     Refused {
         /// The source.
         source_file: PathBuf,
         /// The folder the compiler ran in.
         folder: PathBuf,
-        /// What the compiler said.
+        /// Messages of the compiler.
         output: String,
     },
-    /// The linker finds functions or variables used and not defined, or defined twice.
+    /// Functions or variables are used and not defined, or defined twice.
     #[error("`{}` does not link:\n{output}{hints}", program.display())]
     Unlinked {
         /// The first source.
         program: PathBuf,
-        /// What the linker said.
+        /// Messages of the linker.
         output: String,
-        /// What may be wrong, each in a line of its own that begins with a line feed.
+        /// Possible causes, each in its own line that begins with a line feed.
         hints: String,
     },
     /// A file cannot be written, or the compiler cannot be started.
@@ -154,14 +154,14 @@ pub enum CompileError {
 }
 
 impl<'a> Compilation<'a> {
-    /// Compiles each source, then the shims, then links: first in the newest standard and with our headers, and where the
-    /// compiler refuses that, as older sources need it.
+    /// Compiles each source, then the shims, then links. The first attempt uses the newest standard and our headers; if the compiler
+    /// refuses a source, the variants that older sources need are tried.
     ///
-    /// The compiler runs in the folder of the first source and sees sources by their names from there, so that
-    /// `__FILE__` does not depend on where the user stands.
+    /// The compiler runs in the folder of the first source and gets sources by their names relative to that folder, so that
+    /// `__FILE__` is independent of the working folder.
     ///
     /// # Errors
-    /// [`CompileError`]: that of the first try.
+    /// [`CompileError`] of the first attempt.
     pub fn run(&self) -> Result<Compiled, CompileError> {
         let hidden = self.hidden_headers();
         let first = self.try_run(&Manner { hidden: &hidden, ..Manner::default() });
@@ -187,7 +187,7 @@ impl<'a> Compilation<'a> {
         })
     }
 
-    /// What else is tried where the compiler refuses a source and says `output`.
+    /// Further variants to try after the compiler has refused a source with the message `output`.
     fn other_manners<'m>(&self, hidden: &'m [PathBuf], output: &str) -> Vec<Manner<'m>> {
         let is_cpp = self.language() == Language::Cpp;
         let may_be_lean = self.generation == Generation::Robios7 && hint::is_collision(output);
@@ -205,13 +205,13 @@ impl<'a> Compilation<'a> {
         manners.split_off(1)
     }
 
-    /// Headers of RoBIOS beside the first source, of whatever year, that would be taken in place of ours.
+    /// Headers of RoBIOS beside the first source, of any year, which would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
         beside.filter(|path| is_of_robios(path)).collect()
     }
 
-    /// A folder that shows the source folder's files but the hidden headers.
+    /// A folder with links to all files of the source folder except the hidden headers.
     fn folder_without(&self, hidden: &[PathBuf]) -> io::Result<PathBuf> {
         let folder = self.folder.join("sources");
         if !folder.exists() {
@@ -273,7 +273,7 @@ impl<'a> Compilation<'a> {
         Ok(compiled)
     }
 
-    /// The language of the program: C++ if a part of it is.
+    /// The language of the program: C++ if any source is C++.
     fn language(&self) -> Language {
         self.sources.iter().filter_map(|source| Language::of(source)).max().unwrap_or(Language::C)
     }
@@ -283,7 +283,7 @@ impl<'a> Compilation<'a> {
         compiler.copied().ok_or_else(|| Failure::Io(io::Error::other(format!("no compiler of {}", language.name()))))
     }
 
-    /// The object file of a source, and what the compiler said.
+    /// Compiles a source; returns its object file and the output of the compiler.
     fn compile_source(
         &self,
         index: usize,
@@ -297,7 +297,7 @@ impl<'a> Compilation<'a> {
         if undeclared.is_empty() {
             return Ok((object, output));
         }
-        // A call of an undeclared function passes what its author did not mean: the headers that are missing are included.
+        // Calls of undeclared functions pass wrong types of arguments: the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let is_ours = undeclared.iter().any(|name| self.generation.has(name));
         let headers = &[c::C_LIBRARY_HEADER, "eyebot.h"][..if is_ours { 2 } else { 1 }];
@@ -318,7 +318,7 @@ impl<'a> Compilation<'a> {
         }
     }
 
-    /// Compiles a source with some of the kit's headers before it; what the compiler said.
+    /// Compiles a source with some of the kit's headers included first; returns the output of the compiler.
     fn compile_to(
         &self,
         object: &Path,
@@ -350,7 +350,7 @@ impl<'a> Compilation<'a> {
         Ok(output)
     }
 
-    /// The object file of the shim's file `name`, which holds nothing of the program: it is compiled once for a kit and a compiler.
+    /// The object file of the shim's file `name`, which is independent of the program: compiled once for each kit and compiler.
     fn compile_shim(
         &self,
         language: Language,
@@ -363,7 +363,7 @@ impl<'a> Compilation<'a> {
         let key = format!("shim {} {} {name} {flags:?}", self.kit.digest(), compiler.identity());
         let key = &blake3::hash(key.as_bytes()).to_hex()[..32];
         let mut command = compiler.command();
-        // Debug information names the folder: it is the same for all programs.
+        // The folder, which debug information names, is the same for all programs.
         command.current_dir(&folder).arg("-I").arg(self.kit_folder.join("include")).args(flags);
         command.arg("-c").arg(folder.join(name)).arg("-o");
         if let Some(entry) = self.cache.entry(key) {
@@ -392,7 +392,7 @@ impl<'a> Compilation<'a> {
         Ok(())
     }
 
-    /// A call of `compiler` that finds the headers.
+    /// A call of `compiler` with the path of the headers.
     fn compile_command(&self, compiler: &Compiler) -> Command {
         let mut command = compiler.command();
         command.current_dir(self.source_folder()).arg("-I").arg(self.kit_folder.join("include"));
@@ -408,19 +408,19 @@ impl<'a> Compilation<'a> {
     }
 }
 
-/// How a compilation is tried.
+/// Variant of a compilation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Manner<'m> {
-    /// In an older standard of C++.
+    /// With the older standard of C++.
     is_old: bool,
-    /// Without what EyeSim's `types.h` brings besides its own names.
+    /// Without the declarations that EyeSim's `types.h` brings besides its own names.
     is_lean: bool,
-    /// Headers beside the first source that are not seen.
+    /// Headers beside the first source that are hidden from the compiler.
     hidden: &'m [PathBuf],
 }
 
 impl Manner<'_> {
-    /// What is said of it: a line, or nothing.
+    /// Message about the hidden headers: a line, or empty.
     fn remark(&self) -> String {
         let names = self.hidden.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
         match names.collect::<Vec<_>>().as_slice() {
@@ -443,13 +443,13 @@ impl From<io::Error> for Failure {
 }
 
 impl Compiled {
-    /// Notes a command of which the result is taken.
+    /// Logs a command whose result is used.
     fn note(&mut self, command: &Command) {
         self.commands.push_str(&shown(command));
         self.commands.push('\n');
     }
 
-    /// Runs `command`: what it printed, as `Err` if it failed.
+    /// Runs `command`; returns its output, as `Err` if it failed.
     fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
         self.note(command);
         let output = match output_within(command, PATIENCE) {
@@ -467,7 +467,7 @@ impl Compiled {
     }
 }
 
-/// A command as one may type it.
+/// A command in the syntax of a shell.
 fn shown(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     let words: Vec<String> = words
@@ -480,14 +480,14 @@ fn shown(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Whether the compiler says of a source that its `main` does not return `int` (gcc and clang, `LC_ALL=C`).
+/// Returns true if the compiler warns that `main` does not return `int` (gcc and clang, `LC_ALL=C`).
 fn returns_nothing_from_main(output: &str) -> bool {
     output.lines().any(|line| {
         line.contains("return type of 'main'") && (line.contains("[-Wmain]") || line.contains("[-Wmain-return-type]"))
     })
 }
 
-/// The files that a dependency list of `-MD` (a rule of make) names.
+/// The files named by a dependency list of `-MD` (a rule of make).
 fn parse_dependencies(text: &str) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     let mut path = String::new();

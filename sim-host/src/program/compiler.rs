@@ -1,4 +1,4 @@
-//! The system's compilers of C and C++: which one, how it is called, which of the wanted flags it knows.
+//! The system's compilers of C and C++: search, command line, and the flags that they support.
 
 use std::ffi::OsString;
 use std::io;
@@ -12,9 +12,9 @@ use super::command::{PATIENCE, output_within};
 use super::language::Language;
 use super::words::split_words;
 
-/// The standards that sources are compiled in, the newest one that the compiler knows first, and then the last one: in C, K&R
-/// functions and `bool` as a name still compile, which newer standards refuse; in C++ the last one is that of course
-/// programs which the newest refuses.
+/// Standards for the compilation of sources, newest first. The newest one that the compiler knows is tried first, then the last of
+/// the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse; in C++ it is that of course
+/// programs which the newest one refuses.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &["-std=gnu17"],
@@ -43,8 +43,8 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-Wmain",
 ];
 
-/// Flags that are used where the compiler knows them: those with which old sources compile although what they do has become an
-/// error (gcc 14, clang 16, C++11), then probed stacks (a big local array hits the guard page and not what lies behind it).
+/// Flags that are used if the compiler knows them: those that make old sources compile although their constructs have become
+/// errors (gcc 14, clang 16, C++11), then stack probes (a big local array hits the guard page and not the memory beyond it).
 const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &[
@@ -70,8 +70,8 @@ const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Flags of the link that are used where the linker knows them: both halve the memory mappings of a private copy, of
-/// which each robot has one.
+/// Linker flags that are used if the linker knows them: both halve the memory mappings of a private copy, of which each robot has
+/// one.
 const OPTIONAL_LINK_FLAGS: &[&str] = &["-Wl,-z,noseparate-code", "-Wl,-z,norelro"];
 
 /// A compiler that was found, with its flags.
@@ -85,7 +85,7 @@ pub struct Compiler {
     optional_link_flags: Vec<String>,
 }
 
-/// No compiler of a language, or none that works.
+/// Reasons why no compiler of a language can be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CompilerError {
     /// The language's variable is not set and none of the usual names is on the search path.
@@ -102,12 +102,12 @@ pub enum CompilerError {
     Broken {
         /// The language.
         language: Language,
-        /// What the variable says.
+        /// Value of the variable.
         command: String,
         /// Why it does not run.
         error: String,
     },
-    /// A compiler that starts and cannot compile an empty file, or a link without the library's development files.
+    /// The compiler starts, but cannot compile an empty file, or link for lack of the library's development files.
     #[error(
         "the {} compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install {}` gives what it \
          needs):\n{output}",
@@ -118,10 +118,10 @@ pub enum CompilerError {
         language: Language,
         /// The compiler's command.
         command: String,
-        /// What it printed.
+        /// Output of the compiler.
         output: String,
     },
-    /// A C++ compiler whose library is there only as a shared one, whose streams all robots would share.
+    /// The C++ library exists only as a shared one, whose streams all robots would share.
     #[error(
         "the C++ compiler `{command}` has no static C++ library (`libstdc++.a`), of which each robot needs a copy: install it \
          (Fedora: `dnf install libstdc++-static`; Debian and Ubuntu: `apt install g++`):\n{output}"
@@ -129,7 +129,7 @@ pub enum CompilerError {
     NoStaticLibrary {
         /// The compiler's command.
         command: String,
-        /// What the linker printed.
+        /// Output of the linker.
         output: String,
     },
     /// A file of the probe cannot be written.
@@ -142,13 +142,13 @@ fn quoted(names: &[&str]) -> String {
 }
 
 impl Compiler {
-    /// The compiler of `language` that `setting` (the value of `$CC` or `$CXX`, which may carry arguments) names, else the
-    /// first of its [usual commands](Language::commands).
+    /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain arguments),
+    /// else the first of its [usual commands](Language::commands).
     ///
-    /// Which optional flags it knows is tried once and kept in `cache`.
+    /// The optional flags that it knows are tried once and stored in `cache`.
     ///
     /// # Errors
-    /// [`CompilerError`] if there is none or it does not work.
+    /// [`CompilerError`] if there is no compiler or it does not work.
     pub fn find(language: Language, setting: Option<&str>, cache: &Cache) -> Result<Self, CompilerError> {
         let (command, version) = match setting.map(str::trim).filter(|setting| !setting.is_empty()) {
             Some(setting) => {
@@ -177,35 +177,35 @@ impl Compiler {
         self.language
     }
 
-    /// A command that runs this compiler, its messages in English and free of anything that differs from run to run.
+    /// A command that runs this compiler, with messages in English and without anything that differs from run to run.
     pub fn command(&self) -> Command {
         let mut command = Command::new(&self.command[0]);
         command.args(&self.command[1..]).env("LC_ALL", "C").env_remove("LANGUAGE").stdin(Stdio::null());
         if std::env::var_os("SOURCE_DATE_EPOCH").is_none() {
-            // `__DATE__` would make what a program prints depend on the day it was built.
+            // `__DATE__` would make the output of a program depend on the day of its build.
             command.env("SOURCE_DATE_EPOCH", "0");
         }
         command
     }
 
-    /// What tells this compiler from another: its command, where that leads, what it says of its version.
+    /// Identifies this compiler: its command, the path to which that resolves, and its version text.
     pub fn identity(&self) -> String {
         let program = which(&self.command[0]).unwrap_or_else(|| self.command[0].clone().into());
         format!("{:?}\n{}\n{}", self.command, program.display(), self.version)
     }
 
-    /// The flags of a compilation to an object file, but for the standard.
+    /// Flags of a compilation to an object file, except the standard.
     pub fn compile_flags(&self) -> impl Iterator<Item = &str> {
         let flags = c::COMPILE_FLAGS.iter().chain(COMPILE_FLAGS).copied();
         flags.chain(self.optional_compile_flags.iter().map(String::as_str))
     }
 
-    /// The flag of the newest standard that it knows, then that of an older one for sources which that refuses.
+    /// Flags of the newest standard that the compiler knows, and of an older one for sources that the newest refuses.
     pub fn standards(&self) -> [&str; 2] {
         [&self.newest_standard, standards(self.language).last().unwrap_or(&"")]
     }
 
-    /// The flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] go behind them.
+    /// Flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] follow after these.
     pub fn link_flags(&self) -> impl Iterator<Item = &str> {
         c::LINK_FLAGS
             .iter()
@@ -263,7 +263,7 @@ impl Compiler {
         Ok(cache.set_note(&key, &note)?)
     }
 
-    /// Whether the probe links with the shared library of C++.
+    /// Returns true if the probe links with the shared library of C++.
     fn links_shared(&self, folder: &Path) -> bool {
         let mut command = self.command();
         command.current_dir(folder).args(c::LINK_FLAGS).args(["probe.o", "-o", "probe.so"]);
@@ -271,11 +271,11 @@ impl Compiler {
             && output_within(&mut command, PATIENCE).is_ok_and(|output| output.status.success())
     }
 
-    /// Those of `wanted` with which the call with `base` works: all at once, or found out one by one.
+    /// The flags of `wanted` that the compiler accepts in a call with `base`: tried all at once, then one by one.
     fn accepted(&self, folder: &Path, base: &[&str], wanted: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
             let output = output_within(self.command().current_dir(folder).args(flags).args(base), PATIENCE)?;
-            // GNU ld only warns of a `-z` keyword that it does not know.
+            // GNU ld only warns about an unknown `-z` keyword.
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             let accepted = output.status.success() && (flags.is_empty() || !said.contains("warning"));
             Ok(if accepted { Ok(()) } else { Err(said) })
@@ -309,7 +309,7 @@ fn version_of(command: &[String]) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Where on the search path the command `name` is, links followed.
+/// The path of the command `name` on the search path, with links resolved.
 fn which(name: &str) -> Option<std::path::PathBuf> {
     if name.contains('/') {
         return std::fs::canonicalize(name).ok();

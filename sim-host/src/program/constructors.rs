@@ -1,7 +1,7 @@
-//! Keeps a library's constructors from the dynamic linker, so that they run as a part of the program.
+//! Hides a library's constructors from the dynamic linker, so that they run as a part of the program.
 //!
-//! Static objects of C++ call RoBIOS, print and throw, and while the library is loaded there is no robot yet. So the shim calls
-//! their constructors when the robot's program starts.
+//! Constructors of static C++ objects may call RoBIOS, print and throw, but there is no robot yet while the library is loaded. The
+//! shim therefore calls them when the robot's program starts.
 
 use std::fs;
 use std::io;
@@ -11,10 +11,10 @@ use object::elf;
 use object::read::elf::{Dyn as _, FileHeader as _, ProgramHeader as _};
 use robios_sys::CONSTRUCTOR_TAGS;
 
-/// Gives `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` of the library at `path` the tags that the shim looks for.
+/// Replaces the tags `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` of the library at `path` by those that the shim looks for.
 ///
 /// # Errors
-/// If the file cannot be read or written, or is no library of this system.
+/// The file cannot be read or written, or is no library of this system.
 pub fn defer_constructors(path: &Path) -> io::Result<()> {
     let mut bytes = fs::read(path)?;
     let tags = constructor_tags(&bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
@@ -24,7 +24,7 @@ pub fn defer_constructors(path: &Path) -> io::Result<()> {
     fs::write(path, bytes)
 }
 
-/// Where in the file the tags of the constructors stand, and what to put there.
+/// Offsets in the file of the constructors' tags, and their replacements.
 fn constructor_tags(bytes: &[u8]) -> Result<Vec<(usize, u32)>, object::Error> {
     let header = elf::FileHeader64::<object::Endianness>::parse(bytes)?;
     let endian = header.endian()?;

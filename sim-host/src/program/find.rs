@@ -10,7 +10,7 @@ use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
 
-/// The folders in which programs are looked for, in this order: the sim file's, the working folder, the others.
+/// Folders in which programs are searched, in this order: the sim file's, the working folder, the others.
 #[derive(Clone, Debug, Default)]
 pub struct SearchPath {
     /// Folder of the sim file that names the program; `None` for a program named on the command line.
@@ -19,20 +19,20 @@ pub struct SearchPath {
     pub working_folder: PathBuf,
     /// Further folders, as given with `--programs` or the like.
     pub folders: Vec<PathBuf>,
-    /// What `%sim%` stands for, and below which absolute names that do not exist are looked for.
+    /// The folder of the installation, for `%sim%` and as the root of absolute names that do not exist.
     pub installation: Option<PathBuf>,
 }
 
-/// What a program is made from.
+/// Source of a program.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ProgramSource {
     /// A shared library, loaded as it is.
     Library(PathBuf),
-    /// C and C++ sources, compiled each in the language of its extension and linked together.
+    /// C and C++ sources, each compiled in the language of its extension, and linked together.
     Sources {
         /// The sources.
         files: Vec<PathBuf>,
-        /// What is said of their generation.
+        /// The generation stated by the user or the scene.
         wanted: Wanted,
     },
     /// The folder of a Cargo package with a `cdylib` target.
@@ -42,7 +42,7 @@ pub enum ProgramSource {
 }
 
 impl ProgramSource {
-    /// C and C++ sources of which nothing is said.
+    /// C and C++ sources whose generation is not stated.
     pub fn of_files(files: Vec<PathBuf>) -> Self {
         Self::Sources { files, wanted: Wanted::default() }
     }
@@ -56,7 +56,7 @@ impl ProgramSource {
     }
 }
 
-/// A program that was found, with what the user should know about how.
+/// A program that was found, with notes about the search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// The program's name, its `argv[0]`: that of the file, without folder and extension, or of the folder.
@@ -68,7 +68,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// The same program, with what is said of its generation if it is made from sources.
+    /// Sets the stated generation, if the program is made from sources.
     pub fn wanted(mut self, said: Wanted) -> Self {
         if let ProgramSource::Sources { wanted, .. } = &mut self.source {
             *wanted = said;
@@ -77,23 +77,23 @@ impl Found {
     }
 }
 
-/// One place that was looked at in vain.
+/// A place that was searched without success.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attempt {
     /// The path that was tried.
     pub path: PathBuf,
-    /// What is wrong with what is there; `None` when nothing is there.
+    /// Description of an unusable file or folder at the path; `None` if nothing is there.
     pub is: Option<String>,
 }
 
-/// A program reference for which nothing usable was found: every attempt, and names that are near.
+/// Search without a usable result: every attempt, and similar names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FindError {
     /// The reference, as the user wrote it.
     pub reference: String,
     /// Every place tried, in order.
     pub attempts: Vec<Attempt>,
-    /// Programs that exist in the folders searched and have a similar name.
+    /// Programs in the folders searched that have a similar name.
     pub near: Vec<String>,
 }
 
@@ -115,7 +115,7 @@ impl std::fmt::Display for FindError {
             }
             folder = is.is_none().then(|| path.parent());
         }
-        // What a source of another language needs is said with it.
+        // For a source of another language the attempt itself gives the advice.
         if foreign.iter().any(|attempt| source_language(&attempt.path).is_none()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
@@ -142,11 +142,11 @@ fn quoted(names: &[String]) -> String {
 ///
 /// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`), a
 /// folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
-/// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if it is not there,
-/// or if what is there cannot be loaded here, what lies beside it.
+/// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if nothing usable has that
+/// name, the sources and libraries of the same name beside it.
 ///
 /// # Errors
-/// [`FindError`] with every place tried if nothing usable is there.
+/// [`FindError`] with every place tried if nothing usable is found.
 pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindError> {
     let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new(), folder_name: None };
     if let Some(source) = finder.find(reference) {
@@ -166,7 +166,7 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
 
 /// The name of the file or folder `path`: without the extension if it is a file.
 fn name_of(path: &Path) -> String {
-    // `.` and `..` have a name too.
+    // Resolves `.` and `..`, so that they get a name too.
     let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
     name.map_or_else(|| "program".into(), |name| name.to_string_lossy().into_owned())
@@ -197,7 +197,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The paths at which `reference` is looked for, in order and each once.
+    /// The paths at which `reference` may be, in order and each once.
     fn candidates(&self, reference: &str) -> Vec<PathBuf> {
         let search = self.search;
         let mut name = reference.trim().replace('\\', "/");
@@ -214,7 +214,7 @@ impl Finder<'_> {
         let mut paths = Vec::new();
         let drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
         if drive {
-            // `C:\eyesim\maze.dll`: that disk is not here; the file may be.
+            // `C:\eyesim\maze.dll`: there is no such disk here, but the file may exist in the folders.
             name = name.rsplit(['/', ':']).next().unwrap_or_default().to_owned();
         }
         if Path::new(&name).is_absolute() {
@@ -238,7 +238,7 @@ impl Finder<'_> {
         paths
     }
 
-    /// What `path` names, if it can be used; what stands in the way is noted.
+    /// The program at `path` or beside it; unusable files are noted as attempts.
     fn look_at(&mut self, path: &Path) -> Option<ProgramSource> {
         let obstacle = match self.usable(path) {
             Ok(source) => return Some(source),
@@ -261,7 +261,7 @@ impl Finder<'_> {
         None
     }
 
-    /// The program at `path`, or what is there instead (`None`: nothing).
+    /// The program at `path`; the error describes an unusable file or folder there (`None`: nothing is there).
     fn usable(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
         let Ok(metadata) = fs::metadata(path) else { return Err(None) };
         if metadata.is_dir() {
@@ -300,7 +300,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Up to three programs in the folders searched whose names are near to the one asked for.
+    /// Up to three programs in the folders searched with names similar to the requested one.
     fn near_names(&self, reference: &str) -> Vec<String> {
         let mut near: Vec<(usize, String)> = Vec::new();
         for path in self.candidates(reference) {
@@ -337,14 +337,14 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     }
 }
 
-/// The sources that a program `maze` may have: `maze.c`, then those of C++.
+/// Paths of possible sources for a program `maze`: `maze.c`, then those of C++.
 fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
     let extensions = Language::ALL.into_iter().flat_map(Language::extensions);
     extensions.map(|extension| stem.with_added_extension(extension)).collect()
 }
 
-/// The places where the source of the file `path` may lie, or a library in its place: `maze.c`, `maze.cpp`, `maze.cc`,
-/// `maze.cxx`, the folder or package `maze`, `maze.so`. None for a source.
+/// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`, `maze.c++`, the
+/// folder or package `maze`, `maze.so`. Empty if `path` is a source.
 fn places_beside(path: &Path) -> Vec<PathBuf> {
     if Language::of(path).is_some() || path.file_name().is_none() {
         return Vec::new();
@@ -362,7 +362,7 @@ fn places_beside(path: &Path) -> Vec<PathBuf> {
     places
 }
 
-/// What the extension tells of a source that is neither C nor C++, completing "it is ...".
+/// Description of a source that is neither C nor C++, by its extension; completes "it is ...".
 fn source_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
@@ -395,7 +395,7 @@ fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str
     head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])
 }
 
-/// `path` without `.` and empty components; `..` stays, since a folder may be a link.
+/// `path` without `.` and empty components; `..` is kept, since a folder may be a symbolic link.
 fn tidy(path: &Path) -> PathBuf {
     let tidied: PathBuf = path.components().filter(|component| *component != Component::CurDir).collect();
     if tidied.as_os_str().is_empty() { PathBuf::from(".") } else { tidied }
@@ -515,7 +515,7 @@ mod tests {
             let found = place.check(name, &[expected]);
             assert!(found.notes[0].contains(note), "{:?}", found.notes);
         }
-        // What is missing needs no remark.
+        // A missing file gives no note.
         assert_eq!(place.check("e.exe", &["sims/e.so"]).notes, <[String; 0]>::default());
         let message = place.check_missing("alone.x");
         assert!(message.contains("alone.x` is an executable for ") && message.contains("put its source"), "{message}");

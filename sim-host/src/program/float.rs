@@ -1,17 +1,17 @@
-//! The floating-point environment of a thread: the host computes in the default one, whatever a program has set for itself.
+//! The floating-point environment of a thread: the host computes in the default one, independent of the program's settings.
 //!
-//! A rounding mode, flushed subnormals (`-ffast-math` sets them when a library is loaded) or traps of exceptions would else change what
-//! the host computes on the program's thread, or stop it there.
+//! A rounding mode, flushed subnormals (`-ffast-math` sets them when a library is loaded) or exception traps would otherwise change the
+//! results of the host on the program's thread, or stop it there.
 
-/// Control bits of the default environment: to nearest, all traps off, subnormals kept.
+/// Control bits of the default environment: round to nearest, all traps masked, subnormals kept.
 #[cfg(target_arch = "x86_64")]
 const DEFAULT: u32 = 0x1f80;
 
-/// The control bits among those of the register; the others are flags of what has happened.
+/// Mask of the register's control bits; the other bits are status flags.
 #[cfg(target_arch = "x86_64")]
 const CONTROL: u32 = 0xffc0;
 
-/// Sets the default environment: what was there, where it was another one.
+/// Sets the default environment; returns the previous one if it was different.
 #[cfg(target_arch = "x86_64")]
 pub fn hold_default() -> Option<u32> {
     let mut present = 0_u32;
@@ -24,20 +24,20 @@ pub fn hold_default() -> Option<u32> {
     Some(present)
 }
 
-/// Sets the environment that [`hold_default`] gave.
+/// Restores an environment that [`hold_default`] returned.
 #[cfg(target_arch = "x86_64")]
 pub fn restore(environment: u32) {
     // SAFETY: `environment` is the default, or was in the register before, so that no reserved bit is set.
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const environment, options(nostack, preserves_flags)) };
 }
 
-/// On other processors a program's environment stays: they are outside the guarantee.
+/// Does nothing: on other processors the host runs in the program's environment, outside the guarantee of equal results.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn hold_default() -> Option<u32> {
     None
 }
 
-/// See [`hold_default`].
+/// Does nothing, see [`hold_default`].
 #[cfg(not(target_arch = "x86_64"))]
 pub fn restore(_: u32) {}
 

@@ -1,5 +1,5 @@
-//! Which generation of RoBIOS a program is written for. Both headers are called `eyebot.h`, so it must be known before the
-//! program is compiled: the user says it, or the functions tell that its sources call.
+//! Choice of the generation of RoBIOS for which a program is compiled. Both headers are called `eyebot.h`, so the choice precedes the
+//! compilation: it is stated by the user, or derived from the functions that the sources call.
 
 use std::collections::BTreeSet;
 
@@ -22,10 +22,10 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// Both, the older one first.
+    /// Both generations, the older one first.
     pub const ALL: [Self; 2] = [Self::Robios6, Self::Robios7];
 
-    /// That of a number as in `--api 7`.
+    /// The generation with this number, as in `--api 7`.
     pub fn of_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|generation| generation.number() == number)
     }
@@ -54,7 +54,7 @@ impl Generation {
         }
     }
 
-    /// Whether it has a function called `name`, those of its older headers included.
+    /// Returns true if the generation has a function called `name`, those of its older headers included.
     pub fn has(self, name: &str) -> bool {
         match self {
             Self::Robios6 => Robios6Call::from_name(name).is_some() || VARIANTS_OF_6.contains(&name),
@@ -74,7 +74,7 @@ impl Generation {
         }
     }
 
-    /// Whether `name` is a constant or type of its header that no program has of its own by chance: `QVGA_SIZE` is, `RED` is not.
+    /// Returns true if `name` is a constant or type of its header that a program hardly defines itself: `QVGA_SIZE`, but not `RED`.
     pub fn has_constant(self, name: &str) -> bool {
         let is_telling = |constant: &Constant| constant.name == name && name.contains('_');
         match self {
@@ -125,14 +125,14 @@ const TYPES_OF_7: &[&str] = &[
     "ITALICS",
 ];
 
-/// Sizes of images in RoBIOS-7, and what follows them in names of constants and types.
+/// Sizes of images in RoBIOS-7, and suffixes that follow them in names of constants and types.
 const SIZES_OF_7: &[&str] = &["QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP"];
 const OF_SIZES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col", "gray"];
 
 /// Functions of RoBIOS 6 by other names. Source: `include/robios6/variants.h`.
 const VARIANTS_OF_6: &[&str] = &["VWDriveReady"];
 
-/// Functions of older headers of RoBIOS-7, which lead to others of the list. Source: `include/robios7/variants.h`.
+/// Functions of older headers of RoBIOS-7, which call other functions of the list. Source: `include/robios7/variants.h`.
 const VARIANTS_OF_7: &[&str] = &[
     "LCDGetList",
     "LCDInit",
@@ -160,40 +160,40 @@ const VARIANTS_OF_7: &[&str] = &[
     "VWDriveWait",
 ];
 
-/// What the user and the scene say of a program's generation, before its sources are asked.
+/// The generation that the user and the scene state for a program, before its sources are scanned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Wanted {
-    /// Set by `--api` or the scene: nothing else counts.
+    /// Set by `--api` or the scene: overrides everything else.
     pub api: Option<Generation>,
-    /// That of the simulator whose dialect names the robot in the sim file: where the sources do not tell.
+    /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not tell.
     pub dialect: Option<Generation>,
 }
 
-/// The generation that a program is built for, and why.
+/// The generation for which a program is built, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// The generation.
     pub generation: Generation,
-    /// Why.
+    /// The reason.
     pub why: Why,
 }
 
-/// Why a program is built for a generation.
+/// Reasons for the choice of a generation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// `--api` or the scene says so.
+    /// `--api` or the scene states it.
     Said,
-    /// It calls these functions, which only this generation has.
+    /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
-    /// What it calls is in both, but it uses these constants or types, which only this generation has.
+    /// Both generations have the functions called, but only this one has these constants or types.
     Constants(Vec<String>),
-    /// What it calls is in both, and for the other generation it does not compile.
+    /// Both generations have the functions called, and for the other one the program does not compile.
     Compiles,
-    /// What it calls is in both, and the line of the sim file is written for this generation's simulator.
+    /// Both generations have the functions called, and the line of the sim file is written for this generation's simulator.
     Dialect,
-    /// What it calls is in both, and nobody says anything.
+    /// Both generations have the functions called, and nothing else decides.
     Default,
-    /// It calls nothing of RoBIOS.
+    /// The program calls no RoBIOS function.
     None,
 }
 
@@ -217,20 +217,20 @@ impl std::fmt::Display for Choice {
 }
 
 impl Choice {
-    /// What is told when the program of `source` is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. Nothing where it makes
-    /// no difference.
+    /// Message to the user when the program of `source` is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the choice
+    /// makes no difference.
     pub fn remark(&self, source: &Path) -> Option<String> {
         (self.why != Why::None).then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
     }
 }
 
 impl Choice {
-    /// Whether it is a guess that gives way where the program compiles for the other generation only.
+    /// Returns true if the choice is a guess, which is dropped if the program compiles only for the other generation.
     pub fn is_guess(&self) -> bool {
         matches!(self.why, Why::Constants(_) | Why::Dialect | Why::Default)
     }
 
-    /// The other generation, for which alone the program compiles.
+    /// The other generation, chosen because the program compiles only for it.
     pub fn turned(&self) -> Self {
         Self { generation: self.generation.other(), why: Why::Compiles }
     }
@@ -239,10 +239,10 @@ impl Choice {
 /// Names of functions shown in one line.
 const MOST_SHOWN: usize = 3;
 
-/// Why sources say of no generation that they are for it.
+/// Reasons why no generation can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GenerationError {
-    /// They call functions of both.
+    /// The sources call functions of both.
     #[error(
         "`{}` is written for two generations: RoBIOS 6 has {} and RoBIOS-7 has {}, and neither has both; `--api 6` or `--api 7` \
          says which one is meant",
@@ -251,25 +251,26 @@ pub enum GenerationError {
     Both {
         /// The first source.
         source_file: PathBuf,
-        /// What it calls that only RoBIOS 6 has.
+        /// Functions called that only RoBIOS 6 has.
         of_6: Vec<String>,
-        /// What it calls that only RoBIOS-7 has.
+        /// Functions called that only RoBIOS-7 has.
         of_7: Vec<String>,
     },
-    /// They include a pipe or a device, whose end no compiler would see.
+    /// The sources include a pipe or a device, at which a compiler would hang.
     #[error("`{}`, which the program includes, is not a file", .0.display())]
     Include(PathBuf),
 }
 
-/// The generation of a program with these C or C++ sources: what is wanted, else the functions called that only one of them
-/// has, else the constants and types used that only one of them has, else the dialect, else RoBIOS 6. Headers of the
-/// program's own are read, too.
+/// Chooses the generation for a program with these C or C++ sources: the stated one, else that of the functions called that only
+/// one generation has, else that of such constants and types, else that of the dialect, else RoBIOS 6. Headers of the program
+/// are scanned, too.
 ///
-/// What a program calls goes before the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse, and
-/// with the wrong header such a program does not compile. Source: our choice.
+/// The functions called take precedence over the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse,
+/// and with the wrong header such a program does not compile. Source: our choice.
 ///
 /// # Errors
-/// [`GenerationError`] if it calls functions of both, or includes what is no file. A source that cannot be read is told of when it is compiled.
+/// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A source that
+/// cannot be read is reported by the compilation.
 pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationError> {
     let choice = |generation, why| Ok(Choice { generation, why });
     let Names { calls, constants } = names_in_files(sources)?;
@@ -299,7 +300,7 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
     }
 }
 
-/// The generation that alone has constants of these, and which they are; none if both have, or neither.
+/// The only generation that has some of these constants, with those constants; `None` if both have some, or neither.
 fn of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has_constant(name) && !generation.other().has_constant(name);
@@ -312,7 +313,7 @@ fn of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
     }
 }
 
-/// What sources name and do not define.
+/// Names that sources use and do not define.
 struct Names {
     calls: BTreeSet<String>,
     constants: BTreeSet<String>,
@@ -336,7 +337,7 @@ fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
         names.constants.extend(found.used);
         own.extend(found.defined.into_iter().chain(found.own));
         let folder = path.parent().unwrap_or(Path::new(""));
-        // A copy of RoBIOS's own header calls everything; that for C++ is of RoBIOS-7.
+        // A copy of RoBIOS's own header seems to call every function; the one for C++ belongs to RoBIOS-7.
         let (of_robios, includes): (Vec<_>, Vec<_>) =
             found.includes.iter().partition(|name| ["eyebot.h", CPP_HEADER].contains(&file_name(name)));
         if of_robios.iter().any(|name| file_name(name) == CPP_HEADER) {
@@ -346,7 +347,7 @@ fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
             match path.metadata() {
                 Ok(metadata) if metadata.is_file() => waiting.extend(Some(path).filter(|path| !is_of_robios(path))),
                 Ok(metadata) if !metadata.is_dir() => return Err(GenerationError::Include(path)),
-                // Found elsewhere, or told by the compiler.
+                // Found in another folder, or reported by the compiler.
                 _ => {}
             }
         }
@@ -356,15 +357,15 @@ fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
     Ok(names)
 }
 
-/// The header by which programs in C++ include RoBIOS-7.
+/// The header that C++ programs include for RoBIOS-7.
 const CPP_HEADER: &str = "eyebot++.h";
 
 fn file_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Whether the file is a header of RoBIOS itself, of whatever year: it declares its functions, or defines many of its constants,
-/// and is not one that adds to the header that it wraps.
+/// Returns true if the file is a header of RoBIOS itself, of any year: it declares RoBIOS functions or defines many of the
+/// constants, and does not wrap another header.
 pub fn is_of_robios(path: &Path) -> bool {
     const MANY: usize = 8;
     let Ok(bytes) = read_regular(path) else { return false };
@@ -379,7 +380,7 @@ pub fn is_of_robios(path: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// The choice for a program of these files, as it is told.
+    /// The choice for a program of these files, as displayed.
     fn choice(files: &[(&str, &str)], wanted: Wanted) -> Result<String, String> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).expect("a file"));
@@ -480,7 +481,7 @@ mod tests {
         assert!(VARIANTS_OF_7.iter().all(|name| calls.called.contains(*name)));
     }
 
-    /// Names that only the header itself knows.
+    /// Names that occur only in the header itself.
     fn is_own_name(name: &str) -> bool {
         name.to_lowercase().starts_with("eyesim_") || name == "fct"
     }

@@ -1,5 +1,5 @@
-//! What may be wrong where a program does not link: misspelled functions, those of the other generation, C and C++ that do not
-//! meet.
+//! Hints on programs that do not link: misspelled functions, functions of the other generation, missing `extern "C"` between C and
+//! C++.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use object::{Object as _, ObjectSymbol as _};
 
 use super::generation::Generation;
 
-/// Hints on what the linker said, each in a line of its own that begins with a line feed; `objects` are the sources with their
+/// Hints on the linker's message `output`, each in its own line that begins with a line feed; `objects` are the sources with their
 /// object files.
 pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
     let linkage = linkage_hints(&symbols_of(objects));
@@ -36,7 +36,7 @@ pub fn quoted(names: &[impl AsRef<str>]) -> String {
     names.iter().map(|name| format!("`{}`", name.as_ref())).collect::<Vec<_>>().join(", ")
 }
 
-/// The functions that the compiler says are called without a declaration, each once (gcc and clang, `LC_ALL=C`).
+/// Functions that are called without a declaration according to the compiler, each once (gcc and clang, `LC_ALL=C`).
 pub fn undeclared_functions(output: &str) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for line in output.lines() {
@@ -53,7 +53,7 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Whether the compiler refuses a name of the program's because it has another meaning already.
+/// Returns true if the compiler refuses a name of the program because it is already defined differently.
 pub fn is_collision(output: &str) -> bool {
     let phrases = [
         "conflicting",
@@ -117,14 +117,14 @@ fn undefined_hint(undefined: &[String], generation: Generation) -> String {
     hints
 }
 
-/// The function of `generation` whose name is nearest to `name`, if one is near: up to a slip in four letters.
+/// The function of `generation` whose name is most similar to `name`, within an edit distance of a quarter of its length.
 fn near_function(name: &str, generation: Generation) -> Option<&'static str> {
     let distance = |function: &&str| strsim::osa_distance(&function.to_lowercase(), &name.to_lowercase());
     let nearest = generation.functions().into_iter().min_by_key(distance)?;
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
-/// The functions that GNU ld, gold, lld or mold name as undefined, each once; of C++ without their parameters.
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters.
 fn undefined_symbols(output: &str) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for line in output.lines() {
@@ -170,7 +170,7 @@ fn symbols_of(objects: &[(&Path, PathBuf)]) -> Vec<Symbols> {
         .collect()
 }
 
-/// For each function that one file defines in C and another wants in C++, or the reverse, what to do about it.
+/// Advice for each function that one file defines in C and another file uses in C++, or the reverse.
 fn linkage_hints(files: &[Symbols]) -> BTreeMap<String, String> {
     let mut hints = BTreeMap::new();
     for user in files {

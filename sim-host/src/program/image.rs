@@ -1,4 +1,4 @@
-//! What the file of a robot program's library says of itself: the part that is loaded, its symbols, its source lines.
+//! Contents of the file of a program's library: loaded segments, symbols, source lines.
 
 use std::fs;
 use std::io;
@@ -15,12 +15,12 @@ use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::share::page_size;
 use crate::files::read_regular;
 
-/// A library's file, read once for all the robots that load it.
+/// A library's file, read once for all robots that load it.
 pub struct ProgramImage {
     path: PathBuf,
     source_folder: Option<PathBuf>,
     bytes: Vec<u8>,
-    /// Length of the part of the file that is mapped: up to the end of the last loaded segment.
+    /// Length of the mapped part of the file: up to the end of the last loaded segment.
     loaded_len: usize,
     /// Addresses of the loaded segments, relative to the base.
     span: Range<usize>,
@@ -28,29 +28,29 @@ pub struct ProgramImage {
     read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
-    /// Functions that the dynamic linker calls when the library is unloaded.
+    /// Number of functions that the dynamic linker calls when the library is unloaded.
     destructors: usize,
-    /// The debug information, read when a line is first asked for; `None` inside if there is none.
+    /// Debug information, read when a line is first requested; the inner `None` means that there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
 
-/// A loaded part of a library that nobody may write to.
+/// A loaded part of a library that is not writable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadOnlySegment {
     /// Address relative to the base.
     pub address: usize,
-    /// Place in the file, in bytes.
+    /// Range in the file, in bytes.
     pub file: Range<usize>,
-    /// Whether it is code.
+    /// The segment contains code.
     pub is_code: bool,
 }
 
-/// The beginning of what a library exports as [`PROGRAM_SYMBOL`]: numbers that stand in the file as they are.
+/// First fields of the symbol [`PROGRAM_SYMBOL`] that a library exports: numbers that can be read from the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Description {
-    /// Bytes of the description.
+    /// Size of the description in bytes.
     pub size: u32,
-    /// ABI version that the program was built against.
+    /// ABI version against which the program was built.
     pub abi: u32,
     /// RoBIOS generation.
     pub generation: u32,
@@ -63,7 +63,7 @@ pub struct Description {
 /// A place in a program's source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SourceLine {
-    /// The file: relative to the program's folder where it lies there, else absolute.
+    /// The file: relative to the program's folder if it is inside, else absolute.
     pub file: PathBuf,
     /// The line, from 1; 0 if only the file is known.
     pub line: u32,
@@ -78,7 +78,7 @@ impl std::fmt::Display for SourceLine {
     }
 }
 
-/// A file that is not a library that can be loaded.
+/// Reasons why a file is not a library that can be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// The file cannot be read.
@@ -94,10 +94,10 @@ pub enum ImageError {
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What it is.
+        /// Description of the file.
         what: String,
     },
-    /// A library that is cut short or otherwise broken.
+    /// A library that is truncated or otherwise broken.
     #[error("`{}` is a broken library: {what}", path.display())]
     Broken {
         /// The file.
@@ -108,10 +108,10 @@ pub enum ImageError {
 }
 
 impl ProgramImage {
-    /// Reads the library at `path`; `source_folder` is where its sources lie, if that is known.
+    /// Reads the library at `path`; `source_folder` is the folder of its sources, if known.
     ///
     /// # Errors
-    /// [`ImageError`] if it cannot be read or is no library for this system.
+    /// [`ImageError`] if the file cannot be read or is no library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
         let bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
         if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
@@ -120,7 +120,7 @@ impl ProgramImage {
         let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
         let Parts { loaded_len, span, mappings, read_only, description, undefined, destructors } = parts;
         let source_folder = source_folder.map(|folder| {
-            // The folder of a source named without one is the working folder.
+            // A source that is named without a folder is in the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned())
         });
@@ -144,14 +144,14 @@ impl ProgramImage {
         &self.path
     }
 
-    /// The whole file.
+    /// All bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The part of the file that a run needs, without symbols for linkers and without debug information.
+    /// The part of the file that a run needs, without the linker's symbols and debug information.
     ///
-    /// The header names no sections then, since their table is not there.
+    /// The header of this copy names no sections, since their table is cut off.
     pub fn loaded_part(&self) -> Vec<u8> {
         let mut bytes = self.bytes[..self.loaded_len].to_vec();
         // e_shoff (8 bytes), e_shnum and e_shstrndx (2 bytes each) of a 64-bit header: ELF-64 Object File Format 1.5.
@@ -166,43 +166,43 @@ impl ProgramImage {
         self.span.clone()
     }
 
-    /// Memory mappings of one copy: one a loaded segment, and for what the dynamic linker splits off: variables that
-    /// start as zero, what is made read-only after loading, gaps between segments.
+    /// Number of memory mappings of one copy: one for each loaded segment, and those that the dynamic linker splits off: variables
+    /// that start as zero, the part that is read-only after loading, gaps between segments.
     pub fn mappings(&self) -> usize {
         self.mappings
     }
 
-    /// The segments that are the same in every copy: not writable, changed by no relocation, alone in their pages.
+    /// The segments that are identical in every copy: not writable, changed by no relocation, alone in their pages.
     pub fn read_only_segments(&self) -> &[ReadOnlySegment] {
         &self.read_only
     }
 
-    /// What the library says of itself; `None` if it is no robot program.
+    /// The library's description; `None` if it is no robot program.
     pub fn description(&self) -> Option<Description> {
         self.description
     }
 
-    /// Functions and variables that the library takes from elsewhere, sorted.
+    /// Functions and variables that the library imports, sorted.
     pub fn undefined(&self) -> &[String] {
         &self.undefined
     }
 
-    /// True when nothing leads into a copy any more once its program has returned: it has started no thread and given no function or
-    /// memory of its own to the C library to keep, as far as its imports tell, and has no destructors but those of the compiler's
-    /// start files and of the shim. Destructors of thread-locals are counted by the dynamic linker itself.
+    /// Returns true if a copy can be unmapped once its program has returned. As far as its imports tell, the program then has started no
+    /// thread and registered no function or memory with the C library, and it has no destructors besides those of the compiler's start
+    /// files and of the shim. The dynamic linker itself keeps a copy as long as destructors of thread-locals are pending.
     pub fn leaves_nothing(&self) -> bool {
         let is_rust = self.description.is_some_and(|description| description.language == language::RUST);
-        // The standard library of Rust imports what it uses in executables only, or to look for newer functions.
+        // Rust's standard library imports these for executables only, or to look up newer functions.
         let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
         let keeps = |name: &String| KEEPING.contains(&name.as_str()) && !is_unused(name);
         self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
     }
 
-    /// The line of the source at `offset` from the base, if the debug information tells it.
+    /// The line of the source at `offset` from the base, if the debug information contains it.
     ///
-    /// For a return address give the address less one: the call is what lies before it. Where functions are inlined, the
-    /// innermost one that lies in the program's own folder is told. Allocates; safe to call after a program has
-    /// faulted, as the host's heap is its own.
+    /// For a return address pass the address minus one, which lies in the call instruction. Among inlined functions the result is
+    /// the innermost one in the program's own folder. Allocates; safe to call after a program has faulted, as the host does not
+    /// use the C library's heap.
     pub fn source_line(&self, offset: usize) -> Option<SourceLine> {
         if !self.span.contains(&offset) {
             return None;
@@ -225,23 +225,23 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of a call, given its return address less one; none where that lies in the shim: a function whose last deed is
-    /// the call has left already, and whoever called it is returned to.
+    /// The line of a call, given its return address minus one; `None` if that lies in the shim: the function has ended with a tail
+    /// call, so the return address is its caller's.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
         let is_of_shim =
             |file: &Path| file.is_absolute() && file.parent().is_some_and(|folder| folder.ends_with("shim"));
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }
 
-    /// The line of the first place in a call stack that lies in the program's own sources, so not in its shim or in the
-    /// library of its language; if none does, of the first that is known.
+    /// The line of the innermost place in a call stack that lies in the program's own sources, and not in its shim or in the library
+    /// of its language; if there is none, the innermost known line.
     ///
-    /// `offsets` go from the innermost to the outermost: a program counter, then return addresses. Others among them do
-    /// no harm, if they do not point into code.
+    /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among them do no
+    /// harm unless they point into code.
     pub fn own_source_line(&self, offsets: impl IntoIterator<Item = usize>) -> Option<SourceLine> {
         let mut first = None;
         for (depth, offset) in offsets.into_iter().enumerate() {
-            // A return address is behind its call, which may be the last of its line.
+            // A return address is after its call, which may be the last instruction of its line.
             let Some(line) = self.source_line(offset.saturating_sub(usize::from(depth > 0))) else { continue };
             if self.source_folder.is_none() || line.file.is_relative() {
                 return Some(line);
@@ -262,8 +262,8 @@ impl std::fmt::Debug for ProgramImage {
     }
 }
 
-/// Functions of the C library that keep a function or memory of their caller's, or start threads. The shim of C programs replaces
-/// most of them: then they are no imports.
+/// Functions of the C library that keep a function or memory of their caller, or start threads. The shim of C programs interposes
+/// most of them, so that they are no imports.
 const KEEPING: &[&str] = &[
     "GOMP_parallel",
     "__cxa_at_quick_exit",
@@ -294,7 +294,7 @@ const KEEPING: &[&str] = &[
     "tss_create",
 ];
 
-/// Destructors of the compiler's start files and of the shim, which closes the console.
+/// Number of destructors in the compiler's start files and in the shim, which closes the console.
 const OWN_DESTRUCTORS: usize = 2;
 
 struct Parts {
@@ -379,9 +379,9 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
     })
 }
 
-/// The smallest page that there is: with larger ones there are fewer mappings, never more.
+/// The smallest page size: with larger pages there are never more mappings.
 const SMALL_PAGE: usize = 4096;
-/// One mapping a segment, one where variables that start as zero go beyond the file, one for a gap between segments.
+/// One mapping for each segment, one for variables that start as zero beyond the file, one for each gap between segments.
 fn mappings_of(segments: &[Segment]) -> usize {
     let zeroed = |segment: &&Segment| {
         let from_file = segment.memory.start + segment.file.len();

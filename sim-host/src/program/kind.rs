@@ -1,4 +1,4 @@
-//! What a file is, told from its bytes: a program of this system, of another one, a source.
+//! Kind of a file, from its bytes: a program for this system, for another one, or neither.
 
 use object::elf;
 use object::read::elf::ProgramHeader as _;
@@ -12,10 +12,10 @@ pub enum FileKind {
     Foreign(String),
 }
 
-/// How much of a file [`file_kind`] wants to see.
+/// Number of first bytes of a file that [`file_kind`] needs.
 pub const HEAD_BYTES: usize = 64 * 1024;
 
-/// Tells the kind of a file from its first bytes ([`HEAD_BYTES`] of them are enough).
+/// The kind of a file, from its first bytes ([`HEAD_BYTES`] of them are enough).
 pub fn file_kind(head: &[u8]) -> FileKind {
     match head {
         [] => FileKind::Foreign("an empty file".into()),
@@ -52,7 +52,7 @@ fn foreign_kind(head: &[u8]) -> String {
     }
 }
 
-/// Whether the first line is `start`, one of `next`, and hex digits to its end, as in S-record and Intel hex files.
+/// Returns true if the first line is `start`, one of `next`, and hex digits to its end, as in S-record and Intel hex files.
 fn is_record(head: &[u8], start: &[u8], next: &[u8]) -> bool {
     let line = head.split(|&byte| byte == b'\n' || byte == b'\r').next().unwrap_or_default();
     line.len() >= 8
@@ -104,7 +104,7 @@ fn elf_kind(head: &[u8]) -> FileKind {
     }
 }
 
-/// Whether an ELF file names a program that loads it, as executables do, also those that the kernel puts at any address.
+/// Returns true if an ELF file names an interpreter, as executables do, position-independent ones included.
 fn has_interpreter(head: &[u8]) -> bool {
     let asks = |headers: Option<Vec<u32>>| headers.is_some_and(|types| types.contains(&elf::PT_INTERP));
     asks(segment_types::<elf::FileHeader64<object::Endianness>>(head))
@@ -118,7 +118,7 @@ fn segment_types<Header: object::read::elf::FileHeader>(head: &[u8]) -> Option<V
     Some(segments.iter().map(|segment| segment.p_type(endian)).collect())
 }
 
-/// The ELF number of the processor that this binary runs on.
+/// The ELF machine number of this binary's processor.
 const fn native_machine() -> u16 {
     if cfg!(target_arch = "x86_64") {
         elf::EM_X86_64

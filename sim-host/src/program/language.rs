@@ -1,8 +1,8 @@
-//! The languages of sources that are compiled here.
+//! Languages of sources that are compiled into robot programs.
 
 use std::path::Path;
 
-/// A language that robot programs are compiled from.
+/// A language of sources that are compiled into robot programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Language {
     /// C: `.c`.
@@ -12,16 +12,16 @@ pub enum Language {
 }
 
 impl Language {
-    /// Both, with C first.
+    /// Both languages, C first.
     pub const ALL: [Self; 2] = [Self::C, Self::Cpp];
 
-    /// The language of the source at `path`, told by its extension in either case; `None` if it is no such source.
+    /// The language of the source at `path`, by its extension in either case; `None` for other files.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|language| language.extensions().contains(&extension.as_str()))
     }
 
-    /// The extensions of its sources, without a dot, in the order in which they are looked for.
+    /// The extensions of its sources, without a dot, in the order of the search.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::C => &["c"],
@@ -45,7 +45,7 @@ impl Language {
         }
     }
 
-    /// The commands that are tried for its compiler where the variable is not set, in this order.
+    /// The commands that are tried for its compiler if the variable is not set, in this order.
     pub fn commands(self) -> &'static [&'static str] {
         match self {
             Self::C => &["cc", "gcc", "clang"],
@@ -53,7 +53,7 @@ impl Language {
         }
     }
 
-    /// The packages of Debian and Ubuntu that a compiler of it needs.
+    /// The packages of Debian and Ubuntu that its compiler needs.
     pub fn packages(self) -> &'static str {
         match self {
             Self::C => "gcc libc6-dev",

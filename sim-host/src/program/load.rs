@@ -1,4 +1,4 @@
-//! Loads private copies of a library: each robot has the program's globals for itself.
+//! Loads private copies of a library, so that each robot has its own global variables of the program.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -22,11 +22,11 @@ use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
 use super::share::share_pages;
 
-/// So many copies of a run are whole files with their debug information, for debuggers and profilers; further ones hold
-/// only what is mapped.
+/// Number of copies in a run that are complete files with debug information, for debuggers and profilers; further copies contain
+/// only the mapped part.
 const WHOLE_COPIES: usize = 8;
 
-/// A library that cannot be loaded as a robot program.
+/// Reasons why a library cannot be loaded as a robot program.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// A library without the entry symbol.
@@ -34,7 +34,7 @@ pub enum LoadError {
     NotAProgram {
         /// The library.
         path: PathBuf,
-        /// RoBIOS functions that it expects to find in the simulator.
+        /// RoBIOS functions that it imports from the simulator.
         robios: Vec<String>,
     },
     /// Built against another version of the interface.
@@ -49,7 +49,7 @@ pub enum LoadError {
         /// The library's version.
         program: u32,
     },
-    /// The version fits and the rest does not.
+    /// The version fits, but another property does not.
     #[error("`{}` cannot be run by this eyesim: {what}", path.display())]
     Misfit {
         /// The library.
@@ -57,7 +57,7 @@ pub enum LoadError {
         /// What does not fit.
         what: String,
     },
-    /// A function that is used and neither in the library nor in those it names.
+    /// A function is used, but defined neither in the library nor in those that it names.
     #[error("`{}` needs `{symbol}`, which neither it nor any library that it names defines", path.display())]
     Undefined {
         /// The library.
@@ -70,7 +70,7 @@ pub enum LoadError {
     Refused {
         /// The library.
         path: PathBuf,
-        /// What the dynamic linker says.
+        /// Message of the dynamic linker.
         what: String,
     },
     /// An argument that no C string can hold.
@@ -91,15 +91,15 @@ pub enum LoadError {
         /// Why.
         error: io::Error,
     },
-    /// Its process ended or broke before the program could begin.
+    /// The process ended or broke before the program could begin.
     #[error("cannot load `{}` in a process of its own: {what}", path.display())]
     Process {
         /// The library.
         path: PathBuf,
-        /// What happened.
+        /// Description of the event.
         what: String,
     },
-    /// More private copies than the kernel lets one process map.
+    /// The private copies need more memory mappings than the kernel allows one process.
     #[error(
         "{robots} robots need about {needed} memory mappings for private copies of their programs and for their stacks, and \
          the kernel allows {allowed} a process: run fewer robots, or raise the limit with `sudo sysctl \
@@ -108,11 +108,11 @@ pub enum LoadError {
     TooManyMappings {
         /// Robots in the run.
         robots: usize,
-        /// Mappings needed, those that are there included.
+        /// Mappings needed, existing ones included.
         needed: usize,
         /// `vm.max_map_count`.
         allowed: usize,
-        /// A limit that is enough.
+        /// A sufficient limit.
         advised: usize,
     },
 }
@@ -129,8 +129,8 @@ fn robios_hint(robios: &[String]) -> String {
     }
 }
 
-/// A robot's own copy of a program with its arguments, ready to run. Its library is unmapped with the last clone of it, as far as
-/// that can be: see [`ProgramImage::leaves_nothing`].
+/// A robot's own copy of a program with its arguments, ready to run. Its library is unmapped with the last clone, if that is safe:
+/// see [`ProgramImage::leaves_nothing`].
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
@@ -145,7 +145,7 @@ impl std::fmt::Debug for LoadedProgram {
     }
 }
 
-/// The tables of a host type.
+/// The function tables of a host type.
 struct Tables<H>(PhantomData<H>);
 
 impl<H: Support + Robios6 + Robios7> Tables<H> {
@@ -165,76 +165,76 @@ impl LoadedProgram {
         &self.prepared.name
     }
 
-    /// What this is a copy of.
+    /// The program of which this is a copy.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
-    /// Whether the program's exit code says anything: not where `main` returns no value.
+    /// Returns true if the program's exit code has a meaning: false if `main` returns no value.
     pub fn has_exit_code(&self) -> bool {
         self.library.description().flags & flag::VOID_MAIN == 0
     }
 
-    /// Runs the program's `main` on this thread, its calls answered by `host`; gives its exit code.
+    /// Runs the program's `main` on this thread, with its calls answered by `host`; returns its exit code.
     ///
-    /// The program is native code of the user's and can do whatever this process can; faults are the executive's. One run
-    /// at a time, as the copy has its globals once.
+    /// The program is native code of the user and can do anything that this process can; the executive handles its faults. One run
+    /// at a time, since the copy has a single set of globals.
     pub fn run<H: Support + Robios6 + Robios7>(&self, host: &H) -> i32 {
         let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
         argv.push(std::ptr::null());
         let argc = self.arguments.len() as c_int;
         let robot = std::ptr::from_ref(host).cast_mut().cast::<c_void>();
         let description = self.library.description();
-        // SAFETY: the tables are those of `H`, so that `robot` leads to what their entries expect
-        // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then
-        // a null pointer, alive as long; the description was checked when it was loaded, and the library stays as long as `self`.
+        // SAFETY: the tables are those of `H`, so that `robot` points to the type that their entries expect
+        // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then a null
+        // pointer, alive as long; the description was checked when it was loaded, and the library stays mapped as long as `self`.
         let code = unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) };
-        // `main` has ended: what follows on this thread is the host's.
+        // `main` has ended: from here on the thread runs the host.
         float::hold_default();
         code
     }
 
-    /// The addresses at which the copy's code and variables lie.
+    /// Address range of the copy's code and variables.
     pub fn addresses(&self) -> Range<usize> {
         let span = self.image.span();
         self.library.base + span.start..self.library.base + span.end
     }
 
-    /// The line of the source at `address`, if it lies in this copy and the debug information tells it. See
+    /// The line of the source at `address`, if it lies in this copy and the debug information contains it. See
     /// [`ProgramImage::source_line`].
     pub fn source_line(&self, address: usize) -> Option<SourceLine> {
         self.image.source_line(self.offset(address)?)
     }
 
-    /// The line in the program's own sources that a call stack leads to: `addresses` are the program counter, then return
-    /// addresses, innermost first; those outside of this copy are passed over. See [`ProgramImage::own_source_line`].
+    /// The line in the program's own sources to which a call stack leads: `addresses` are the program counter, then return
+    /// addresses, innermost first; those outside of this copy are skipped. See [`ProgramImage::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
-        // An address outside of the copy becomes an offset outside of its code.
+        // An address outside of the copy becomes an offset outside of its image.
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
         self.image.own_source_line(offsets)
     }
 
-    /// Where the program called the function that it is in, if its shim tells. To be asked only while the program is in a call.
+    /// Place of the call in progress, if the program's shim reports it. May be called only while the program is in a call.
     pub fn call_site(&self) -> CallSite {
         let site = self.library.description().call_site;
         if site.is_null() || !site.is_aligned() {
             return CallSite::NONE;
         }
-        // SAFETY: the description's contract: `call_site` leads to a variable of this copy, which is mapped as long as
-        // `self` and which only the program writes, that is in a call now.
+        // SAFETY: by the description's contract `call_site` points to a variable of this copy, which is mapped as long as `self`
+        // and which only the program writes; the program is in a call now.
         unsafe { site.read() }
     }
 
-    /// A place in this program in the user's words: `maze.c:88`.
+    /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &CallSite) -> Option<String> {
         let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
-            // A return address lies behind the call.
+            // A return address lies after the call instruction.
             let offset = self.offset(address.addr().checked_sub(1)?)?;
             return self.image.call_line(offset).map(|line| line.to_string());
         }
-        // SAFETY: the contract of a program's call site: a name of that many bytes in the program's constants, which are mapped as
-        // long as `self`; a site is asked about at its own program only.
+        // SAFETY: by the contract of a program's call site, a name of that many bytes in the program's constants, which are mapped
+        // as long as `self`; a site is only passed to its own program.
         let file = unsafe { std::slice::from_raw_parts(file, file_len) };
         Some(format!("{}:{line}", String::from_utf8_lossy(file)))
     }
@@ -244,32 +244,32 @@ impl LoadedProgram {
     }
 }
 
-/// Loads the programs of one run. Its folder holds each copy only while that is being loaded.
+/// Loads the programs of one run. Its folder contains each copy only while that copy is being loaded.
 #[derive(Debug)]
 pub struct Loader {
     folder: tempfile::TempDir,
     copies: usize,
-    /// For each program (by its address, which the program kept beside it holds) the file of its first copy, whose pages of
-    /// code and constants the others share.
+    /// For each program (keyed by its address, which is unique while the `Arc` stored with it lives) the file of its first copy,
+    /// whose pages of code and constants the other copies share.
     first_copies: BTreeMap<usize, (Arc<Prepared>, File)>,
-    /// As `first_copies`, the file that processes of their own load.
+    /// Like `first_copies`: the file that robots' own processes load.
     libraries: BTreeMap<usize, (Arc<Prepared>, PathBuf)>,
 }
 
 impl Loader {
-    /// A loader with a run folder of its own under the temporary folder, removed when it is dropped.
+    /// Creates a loader with its own run folder in the temporary folder, removed when the loader is dropped.
     ///
     /// # Errors
-    /// If the folder cannot be made.
+    /// The folder cannot be created.
     pub fn new() -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix("eyesim-run-").tempdir()?;
         Ok(Self { folder, copies: 0, first_copies: BTreeMap::new(), libraries: BTreeMap::new() })
     }
 
-    /// Maps a private copy of `prepared` for one robot, which runs it with `arguments` behind the program's name.
+    /// Maps a private copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`.
     ///
-    /// The library's constructors run on this thread. The copy is unmapped with the last clone of what this returns, unless something
-    /// that it may leave behind (exit handlers, threads) would still lead into it.
+    /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless the program may
+    /// leave references to it behind (exit handlers, threads).
     ///
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
@@ -284,11 +284,11 @@ impl Loader {
         Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library })
     }
 
-    /// The file from which processes of their own load `prepared`: one copy for all of them, whose pages they share. It is there as
-    /// long as the loader. The arguments are those of the program, to be checked.
+    /// The file from which robots' own processes load `prepared`: one copy for all of them, whose pages they share. It exists as long
+    /// as the loader. `arguments` are only checked.
     ///
     /// # Errors
-    /// [`LoadError`] if it is no program for this eyesim, as far as that can be seen without loading it.
+    /// [`LoadError`] if it is no program for this eyesim, as far as the file shows.
     pub fn library(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<PathBuf, LoadError> {
         let image = library_of(prepared)?;
         check_description(image)?;
@@ -308,7 +308,7 @@ impl Loader {
         Ok(path)
     }
 
-    /// Writes a copy of `image` and maps it: the library, and the file, which has no name any more.
+    /// Writes a copy of `image`, maps it and removes its name; returns the library and the file.
     fn map_copy(&mut self, image: &ProgramImage) -> Result<(Opened, File), LoadError> {
         self.copies += 1;
         let stem = image.path().file_stem().unwrap_or(OsStr::new("program"));
@@ -330,7 +330,7 @@ impl Loader {
         Ok((opened.map_err(|error| error.of(image.path(), &path))?, copy))
     }
 
-    /// Lets the copy at `base`, loaded from the file `copy`, use the code and constants of the program's first copy.
+    /// Maps code and constants of the program's first copy into the copy at `base`, which was loaded from the file `copy`.
     fn share(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage, base: usize, copy: File) {
         match self.first_copies.entry(Arc::as_ptr(prepared).addr()) {
             Entry::Vacant(first) => {
@@ -338,22 +338,22 @@ impl Loader {
             }
             Entry::Occupied(first) => {
                 let segments = image.read_only_segments();
-                // SAFETY: both files were written from this image, and differ at most in where the header says that the
-                // table of sections is, which the dynamic linker does not read; they have no name any more and no other
-                // owner. The segments are those of the image, which is loaded at `base` as long as the caller has it.
+                // SAFETY: both files were written from this image, and differ at most in the header's fields on the section table, which
+                // the dynamic linker does not read; they have no name any more and no other owner. The segments are those of the image,
+                // which the caller keeps loaded at `base`.
                 unsafe { share_pages(base, segments, &first.get().1, &copy) };
             }
         }
     }
 }
 
-/// A library that is mapped as long as this lives.
+/// A mapped library.
 pub struct Opened {
-    /// Where it lies.
+    /// Base address.
     pub base: usize,
-    /// Checked; in the library's constants.
+    /// Checked by [`open`]; points to the library's constants.
     description: NonNull<Program>,
-    /// Is unmapped when it is dropped; none of a library that stays for ever.
+    /// Unmaps the library when dropped; `None` if the library stays mapped for ever.
     library: Option<Library>,
 }
 
@@ -363,13 +363,13 @@ unsafe impl Send for Opened {}
 unsafe impl Sync for Opened {}
 
 impl Opened {
-    /// Its description.
+    /// The program's description.
     pub fn description(&self) -> &Program {
         // SAFETY: checked by `open`, and mapped as long as `self`.
         unsafe { self.description.as_ref() }
     }
 
-    /// The same, mapped until the process ends.
+    /// Keeps the library mapped until the process ends.
     #[must_use]
     pub fn kept(mut self) -> Self {
         std::mem::forget(self.library.take());
@@ -377,17 +377,17 @@ impl Opened {
     }
 }
 
-/// Why a library cannot be opened.
+/// Reasons why a library cannot be opened.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The dynamic linker's words.
+    /// The dynamic linker refuses it, with this message.
     Linker(String),
-    /// What does not fit.
+    /// It does not fit this eyesim, for this reason.
     Misfit(String),
 }
 
 impl OpenError {
-    /// The error for the library at `path`, which was opened as its copy `copy`.
+    /// Converts this into an error about the library at `path`, which was opened as its copy `copy`.
     pub fn of(self, path: &Path, copy: &Path) -> LoadError {
         match self {
             Self::Linker(what) => refused(path, copy, &what),
@@ -396,35 +396,35 @@ impl OpenError {
     }
 }
 
-/// Maps the library at `path`, in which a description of this version was seen ([`Loader::library`] looks for one); its
-/// constructors run on this thread, and its destructors on the one that drops it.
+/// Maps the library at `path`, whose description must have been checked in the file ([`Loader::library`] does so). Its
+/// constructors run on this thread, and its destructors on the thread that drops it.
 ///
 /// # Errors
-/// Why it is not one that can be run.
+/// [`OpenError`] if the dynamic linker refuses the library or its description does not fit.
 pub fn open(path: &Path) -> Result<Opened, OpenError> {
     let linker = |error: &libloading::Error| {
         let source = std::error::Error::source(error).map(ToString::to_string);
         OpenError::Linker(source.unwrap_or_else(|| error.to_string()))
     };
     let misfit = |what: &str| OpenError::Misfit(what.to_owned());
-    // SAFETY: loading runs the constructors of a library that the user asked to run; that is what a robot program
-    // is. The flags are those of dlopen.
+    // SAFETY: loading runs the constructors of a library that the user asked to run, which is the purpose of a robot program.
+    // The flags are those of dlopen.
     let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
-    // Constructors have run on this thread: those of `-ffast-math` change its floats, which are the host's.
+    // Constructors have run on this thread: those of `-ffast-math` change its floating-point environment, which is the host's now.
     float::hold_default();
     // SAFETY: the symbol is only used as an address here.
     let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
     let description =
         NonNull::new(symbol.as_raw_ptr().cast::<Program>()).filter(|description| description.is_aligned());
     let description = description.ok_or_else(|| misfit("its description is not where it should be"))?;
-    // SAFETY: not null, aligned, and `check_description` has seen in the file that a description of this version and
-    // at least this size is there; it is a constant in an image that is mapped as long as `library`.
+    // SAFETY: not null, aligned, and `check_description` has found in the file a description of this version and of at least
+    // this size; it is a constant in an image that is mapped as long as `library`.
     unsafe { description.as_ref() }.check().map_err(|why| misfit(&why.to_string()))?;
     let base = base_of(description.as_ptr().addr()).ok_or_else(|| misfit("its address is unknown"))?;
     Ok(Opened { base, description, library: Some(library) })
 }
 
-/// The library of a program that is one.
+/// The library of `prepared`; an error for a Python program.
 fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     let path = || prepared.source.path().to_owned();
     let none =
@@ -432,7 +432,7 @@ fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     prepared.image().ok_or_else(none)
 }
 
-/// Checks what can be seen in the file, before any of the library's code runs.
+/// Checks the description in the file, before any of the library's code runs.
 fn check_description(image: &ProgramImage) -> Result<(), LoadError> {
     let path = || image.path().to_owned();
     let Some(description) = image.description() else {
@@ -447,7 +447,7 @@ fn check_description(image: &ProgramImage) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// The base address of the loaded image that `address` lies in.
+/// The base address of the loaded image that contains `address`.
 fn base_of(address: usize) -> Option<usize> {
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
     // SAFETY: dladdr takes any address, compares it with the images that are loaded, and writes only to `info`, which is
@@ -457,13 +457,13 @@ fn base_of(address: usize) -> Option<usize> {
     (found != 0).then(|| info.dli_fbase.addr())
 }
 
-/// The RoBIOS functions that a library expects the simulator to define.
+/// The RoBIOS functions that a library imports from the simulator.
 fn robios_functions(image: &ProgramImage) -> Vec<String> {
     let is_robios = |name: &&String| Robios6Call::from_name(name).is_some() || Robios7Call::from_name(name).is_some();
     image.undefined().iter().filter(is_robios).cloned().collect()
 }
 
-/// What the dynamic linker says of `copy`, told of the library that it is a copy of.
+/// The dynamic linker's message about `copy` as an error about the original library.
 fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     let what = what.replace(&format!("{}: ", copy.display()), "").replace(&copy.display().to_string(), "the library");
     let path = path.to_owned();
@@ -480,11 +480,11 @@ fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     }
 }
 
-/// Checks that the kernel lets this process map the private copies of a run: for each program its image and how many
-/// robots load it; each robot needs `others` mappings more (its stacks).
+/// Checks that the kernel lets this process map the private copies of a run: `programs` are the images with the number of robots
+/// that load each; every robot needs `others` further mappings (its stacks).
 ///
 /// # Errors
-/// [`LoadError::TooManyMappings`] if they do not fit. Where the kernel does not tell its limit nothing is checked.
+/// [`LoadError::TooManyMappings`] if they do not fit. If the kernel's limit is unknown, nothing is checked.
 pub fn check_mappings<'a>(
     programs: impl IntoIterator<Item = (&'a ProgramImage, usize)>,
     others: usize,
@@ -503,7 +503,7 @@ fn check_against_limit<'a>(
     there: usize,
     allowed: usize,
 ) -> Result<(), LoadError> {
-    // The heap and the record grow during the run.
+    // Reserve for the heap and the record, which grow during the run.
     const RESERVE: usize = 1000;
     let (mut robots, mut needed) = (0, there + RESERVE);
     for (image, count) in programs {
@@ -517,7 +517,7 @@ fn check_against_limit<'a>(
     Err(LoadError::TooManyMappings { robots, needed, allowed, advised })
 }
 
-/// The arguments of a program as C strings, `argv[0]` first; the argument that holds a NUL if one does.
+/// The arguments of a program as C strings, `argv[0]` first; the error describes an argument that contains a NUL.
 fn c_arguments(name: &str, arguments: &[String]) -> Result<Vec<CString>, String> {
     let words = std::iter::once(name).chain(arguments.iter().map(String::as_str));
     words.map(|word| CString::new(word).map_err(|error| error.to_string())).collect()

@@ -1,7 +1,7 @@
-//! Robot programs: finds what a sim file names, builds it where it is a source, loads a private copy for each robot.
+//! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a private copy for each robot.
 //!
-//! It does not run them (the executive does) and knows nothing of what a RoBIOS call does. What a program may be, the
-//! search order, the flags and the cache are described in `docs/programs.md`.
+//! Programs are run by the executive, and the effects of RoBIOS calls are defined elsewhere. `docs/programs.md` describes what a
+//! program may be, the search order, the flags and the cache.
 
 pub mod build;
 pub mod cache;

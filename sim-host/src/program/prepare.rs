@@ -1,4 +1,4 @@
-//! From what was found to images that robots can load: each program is built and read once.
+//! Builds and reads each program that was found, once, into an image that robots can load.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,36 +10,36 @@ use super::image::{ImageError, ProgramImage};
 use super::python::Python;
 use super::symbols::warnings_about;
 
-/// A program that is built and read, for every robot that runs it.
+/// A program that is built and read, shared by all robots that run it.
 #[derive(Debug)]
 pub struct Prepared {
     /// Its name, the `argv[0]` of its robots.
     pub name: String,
-    /// What it was made from.
+    /// Source of the program.
     pub source: ProgramSource,
-    /// What robots load of it.
+    /// Code that robots load.
     pub code: Code,
-    /// What the compiler said, now or when the library was built.
+    /// Output of the compiler, now or when the library was built.
     pub output: String,
-    /// Whether a compiler ran now.
+    /// A compiler ran now.
     pub compiled: bool,
-    /// The generation of RoBIOS that its sources are compiled for, and why; `None` where eyesim did not choose it.
+    /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose it.
     pub choice: Option<Choice>,
-    /// What in the program is outside the guarantee of equal runs, a line each.
+    /// Warnings about functions outside the guarantee of equal runs, a line each.
     pub warnings: Vec<String>,
 }
 
-/// What robots load of a program.
+/// Code of a program that robots load.
 #[derive(Debug)]
 pub enum Code {
     /// A shared library.
     Library(Arc<ProgramImage>),
-    /// A Python program, and what runs it, always in a process of its own.
+    /// A Python program, with its interpreter; always runs in its own process.
     Python(Python),
 }
 
 impl Prepared {
-    /// The library; none of a Python program.
+    /// The library; `None` for a Python program.
     pub fn image(&self) -> Option<&Arc<ProgramImage>> {
         match &self.code {
             Code::Library(image) => Some(image),
@@ -47,7 +47,7 @@ impl Prepared {
         }
     }
 
-    /// The generation of RoBIOS that it was built for, where that is known.
+    /// The generation of RoBIOS for which the program was built, if known.
     pub fn generation(&self) -> Option<u32> {
         match &self.code {
             Code::Library(image) => image.description().map(|description| description.generation),
@@ -55,12 +55,12 @@ impl Prepared {
         }
     }
 
-    /// What is told when it is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
+    /// Message to the user when it is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
     pub fn generation_remark(&self) -> Option<String> {
         self.choice.as_ref()?.remark(self.source.path())
     }
 
-    /// The files that make the program what it is, for the list of a run's inputs.
+    /// The files that determine the program, for the list of a run's inputs.
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {
             ProgramSource::Sources { files, .. } => files.clone(),
@@ -73,10 +73,10 @@ impl Prepared {
 /// A program that cannot be prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum PrepareError {
-    /// It does not build.
+    /// The program does not build.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// What was built or given is not a library that can be loaded.
+    /// The file is not a library that can be loaded.
     #[error(transparent)]
     Image(#[from] ImageError),
 }
@@ -85,7 +85,7 @@ pub enum PrepareError {
 /// from one source share theirs.
 ///
 /// # Errors
-/// For each program [`PrepareError`] on its own.
+/// [`PrepareError`] for each program separately.
 pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, Arc<PrepareError>>> {
     let mut distinct: Vec<&Found> = Vec::new();
     for program in found {
@@ -120,7 +120,7 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
     found.iter().filter_map(|program| prepared.get(place(program)?).cloned()).collect()
 }
 
-/// The folder from which source files are named in messages.
+/// The folder to which names of source files in messages are relative.
 fn source_folder(source: &ProgramSource) -> Option<&Path> {
     match source {
         ProgramSource::Sources { files, .. } => files.first()?.parent(),

@@ -1,4 +1,4 @@
-//! Python programs: not built, but run by an interpreter, each in a process of its own, through the module `eye`.
+//! Python programs, which an interpreter runs through the module `eye`, each in its own process.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,19 +10,19 @@ use super::command::{PATIENCE, output_within};
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
 
-/// What runs a Python program.
+/// Interpreter and module that run Python programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
     /// The interpreter: `$PYTHON`, else `python3` on the search path.
     interpreter: PathBuf,
-    /// The module `eye`, which runs a program when it is run as a script.
+    /// The module `eye`, which, run as a script, runs a program.
     eye: PathBuf,
 }
 
-/// There is no Python that can be used.
+/// Reasons why Python programs cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum PythonError {
-    /// It cannot be started.
+    /// The interpreter cannot be started.
     #[error("`{}`, which Python programs need, cannot be run ({error}): install it (Debian: the package `python3`), or name another one in $PYTHON", interpreter.display())]
     Missing {
         /// The interpreter.
@@ -30,12 +30,12 @@ pub enum PythonError {
         /// Why.
         error: io::Error,
     },
-    /// It is too old, or is no Python.
+    /// The interpreter is too old, or is no Python.
     #[error("`{}` is no Python 3.{MINOR} or newer: it says `{said}`", interpreter.display())]
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,
-        /// What it said to the question for its version.
+        /// Its output when asked for its version.
         said: String,
     },
     /// The module `eye` cannot be written into the cache.
@@ -44,7 +44,7 @@ pub enum PythonError {
 }
 
 impl Python {
-    /// The user's interpreter, and `eye.py` written into `cache`.
+    /// Checks the interpreter and writes `eye.py` into `cache`.
     ///
     /// # Errors
     /// [`PythonError`].
@@ -63,11 +63,11 @@ impl Python {
         Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
     }
 
-    /// The command that runs `program` as a robot's child process. What a run must not depend on is fixed in its environment.
+    /// The command that runs `program` as a robot's child process. Its environment is fixed where it would make runs differ.
     pub fn command(&self, program: &Path) -> Command {
         let mut command = Command::new(&self.interpreter);
         command.arg("-B").arg(&self.eye).arg(program).env("PYTHONHASHSEED", "0").env("TZ", "UTC0");
-        // Sums of several threads depend on how many there are, which is the machine's; a user who wants them says so.
+        // Multi-threaded sums depend on the number of threads, which differs by machine; the user may still set these variables.
         for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
             if std::env::var_os(name).is_none() {
                 command.env(name, "1");

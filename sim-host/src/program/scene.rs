@@ -1,4 +1,4 @@
-//! The programs of a scene: found and built, each once.
+//! The programs of a scene, each found and built once.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::find::{Found, SearchPath, find_program};
 use super::generation::{Generation, Wanted};
 use super::prepare::{Prepared, prepare};
 
-/// What the scene says of the generation that a robot's program is written for.
+/// The generation that the scene states for a robot's program.
 pub fn wanted_of(robot: &RobotSpec) -> Wanted {
     let generation = |number: Option<u32>| number.and_then(Generation::of_number);
     Wanted { api: generation(robot.api), dialect: generation(robot.dialect) }
@@ -18,19 +18,19 @@ pub fn wanted_of(robot: &RobotSpec) -> Wanted {
 
 /// The programs of a scene, built.
 pub struct Programs {
-    /// In the order of the robots; robots with one program share it, a robot that only stands there has none.
+    /// In the order of the robots; robots with the same program share it, and a robot without a program has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,
-    /// What the user should know: how they were found, what the compiler said, what is outside the guarantee.
+    /// Messages for the user: notes of the search, output of the compiler, warnings about the guarantee of equal runs.
     pub remarks: Vec<String>,
 }
 
 impl Programs {
-    /// Finds and builds the programs of all robots, each once; `builder` tells its observer what it compiles.
+    /// Finds and builds the programs of all robots, each once; `builder` tells its observer of each compilation.
     ///
     /// # Errors
     /// All programs that cannot be found or built, in one message with the lines of the sim file.
     pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> anyhow::Result<Self> {
-        // A program that is named on the command line is looked for from where the user stands.
+        // A program named on the command line is searched from the working folder, not from the sim file's.
         let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
         let mut mistakes = Vec::new();
@@ -74,13 +74,13 @@ impl Programs {
         Ok(Self { of_robots, remarks })
     }
 
-    /// The programs, each once for each robot that runs it.
+    /// The program of each robot that has one.
     pub fn iter(&self) -> impl Iterator<Item = &Arc<Prepared>> {
         self.of_robots.iter().flatten()
     }
 }
 
-/// Names a program of a scene from the command line, where a file has no place.
+/// Reference to a program that is named on the command line, and so has no span in a file.
 pub fn program_of_command_line(name: &str) -> PathRef {
     PathRef { text: name.to_owned(), span: Span::default() }
 }
@@ -89,7 +89,7 @@ fn is_of_command_line(program: &PathRef) -> bool {
     program.span.line == 0
 }
 
-/// Where `program` is named: `line.sim:3`, or the command line's option.
+/// Place in which `program` is named: `line.sim:3`, or the command line's option.
 fn place_of(scene: &SceneSpec, program: &PathRef) -> String {
     if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }

@@ -1,8 +1,8 @@
-//! One set of code pages for all copies of a library.
+//! Sharing of code pages among all copies of a library.
 //!
-//! Each robot has a copy of the library's file, for variables of its own. What no copy ever changes (code and constants)
-//! is mapped anew from one common file after loading: a thousand robots then run through one set of pages, which stays in
-//! the processor's caches, instead of a thousand. The copy's own pages of it are given back.
+//! Each robot has a copy of the library's file, for its own variables. The parts that never change (code and constants) are mapped
+//! again from one common file after loading: a thousand robots then run on one set of pages, which stays in the processor's caches,
+//! instead of a thousand sets. The corresponding pages of the copy's file are freed.
 
 use std::fs::File;
 use std::ops::Range;
@@ -10,13 +10,13 @@ use std::os::fd::AsRawFd as _;
 
 use super::image::ReadOnlySegment;
 
-/// Maps the pages of `segments` in the copy at `base` from `common` and frees them in `copy`, the file that the copy was
-/// loaded from. Pages that cannot be shared stay the copy's own.
+/// Maps the pages of `segments` in the copy at `base` from `common`, and frees them in `copy`, the file from which the copy was
+/// loaded. Pages that cannot be shared stay as they are.
 ///
 /// # Safety
-/// A library is loaded at `base`, and nobody unloads it meanwhile. `segments` are its own, mapped without the right to write, from a file with
-/// the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of memory. Neither
-/// file is changed by anybody else.
+/// A library is loaded at `base`, and not unloaded meanwhile. `segments` belong to it and are mapped read-only, from a file with
+/// the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of memory. No other code
+/// changes either file.
 pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &File, copy: &File) {
     let page = page_size();
     for segment in segments {
@@ -27,9 +27,9 @@ pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &Fi
             continue;
         }
         let protection = if segment.is_code { libc::PROT_READ | libc::PROT_EXEC } else { libc::PROT_READ };
-        // SAFETY: the range is pages of this segment only, which the dynamic linker has mapped from the same place of a
-        // file with the same bytes (this function's contract): replacing them changes no byte that anybody uses, and
-        // other threads see the old or the new mapping.
+        // SAFETY: the range consists of pages of this segment only, which the dynamic linker has mapped from the same offset of a
+        // file with the same bytes (this function's contract): replacing them changes no byte in use, and other threads see the old
+        // or the new mapping.
         let mapped = unsafe {
             libc::mmap(
                 std::ptr::with_exposed_provenance_mut(base + start),
@@ -41,13 +41,13 @@ pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &Fi
             )
         };
         if mapped != libc::MAP_FAILED {
-            // Only whole pages: what shares a page of the file with the segment may be mapped from there still.
+            // Only whole pages are freed: the rest of a partial page may still be mapped from the copy.
             free_pages(copy, segment.file.start.next_multiple_of(page)..segment.file.end / page * page);
         }
     }
 }
 
-/// Gives the pages of `range` in `file` back; a file system that cannot do so keeps them.
+/// Frees the disk space of `range` in `file`; does nothing if the file system cannot.
 fn free_pages(file: &File, range: Range<usize>) {
     let (Ok(start), Ok(len)) = (libc::off_t::try_from(range.start), libc::off_t::try_from(range.len())) else {
         return;
@@ -61,7 +61,7 @@ fn free_pages(file: &File, range: Range<usize>) {
     };
 }
 
-/// Bytes of a page of memory.
+/// Size of a memory page in bytes.
 pub fn page_size() -> usize {
     // SAFETY: sysconf reads a constant of the system.
     let size = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };

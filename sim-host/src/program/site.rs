@@ -1,13 +1,13 @@
-//! Where a program called a function.
+//! Call sites in programs.
 
 use robios_sys::CallSite;
 
-/// Where a program called a function: kept as it is told, put in words only when somebody asks.
+/// Place of a call in a program: stored in raw form, and put in words only on demand.
 #[derive(Clone, Debug)]
 pub enum Site {
-    /// In this process.
+    /// In a program that runs in this process.
     Here(CallSite),
-    /// In its own.
+    /// In a program that runs in its own process.
     There(RemoteSite),
 }
 
@@ -17,13 +17,13 @@ impl Default for Site {
     }
 }
 
-/// Where a program in a process of its own made a call, as it has told.
+/// Place of a call in a program in its own process, as that process reported it.
 #[derive(Clone, Debug, Default)]
 pub struct RemoteSite {
-    /// The address to which the call returns; 0 where it is not known.
+    /// Return address of the call; 0 if unknown.
     pub address: u64,
-    /// The line in `file`; 0 where it is not known.
+    /// The line in `file`; 0 if unknown.
     pub line: u32,
-    /// The source file, of a program that tells it itself.
+    /// The source file, for programs that report it themselves; else empty.
     pub file: String,
 }

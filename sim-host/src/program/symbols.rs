@@ -1,4 +1,4 @@
-//! What a library takes from the C library although it reaches beyond the robot.
+//! Warnings about functions of the C library that reach beyond the robot.
 
 use std::collections::BTreeMap;
 
@@ -6,27 +6,27 @@ use robios_sys::{c, language};
 
 use super::image::ProgramImage;
 
-/// Symbols that the shim of C programs imports for itself, for the descriptors that are not the robot's console.
+/// Symbols that the shim of C programs imports for itself, for descriptors other than the robot's console.
 const SHIM: &[&str] = &["syscall"];
 
-/// Symbols that the static C++ library imports for itself besides, for locales and streams. That a program reads the
-/// environment or changes its locale is not told from them.
+/// Symbols that the static C++ library imports for itself besides, for locales and streams. They do not tell if the program reads
+/// the environment or changes its locale.
 ///
 /// Found by looking at programs built with GCC 12.
 const CPP_LIBRARY: &[&str] = &["syscall", "getenv", "secure_getenv", "uselocale", "setlocale", "ioctl", "readv"];
 
-/// Symbols that the Rust standard library imports for itself, for panics and locks, whether a program uses what they do
-/// or not: of these a Rust program's imports tell nothing. What it imports for `Instant` (`clock_gettime`), `sleep`
-/// (`clock_nanosleep`), threads (`pthread_create`) and `exit` is there only if the program uses it.
+/// Symbols that the Rust standard library imports for itself, for panics and locks, in every program: they tell nothing about
+/// the program. Its imports for `Instant` (`clock_gettime`), `sleep` (`clock_nanosleep`), threads (`pthread_create`) and `exit`
+/// exist only if the program uses these.
 ///
 /// Found by looking at programs built with Rust 1.95.
 const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sigaction", "syscall", "write", "writev"];
 
-/// What in `image` is outside the guarantee that a run is the same every time: a line for each reason, with the names of
-/// the functions; `name` is the program's. In a C program that eyesim has built that is only what no shim replaces.
+/// Warnings about imports of `image` that are outside the guarantee of equal runs: a line for each reason, with the names of the
+/// functions; `name` is the program's. In a C program built by eyesim these are only functions that no shim interposes.
 ///
-/// Rust programs are judged only by what their standard library does not import anyway, so `println!` and the order of a
-/// `HashMap` are not told here, see `docs/programs.md`.
+/// In Rust programs only imports count that their standard library does not have anyway, so `println!` and the order of a
+/// `HashMap` are not reported, see `docs/programs.md`.
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
     let own = match image.description().map(|description| description.language) {
         Some(language::C) => SHIM,

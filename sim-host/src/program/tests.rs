@@ -1,4 +1,4 @@
-//! Building and loading with the real compiler. Where there is none, the tests say so and end.
+//! Building and loading with the real compiler. Without a compiler the tests print a message and end.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -19,7 +19,7 @@ use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
 use super::prepare::{Code, Prepared, prepare};
 use super::symbols::warnings_about;
 
-/// `run` calls `main` and returns what it returns.
+/// A shim whose `run` calls `main` and returns its result.
 const SHIM: &str = r#"
 #include "abi.h"
 #ifdef EYESIM_VOID_MAIN
@@ -126,7 +126,7 @@ impl Bench {
         loaded.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A script that runs the compiler and counts how often it does more than tell its version.
+    /// A script that runs the compiler and counts the calls that do more than print its version.
     fn count_compilations(&mut self) -> impl Fn() -> usize + use<> {
         let log = self.path("calls");
         let text = format!("#!/bin/sh\n[ \"$1\" = --version ] || echo \"$@\" >> '{}'\nexec cc \"$@\"\n", log.display());
@@ -263,7 +263,7 @@ fn nothing_is_compiled_when_nothing_has_changed() {
     assert!(bench.built(&["maze.c"]).compiled);
     assert_eq!(run(&bench.loaded(&["maze.c"])), 4);
     let count = compilations();
-    // A source or header that is as it was before is there already.
+    // A source or header with its earlier contents is in the cache.
     bench.write("map.h", "#define SIZE 3\n");
     bench.built(&["maze.c"]);
     assert_eq!(run(&bench.loaded(&["maze.c"])), 3);
@@ -333,7 +333,7 @@ fn each_copy_has_its_own_globals() {
     let Some(bench) = Bench::with(&[("count.c", counter)]) else { return };
     let prepared = bench.prepared(&["count.c"]);
     let mut loader = Loader::new().expect("a run folder");
-    // More than are whole files, so that copies of the loaded part only are among them.
+    // More copies than are complete files, so that some contain only the loaded part.
     let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&prepared, &[]).expect("a copy")).collect();
     for program in &programs {
         assert_eq!(run(program), 111);
@@ -439,7 +439,7 @@ fn too_many_copies_are_refused_before_the_run() {
     }
 }
 
-/// A host that hears what a program prints.
+/// A host that collects the output of a program.
 #[derive(Default)]
 struct Listener {
     console: std::cell::RefCell<String>,

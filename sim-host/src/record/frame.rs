@@ -1,4 +1,4 @@
-//! Images of robots' cameras as files: what `eyesim run --frames` and `eyesim shot` write; images and scans for a recording.
+//! Images of robots' cameras as files, for `eyesim run --frames` and `eyesim shot`; images and scans for recordings.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -13,12 +13,12 @@ use super::report::write_whole;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, KindSet, Record};
 
-/// An image that a program gets.
+/// Image that a program takes.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// Its number among the images of its camera, from 1.
     pub number: u64,
-    /// When it was exposed.
+    /// Time of its exposure.
     pub exposed: Time,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -29,20 +29,20 @@ pub struct Frame<'a> {
 /// The pixels of an image.
 #[derive(Clone, Copy, Debug)]
 pub enum Pixels<'a> {
-    /// Red, green and blue of each.
+    /// Red, green and blue of each pixel.
     Colour(&'a [u8]),
-    /// A level of each.
+    /// Grey level of each pixel.
     Grey(&'a [u8]),
-    /// A level of each, behind the camera's colour filter.
+    /// Level of each pixel behind the camera's colour filter.
     Bayer(&'a [u8]),
-    /// The distance of what each shows, mm; infinite for the sky.
+    /// Distance of the surface in each pixel, mm; infinite for the sky.
     Depth(&'a [f32]),
-    /// The number of what each shows.
+    /// Number of the object in each pixel.
     Labels(&'a [i32]),
 }
 
 impl Pixels<'_> {
-    /// What they are: the word of the trace.
+    /// Name of the format in the trace.
     pub fn form(&self) -> &'static str {
         match self {
             Self::Colour(_) => "colour",
@@ -53,7 +53,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// Their bytes as a program gets them; numbers of more than one byte are little endian.
+    /// Bytes of the pixels as a program gets them; numbers of several bytes are little endian.
     pub fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
             Self::Colour(bytes) | Self::Grey(bytes) | Self::Bayer(bytes) => Cow::Borrowed(bytes),
@@ -62,8 +62,8 @@ impl Pixels<'_> {
         }
     }
 
-    /// The picture as a file of PNG: colours and greys with 8 bits; depths with 16, in mm, 0 for the sky, 65535 for that and
-    /// all beyond; labels as they are, with colours to look at up to 255, above with 16 bits.
+    /// Encodes the image as PNG: colours and greys with 8 bits; depths with 16 bits, in mm, 0 for the sky, 65535 for that distance
+    /// and beyond; labels unchanged, up to 255 with a palette, above with 16 bits.
     pub fn png(&self, size: [u32; 2]) -> Vec<u8> {
         match self {
             Self::Colour(bytes) => png::colour(size, bytes),
@@ -78,29 +78,29 @@ impl Pixels<'_> {
     }
 }
 
-/// A scan that a program gets.
+/// Scan that a program takes.
 #[derive(Clone, Debug)]
 pub struct KeptScan {
-    /// Where the scanner is.
+    /// Pose of the scanner.
     pub world_from_scanner: Pose3,
-    /// Where the first and the last ray look, counter-clockwise from ahead in the scanner's plane; those between evenly.
+    /// Bearings of the first and the last ray, counter-clockwise from ahead in the scanner's plane; the others are spaced evenly.
     pub bearings: [f64; 2],
-    /// What each ray measures, m; none for nothing within range.
+    /// Distance measured by each ray, m; none if nothing is within range.
     pub metres: Vec<Option<f64>>,
 }
 
-/// An image as a file of PNG.
+/// Image encoded as PNG.
 #[derive(Clone, Debug)]
 pub struct KeptFrame {
     /// Its number among the images of its camera.
     pub number: u64,
-    /// The word of the trace.
+    /// Name of its format in the trace.
     pub form: &'static str,
-    /// The file.
+    /// The PNG file.
     pub png: Vec<u8>,
 }
 
-/// What a program got of which the trace has but a summary.
+/// Data taken by a program of which the trace has only a summary.
 #[derive(Clone, Debug)]
 pub enum Kept {
     /// An image.
@@ -109,12 +109,12 @@ pub enum Kept {
     Scan(KeptScan),
 }
 
-/// Where all images and scans go that programs take: images into a folder, each written when it is taken; both into memory,
-/// for a recording that takes them at the slot's end.
+/// Destination of all images and scans that programs take: images go into a folder, each written when it is taken; both go into
+/// memory for a recording, which takes them at the slot's end.
 #[derive(Debug, Default)]
 pub struct Frames {
     folder: Option<Folder>,
-    /// Of this slot, with its time.
+    /// Images and scans of this slot, with time and robot.
     kept: Option<Mutex<Vec<(Time, RobotId, Kept)>>>,
     /// The first image in order of (time, robot) that could not be written.
     failure: Mutex<Option<Failure>>,
@@ -123,7 +123,7 @@ pub struct Frames {
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
-    /// Digits of the greatest number of a robot.
+    /// Number of digits of the greatest robot number.
     robot_digits: usize,
 }
 
@@ -133,25 +133,25 @@ struct Failure {
     error: RecordError,
 }
 
-/// Why a folder for images is refused.
+/// Reason for refusing a folder for images.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// There is something in it.
+    /// The folder is not empty.
     #[error("the folder is not empty: images of two runs would mix")]
     NotEmpty,
-    /// It is no folder.
+    /// The path is a file.
     #[error("this is a file: expected a folder for the images, which may be new")]
     File,
-    /// It cannot be made or read.
+    /// The folder cannot be made or read.
     #[error(transparent)]
     Unusable(#[from] std::io::Error),
 }
 
 impl Frames {
-    /// The folder `folder` for the images of `robots` robots, made if it is not there.
+    /// Opens `folder` for the images of `robots` robots, creating it if it is missing.
     ///
     /// # Errors
-    /// [`FolderError`] if it is not empty, or no folder.
+    /// [`FolderError`] if it is not empty or not a folder.
     pub fn create(folder: &Path, robots: usize) -> Result<Self, FolderError> {
         if folder.exists() && !folder.is_dir() {
             return Err(FolderError::File);
@@ -164,28 +164,28 @@ impl Frames {
         Ok(Self { folder: Some(folder), ..Self::default() })
     }
 
-    /// Keeps images and scans, too, for [`Self::take`].
+    /// Also stores images and scans in memory, for [`Self::take`].
     pub fn keeping(self) -> Self {
         Self { kept: Some(Mutex::default()), ..self }
     }
 
-    /// What has been kept since the last time, in order of (time, robot).
+    /// Takes the images and scans stored since the last call, in order of (time, robot).
     pub fn take(&self) -> Vec<(Time, RobotId, Kept)> {
         let mut kept = self.kept.as_ref().map(|kept| std::mem::take(&mut *kept.lock())).unwrap_or_default();
-        // Stable: what one robot took at one time stays in its order.
+        // A stable sort: images and scans of one robot at one time keep their order.
         kept.sort_by_key(|(time, robot, _)| (*time, *robot));
         kept
     }
 
-    /// Keeps a scan that `robot` takes at `now`, if scans are kept.
+    /// Stores a scan that `robot` takes at `now`, if scans are stored.
     pub fn keep_scan(&self, robot: RobotId, now: Time, scan: impl FnOnce() -> KeptScan) {
         if let Some(kept) = &self.kept {
             kept.lock().push((now, robot, Kept::Scan(scan())));
         }
     }
 
-    /// Writes and keeps an image that `robot` takes. Into the folder goes none after the first that could not be written, of which
-    /// [`FrameFailures`] tells. Those before it are still tried, so that which one is the first does not depend on threads.
+    /// Writes and stores an image that `robot` takes. After an image that could not be written, which [`FrameFailures`] reports, no
+    /// later image is written; earlier ones are still tried, so that the first failure does not depend on threads.
     pub fn write(&self, robot: RobotId, frame: &Frame<'_>) {
         let png = frame.pixels.png(frame.size);
         if let Some(folder) = &self.folder {
@@ -214,7 +214,7 @@ impl Frames {
 }
 
 impl Folder {
-    /// Name of an image's file: sorted by names, files are sorted by robot, number and time of exposure.
+    /// Name of an image's file: the order of names is that of robot, number and time of exposure.
     fn name(&self, robot: RobotId, frame: &Frame<'_>) -> String {
         let Time(us) = frame.exposed;
         let (seconds, us) = (us / 1_000_000, us % 1_000_000);
@@ -227,7 +227,7 @@ impl Folder {
     }
 }
 
-/// Ends the run where an image could not be written.
+/// Sink that ends the run if an image could not be written.
 #[derive(Debug)]
 pub struct FrameFailures(pub std::sync::Arc<Frames>);
 

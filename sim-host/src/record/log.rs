@@ -1,6 +1,6 @@
-//! Lines on the terminal while a run goes on: `[r1 2.350 s] text` in the order of the run.
+//! Lines on the terminal during a run: `[r1 2.350 s] text` in the order of the run.
 //!
-//! What programs print and hints are always shown, calls where the user asked for them (`-v`).
+//! Output of programs and hints are always shown, RoBIOS calls on request (`-v`).
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -12,10 +12,10 @@ use sim_core::time::Time;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
-/// Which lines are shown.
+/// Selection of the lines to show.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
-    /// Show calls too, and all that goes with them.
+    /// Show calls, faults and reasons, too.
     pub is_verbose: bool,
     /// Patterns of the calls to show (`VW*`); all if empty.
     pub only: Vec<Pattern>,
@@ -24,12 +24,12 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// True when lines of `robot` are shown.
+    /// Returns true if lines of `robot` are shown.
     pub fn shows_robot(&self, robot: RobotId) -> bool {
         self.robots.is_empty() || self.robots.contains(&robot)
     }
 
-    /// True when calls of `function` by `robot` are shown.
+    /// Returns true if calls of `function` by `robot` are shown.
     pub fn shows_call(&self, robot: RobotId, function: &str) -> bool {
         let is_chosen = self.only.is_empty() || self.only.iter().any(|pattern| pattern.matches(function));
         self.is_verbose && is_chosen && self.shows_robot(robot)
@@ -41,16 +41,16 @@ impl Filter {
 pub struct Pattern(String);
 
 impl Pattern {
-    /// The patterns in `list`, separated by commas; blanks around them and empty ones are dropped.
+    /// Parses patterns separated by commas; blanks around them and empty patterns are dropped.
     pub fn parse_list(list: &str) -> Vec<Self> {
         list.split(',').map(str::trim).filter(|word| !word.is_empty()).map(|word| Self(word.to_owned())).collect()
     }
 
-    /// True when the whole of `name` fits.
+    /// Returns true if the pattern matches the whole of `name`.
     pub fn matches(&self, name: &str) -> bool {
         let (pattern, name) = (self.0.as_bytes(), name.as_bytes());
         let (mut p, mut n) = (0, 0);
-        // After the last `*`: where to go on in the pattern, and up to where it has swallowed the name.
+        // Backtracking point of the last `*`: the next place in the pattern, and the end of the part of `name` that the `*` covers.
         let mut retry: Option<(usize, usize)> = None;
         while n < name.len() {
             match pattern.get(p) {
@@ -80,25 +80,25 @@ enum Stream {
     Err,
 }
 
-/// Prints lines: what programs write to their standard output goes to `out`, all else to `err`.
+/// Prints lines: standard output of programs to `out`, everything else to `err`.
 pub struct Log {
     filter: Filter,
     out: Box<dyn Write + Send>,
     err: Box<dyn Write + Send>,
-    /// Lines of this slot for `stream`, not yet written.
+    /// Lines of this slot for `stream` that are not yet written.
     pending: String,
     stream: Stream,
-    /// How often each hint came.
+    /// Number of times that each hint was recorded.
     hints: BTreeMap<String, u32>,
 }
 
 impl Log {
-    /// A log that shows what `filter` lets through.
+    /// A log of the lines that `filter` selects.
     pub fn new(filter: Filter, out: Box<dyn Write + Send>, err: Box<dyn Write + Send>) -> Self {
         Self { filter, out, err, pending: String::new(), stream: Stream::Out, hints: BTreeMap::new() }
     }
 
-    /// Makes `stream` the one that takes the next lines.
+    /// Selects the stream for the next lines.
     fn choose(&mut self, stream: Stream) -> Result<(), RecordError> {
         if self.stream != stream {
             self.write_pending()?;
@@ -118,7 +118,7 @@ impl Log {
         let written = writer.write_all(self.pending.as_bytes()).and_then(|()| writer.flush());
         self.pending.clear();
         match written {
-            // The reader has seen enough (`| head`): the run goes on without.
+            // The reader has closed the pipe (`| head`): the run continues without it.
             Err(source) if source.kind() == io::ErrorKind::BrokenPipe => {
                 *writer = Box::new(io::sink());
                 Ok(())
@@ -127,7 +127,7 @@ impl Log {
         }
     }
 
-    /// True the first time that `text` comes.
+    /// Counts a hint; returns true at its first occurrence.
     fn is_new_hint(&mut self, text: &str) -> bool {
         match self.hints.get_mut(text) {
             Some(count) => {
@@ -164,7 +164,7 @@ impl Sink for Log {
         self.write_pending()
     }
 
-    /// Says how often hints came that were shown only once.
+    /// Prints the number of times for each hint that was recorded more than once.
     fn finish(&mut self, _: Time, _: Digest) -> Result<(), RecordError> {
         self.choose(Stream::Err)?;
         for (text, count) in std::mem::take(&mut self.hints) {
@@ -177,7 +177,7 @@ impl Sink for Log {
     }
 }
 
-/// Appends the line of `record` to `lines`; nothing for kinds that are not for the terminal.
+/// Appends the line of `record` to `lines`; nothing for kinds that are not shown on the terminal.
 fn push_line(lines: &mut String, record: &Record<'_>) {
     let start = lines.len();
     _ = write!(lines, "[{} {}] ", record.robot, record.time);
@@ -203,12 +203,12 @@ fn push_line(lines: &mut String, record: &Record<'_>) {
     lines.push('\n');
 }
 
-/// True for a character by which a text would steer a terminal, or put its words in another order than it has them.
+/// Returns true for a character by which text could control a terminal or reorder its words.
 pub(crate) fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
 }
 
-/// Text of a program with control characters other than tabs escaped, so that it cannot play with the terminal.
+/// Displays text of a program with control characters other than tabs escaped, so that it cannot control the terminal.
 pub(crate) struct Printable<'a>(pub(crate) &'a str);
 
 impl std::fmt::Display for Printable<'_> {
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(Pattern::parse_list(" PSDGet, ,VW*"), [Pattern("PSDGet".into()), Pattern("VW*".into())]);
     }
 
-    /// Both streams as one terminal shows them, each write marked by its stream.
+    /// Both streams as one terminal, each line marked by its stream.
     #[derive(Clone)]
     struct Terminal(Arc<Mutex<String>>, &'static str);
 

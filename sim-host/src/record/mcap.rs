@@ -1,7 +1,7 @@
 //! A run as MCAP, the file format of recordings that Foxglove and rerun open. Channels and schemas are in `docs/mcap.md`.
 //!
-//! Messages of Foxglove are Protocol Buffers, ours JSON; their times are virtual ones, from the run's start on. Everything up to the last complete slot has left the
-//! process when the next slot begins, in chunks that readers can recover from a file that is cut off.
+//! Messages of Foxglove are Protocol Buffers, eyesim's own are JSON; their times are virtual, from the run's start. Complete slots
+//! leave the process before the next slot begins, in chunks that readers can recover from a truncated file.
 
 mod proto;
 pub(crate) mod scene;
@@ -28,32 +28,32 @@ use super::frame::{Frames, Kept, KeptFrame, KeptScan};
 use super::sink::{RecordError, Sink};
 use schema::Content;
 
-/// What a recording begins with.
+/// Initial contents of a recording.
 pub struct Beginning {
     /// The master seed of the run.
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
-    /// What there is to see.
+    /// Scene at the start.
     pub scene: Scene,
-    /// Where the scene's robots are at the start, in its order.
+    /// Starting poses of the scene's robots, in its order.
     pub robots: Vec<Pose>,
-    /// Where the scene's movable objects are at the start, in its order.
+    /// Starting poses of the scene's movable objects, in its order.
     pub objects: Vec<Pose>,
-    /// Where images and scans come from.
+    /// Source of images and scans.
     pub frames: Arc<Frames>,
 }
 
-/// A file, or memory in tests.
+/// Output: a file, or memory in tests.
 trait Out: Write + Seek + Send {}
 impl<T: Write + Seek + Send> Out for T {}
 
-/// Writes a recording.
+/// Sink that writes a recording.
 pub struct Mcap {
     /// None after the end.
     writer: Option<Writer<Box<dyn Out>>>,
     path: PathBuf,
-    /// The channels that there are: whose, and what about.
+    /// Channels by robot and topic.
     channels: BTreeMap<(RobotId, &'static str), u16>,
     sequence: u32,
     scene: Scene,
@@ -62,19 +62,19 @@ pub struct Mcap {
     moved: Vec<Value>,
     /// Heights of the bodies of robots with legs, m.
     lifts: BTreeMap<RobotId, f64>,
-    /// Numbers of the next robot and the next object that are added.
+    /// Numbers of the next robot and the next object to be added.
     next: [u32; 2],
     has_news: bool,
 }
 
-/// A time as Foxglove has it.
+/// Time in Foxglove's format.
 fn timestamp(Time(us): Time) -> Value {
     let us = us.max(0);
     json!({ "seconds": us / 1_000_000, "nanos": us % 1_000_000 * 1_000 })
 }
 
 impl Mcap {
-    /// Creates the file `path`, or empties it, and writes what is known at the start.
+    /// Creates the file `path`, or empties it, and writes the initial contents.
     ///
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written.
@@ -85,7 +85,7 @@ impl Mcap {
 
     fn new(out: Box<dyn Out>, path: &Path, beginning: Beginning) -> Result<Self, RecordError> {
         let Beginning { seed, slot, scene, robots, objects, frames } = beginning;
-        // Compressed chunks would need a system's library; chunks are written as a whole, also to what cannot seek.
+        // Compression would need a system library; chunks are written as a whole, so that the output need not be seekable.
         let options = WriteOptions::new()
             .compression(None)
             .disable_seeking(true)
@@ -115,7 +115,7 @@ impl Mcap {
         Ok(mcap)
     }
 
-    /// Bodies, where they stand, and where their sensors sit.
+    /// Writes the entities of all bodies, and the transforms of the bodies and their sensors.
     fn begin(&mut self, robots: &[Pose], objects: &[Pose]) -> Result<(), RecordError> {
         let at = Time::ZERO;
         let mut transforms = Vec::new();
@@ -135,7 +135,7 @@ impl Mcap {
         self.write(Content::Transforms, WORLD, "/tf", at, &json!({ "transforms": transforms }))
     }
 
-    /// Writes a message to the channel of `robot` that is called so.
+    /// Writes a message to the channel `topic` of `robot`.
     fn write(
         &mut self,
         content: Content,
@@ -176,7 +176,7 @@ impl Mcap {
         Ok(channel)
     }
 
-    /// Writes metadata: facts that belong to no time.
+    /// Writes metadata: facts without a time.
     fn note<const N: usize>(&mut self, name: &str, facts: [(&str, String); N]) -> Result<(), RecordError> {
         let metadata = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
         let metadata = Metadata { name: name.into(), metadata };
@@ -239,7 +239,7 @@ impl Mcap {
         self.write(Content::Log, WORLD, "/log", record.time, &message)
     }
 
-    /// Bodies that come, go, or are put elsewhere.
+    /// Writes the changes of an intervention that adds, removes or places a body.
     fn intervene(&mut self, at: Time, action: &Action) -> Result<(), RecordError> {
         let (mut deletions, mut entities) = (Vec::new(), Vec::new());
         let gone = |id: String| json!({ "timestamp": timestamp(at), "type": 0, "id": id });
@@ -273,7 +273,7 @@ impl Mcap {
         self.write(Content::Scene, WORLD, "/scene", at, &update)
     }
 
-    /// The number of a robot (0) or an object (1) that is added: numbers are not used again.
+    /// Number of an added robot (`which` 0) or object (1); numbers are not used again.
     fn newcomer(&mut self, which: usize) -> u32 {
         let id = self.next[which];
         self.next[which] += 1;
@@ -311,7 +311,7 @@ impl Mcap {
     }
 }
 
-/// The system's error, where there is one.
+/// The system's error, if there is one.
 fn of_mcap(error: McapError) -> io::Error {
     match error {
         McapError::Io(error) => error,
@@ -332,7 +332,7 @@ impl Sink for Mcap {
                 at.position_m[2] = self.lifts.get(&robot).copied().unwrap_or(0.0);
                 self.move_to(time, &scene::robot_frame(robot), &at);
             }
-            // It comes before the pose of its slot.
+            // Precedes the pose of its slot.
             Event::Posture { lift_m, .. } => {
                 self.lifts.insert(robot, lift_m);
             }
@@ -375,7 +375,7 @@ impl Sink for Mcap {
         if self.has_news { self.flush() } else { Ok(()) }
     }
 
-    /// Writes the index, and how the run ended.
+    /// Writes the index, and the time and digest of the run's end.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         self.note("end", [("t_s", end.seconds().to_string()), ("digest", digest.to_string())])?;
         self.with(|writer| writer.finish().map(drop))?;
@@ -403,7 +403,7 @@ mod tests {
         protocol::Body { radius_m: 0.1, height_m: 0.2 }
     }
 
-    /// A wall with two materials, a robot with a sensor, an object.
+    /// Scene with a wall of two materials, a robot with a sensor, and an object.
     fn scene() -> Scene {
         let bytes: Vec<u8> = (0..18_u8).flat_map(|number| f32::from(number).to_le_bytes()).collect();
         let material = |colour| protocol::Material { triangles: 1, colour, image: None };
@@ -455,7 +455,7 @@ mod tests {
         Mcap::create(path, Beginning { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames }).unwrap()
     }
 
-    /// Records a slot with everything in it.
+    /// Records a slot with one event of each kind.
     fn record_everything(mcap: &mut Mcap, frames: &Frames, is_finished: bool) -> Digest {
         let (mut recorder, mut sinks) = (Recorder::new(42, SLOT, KindSet::ALL), Sinks::one(mcap));
         let mut of_world = Journal::new(WORLD, true);
@@ -511,7 +511,7 @@ mod tests {
         stream.map(message).collect()
     }
 
-    /// Checks a value against the part of JSON Schema that our schemas use; anything else in them is a mistake.
+    /// Checks a value against the part of JSON Schema that eyesim's schemas use; any other keyword fails the test.
     fn validate(schema: &Value, value: &Value, path: &str) {
         for (keyword, rule) in schema.as_object().unwrap() {
             let holds = match keyword.as_str() {
@@ -638,7 +638,7 @@ mod tests {
         let frames = Arc::new(Frames::default().keeping());
         let mut mcap = create(&path, &frames);
         record_everything(&mut mcap, &frames, false);
-        // As another process sees the file while this one has not ended.
+        // Read as another process would, before this one has ended.
         let broken = std::fs::read(&path).unwrap();
         std::mem::forget(mcap);
         let whole = folder.path().join("whole.mcap");

@@ -1,7 +1,7 @@
-//! What a run leaves behind: trace, report, pictures and the lines on the terminal.
+//! Output of a run: trace, report, recordings, pictures and the lines on the terminal.
 //!
-//! Each is a [`Sink`] of the records that the simulation makes. Nothing here decides what happens in a run: with or without sinks
-//! the run and its digest are the same.
+//! Each is a [`Sink`] of the simulation's records. Nothing here influences the run: its events and its digest are the same with
+//! and without sinks.
 
 pub mod frame;
 pub mod log;

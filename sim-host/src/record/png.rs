@@ -1,33 +1,33 @@
-//! Pictures as PNG: the same pixels give the same bytes.
+//! Encodes images as PNG: equal pixels give equal bytes.
 
 use png::{BitDepth, ColorType, Encoder};
 
-/// Red, green and blue of each pixel.
+/// Encodes red, green and blue of each pixel.
 ///
 /// # Panics
-/// Here as below, if there are not as many bytes or numbers as pixels of `size` (width, height).
+/// Like the functions below, if the number of bytes or levels does not match `size` (width, height).
 pub fn colour(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     encode(size, ColorType::Rgb, BitDepth::Eight, None, bytes)
 }
 
-/// Red, green, blue and opacity of each pixel.
+/// Encodes red, green, blue and opacity of each pixel.
 pub fn colour_and_opacity(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     encode(size, ColorType::Rgba, BitDepth::Eight, None, bytes)
 }
 
-/// A level of each pixel.
+/// Encodes a grey level of each pixel.
 pub fn grey(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     encode(size, ColorType::Grayscale, BitDepth::Eight, None, bytes)
 }
 
-/// A level of 16 bits of each pixel.
+/// Encodes a grey level of 16 bits of each pixel.
 pub fn grey16(size: [u32; 2], levels: &[u16]) -> Vec<u8> {
     let bytes: Vec<u8> = levels.iter().flat_map(|level| level.to_be_bytes()).collect();
     encode(size, ColorType::Grayscale, BitDepth::Sixteen, None, &bytes)
 }
 
-/// A number of each pixel: up to 255 as the index of a colour to look at, which readers of segmented images take as it is
-/// (that of PASCAL VOC, for one); above as a level of 16 bits.
+/// Encodes a label of each pixel: up to 255 as the index of a visible colour, the format that readers of segmented images
+/// expect (that of PASCAL VOC, for one); above as a grey level of 16 bits.
 pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     let indices: Option<Vec<u8>> = labels.iter().map(|label| u8::try_from(*label).ok()).collect();
     match indices {
@@ -39,7 +39,7 @@ pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     }
 }
 
-/// A colour by which a number is told from those near it.
+/// Colour of a label, distinct from those of labels near it.
 fn colour_of_label(label: u8) -> [u8; 3] {
     match label {
         0 => [0x9c, 0xc4, 0xe4],

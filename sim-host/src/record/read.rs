@@ -1,6 +1,6 @@
-//! Reads traces: what was recorded, line by line, or what it takes to run it again.
+//! Reads traces: line by line, or what is needed to run a recorded run again.
 //!
-//! Whatever the file, it ends in a result or in an error that names the line; of a trace that was cut off what is complete is read.
+//! Any file gives either a result or an error that names the line; the complete lines of a truncated trace are read.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};
@@ -13,32 +13,32 @@ use sim_core::time::Time;
 
 use super::trace::{TRACE_SCHEMA, TraceHeader};
 
-/// Length in bytes of the longest line that is read: more than any that is written.
+/// Length in bytes of the longest line that is accepted: longer than any that is written.
 const MAX_LINE: u64 = 1 << 26;
 
 /// Latest time in a trace, s: no run takes longer.
 const MAX_SECONDS: f64 = 4e9;
 
-/// Why a trace cannot be read.
+/// Error when reading a trace.
 #[derive(Debug, thiserror::Error)]
 pub enum TraceError {
-    /// The operating system refused.
+    /// The operating system cannot read the file.
     #[error("cannot read the trace `{}`: {source}", path.display())]
     Read {
         /// The file as the user named it.
         path: PathBuf,
-        /// The system's own words.
+        /// The system's error.
         source: io::Error,
     },
-    /// It is something else.
+    /// The file is no trace.
     #[error("`{}` is no trace: {why}", path.display())]
     NoTrace {
         /// The file as the user named it.
         path: PathBuf,
-        /// What is wrong in its first line.
+        /// Mistake in its first line.
         why: String,
     },
-    /// It is of another version of eyesim.
+    /// The trace has the schema of another version of eyesim.
     #[error("`{}` is a trace of schema {schema}, made by eyesim {version}: this one reads schema {TRACE_SCHEMA}", path.display())]
     Schema {
         /// The file as the user named it.
@@ -48,14 +48,14 @@ pub enum TraceError {
         /// The version of the program that wrote it.
         version: String,
     },
-    /// A line is wrong.
+    /// A line is invalid.
     #[error("`{}`, line {line}: {why}", path.display())]
     Line {
         /// The file as the user named it.
         path: PathBuf,
         /// Number of the line, from 1.
         line: u64,
-        /// What is wrong in it.
+        /// Mistake in the line.
         why: String,
     },
 }
@@ -63,20 +63,20 @@ pub enum TraceError {
 /// A line after the first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Line {
-    /// Something that happened.
+    /// An event.
     Event(RecordedEvent),
-    /// A slot has ended in which something happened.
+    /// The end of a slot with events.
     Slot {
-        /// Its end.
+        /// Time of the slot's end.
         end: Time,
-        /// Of the run up to there.
+        /// Digest of the run up to that time.
         digest: Digest,
     },
-    /// The run has ended.
+    /// The end of the run.
     End {
-        /// When.
+        /// Time of the end.
         end: Time,
-        /// Of the run.
+        /// Digest of the run.
         digest: Digest,
     },
 }
@@ -88,9 +88,9 @@ pub struct RecordedEvent {
     pub at: Time,
     /// Number of the robot; none for the world.
     pub robot: Option<u32>,
-    /// Its name, such as `pose`.
+    /// Name of its kind, such as `pose`.
     pub kind: String,
-    /// The whole line, an object.
+    /// The whole line, a JSON object.
     pub fields: Value,
 }
 
@@ -105,7 +105,7 @@ pub struct TraceReader<R> {
     has_ended: bool,
 }
 
-/// What every line has.
+/// Fields of every line.
 #[derive(Deserialize)]
 struct Head {
     event: String,
@@ -126,7 +126,7 @@ impl TraceReader<BufReader<File>> {
 }
 
 impl<R: BufRead> TraceReader<R> {
-    /// Reads the trace `input`; messages call it `path`.
+    /// Reads the trace `input`; error messages call it `path`.
     ///
     /// # Errors
     /// [`TraceError`] if it cannot be read or is no trace.
@@ -162,7 +162,7 @@ impl<R: BufRead> TraceReader<R> {
         Ok(reader)
     }
 
-    /// What the first line says.
+    /// First line of the trace.
     pub fn header(&self) -> &TraceHeader {
         &self.header
     }
@@ -172,10 +172,10 @@ impl<R: BufRead> TraceReader<R> {
         &self.version
     }
 
-    /// The next line; none after the last complete one.
+    /// Reads the next line; none after the last complete one.
     ///
     /// # Errors
-    /// [`TraceError`] for a line that is none of a trace.
+    /// [`TraceError`] for an invalid line.
     pub fn next_line(&mut self) -> Result<Option<Line>, TraceError> {
         if !self.read_line()? {
             return Ok(None);
@@ -186,7 +186,7 @@ impl<R: BufRead> TraceReader<R> {
         let is_complete = self.bytes.last() == Some(&b'\n');
         let value: Value = match serde_json::from_slice(&self.bytes) {
             Ok(value) => value,
-            // The process was killed as it wrote this line.
+            // The process was killed while it wrote this line.
             Err(_) if !is_complete => return Ok(None),
             Err(error) => return Err(self.wrong(&format!("it is no JSON: {error}"))),
         };
@@ -207,12 +207,12 @@ impl<R: BufRead> TraceReader<R> {
         }))
     }
 
-    /// An error in the line that was read last.
+    /// Error in the line that was read last.
     pub fn wrong(&self, why: &str) -> TraceError {
         TraceError::Line { path: self.path.clone(), line: self.line, why: why.to_owned() }
     }
 
-    /// Reads a line; false after the last one.
+    /// Reads a line; returns false after the last one.
     fn read_line(&mut self) -> Result<bool, TraceError> {
         self.bytes.clear();
         self.line += 1;
@@ -225,20 +225,20 @@ impl<R: BufRead> TraceReader<R> {
     }
 }
 
-/// What it takes to run a recorded run again, and to see whether it was the same.
+/// Contents of a trace that are needed to run the run again and to compare the outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// What the first line says.
+    /// First line of the trace.
     pub header: TraceHeader,
     /// Version of the program that recorded it.
     pub version: String,
-    /// What a hand did, in order.
+    /// User interventions, in order.
     pub interventions: Vec<(Time, Action)>,
-    /// Ends of the slots in which something happened, with the digests up to there.
+    /// Ends of the slots with events, and the digests up to them.
     pub slots: Vec<(Time, Digest)>,
-    /// End and digest of the run; none of a trace that was cut off.
+    /// End and digest of the run; none if the trace is truncated.
     pub end: Option<(Time, Digest)>,
-    /// Whether the user interrupted it, with or without a recorded hand.
+    /// The user interrupted the run, with or without a recorded intervention.
     pub is_interrupted: bool,
 }
 
@@ -254,7 +254,7 @@ impl Recorded {
     /// Reads the rest of a trace.
     ///
     /// # Errors
-    /// [`TraceError`] for a line that is none of a trace.
+    /// [`TraceError`] for an invalid line.
     pub fn of<R: BufRead>(mut reader: TraceReader<R>) -> Result<Self, TraceError> {
         let (header, version) = (reader.header().clone(), reader.version().to_owned());
         let (interventions, slots) = (Vec::new(), Vec::new());
@@ -324,7 +324,7 @@ mod tests {
         let (end, digest) = recorded.end.expect("it is complete");
         assert_eq!((end, digest.to_string()), (Time(100_000), DIGEST.to_owned()));
         assert_eq!((&recorded.slots, recorded.is_interrupted), (&vec![(end, digest)], false));
-        // Whatever is cut off its end, what is complete before is read.
+        // Complete lines are read at any length of a truncated trace.
         for length in HEADER.len()..text.len() {
             let cut = read(&text[..length]).unwrap_or_else(|error| panic!("{length}: {error}"));
             assert!(cut.slots.len() <= 1 && (cut.end.is_none() || length == text.len() - 1), "{length}");

@@ -14,7 +14,7 @@ use sim_core::record::{Digest, Outcome};
 /// Version of the report's schema.
 pub const REPORT_SCHEMA: u32 = 1;
 
-/// What a run gave.
+/// Report of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// [`REPORT_SCHEMA`].
@@ -32,10 +32,10 @@ pub struct Report {
     /// Simulated time at the end, s.
     #[serde(serialize_with = "finite")]
     pub sim_time_s: f64,
-    /// What the run took on the user's clock, s.
+    /// Real time that the run took, s.
     #[serde(serialize_with = "finite")]
     pub real_time_s: f64,
-    /// Stands for everything that was recorded.
+    /// Digest of all records of the run.
     pub digest: Digest,
     /// All robots in order of their ids.
     pub robots: Vec<RobotReport>,
@@ -43,27 +43,27 @@ pub struct Report {
     pub objects: Vec<ObjectReport>,
 }
 
-/// What became of a movable object.
+/// Final state of a movable object.
 #[derive(Clone, Debug, Serialize)]
 pub struct ObjectReport {
     /// Its number.
     pub id: u32,
     /// The name of its type.
     pub name: String,
-    /// Where it was at first.
+    /// Its first pose.
     pub start: PlanarPose,
-    /// Where it is, or was when it was removed.
+    /// Its pose at the end, or when it was removed.
     pub pose: PlanarPose,
-    /// When it was added, s; none if it was there from the start.
+    /// Time at which it was added, s; none if it was there from the start.
     pub added_s: Option<f64>,
-    /// When it was removed, s; none if it is still there.
+    /// Time at which it was removed, s; none if it was not.
     pub removed_s: Option<f64>,
 }
 
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Input {
-    /// As the user or the naming file wrote it, resolved.
+    /// Path as written by the user or by the file that names it, resolved.
     pub path: String,
     /// SHA-256 of its bytes, 64 lower-case hexadecimal digits.
     pub sha256: String,
@@ -82,7 +82,7 @@ impl Input {
     }
 }
 
-/// What became of a robot.
+/// Final state of a robot.
 #[derive(Clone, Debug, Serialize)]
 pub struct RobotReport {
     /// Its number.
@@ -91,45 +91,45 @@ pub struct RobotReport {
     pub name: String,
     /// Its program as the sim file or the command line names it; empty for a robot without one.
     pub program: String,
-    /// How the program stands.
+    /// State of the program.
     pub outcome: Outcome,
-    /// Why, in words, where there is something to say.
+    /// Reason in words, if there is one.
     pub reason: Option<String>,
-    /// The program's exit code, where it gave one.
+    /// The program's exit code, if it returned one.
     pub exit_code: Option<i32>,
     /// Virtual time of the robot, s.
     #[serde(serialize_with = "finite")]
     pub virtual_time_s: f64,
-    /// Where it truly is.
+    /// Its true pose.
     pub pose: PlanarPose,
-    /// Where it believes to be, in the frame of its own odometry; none if it never had any.
+    /// Its pose by odometry, in the odometry frame; none if it never had odometry.
     pub odometry: Option<PlanarPose>,
     /// Length of the path of its axle's centre, m.
     #[serde(serialize_with = "finite")]
     pub path_m: f64,
-    /// How often it began to touch something.
+    /// Number of contacts that began.
     pub contacts: u64,
-    /// How often a foot came down; none of a robot without legs.
+    /// Number of footfalls; none for a robot without legs.
     pub footfalls: Option<u64>,
-    /// How often another part than a sole began to touch something; none of a robot without legs.
+    /// Number of touches that began by parts other than soles; none for a robot without legs.
     pub touches: Option<u64>,
     /// The text lines of the display, from the top.
     pub lcd: Vec<String>,
-    /// Bytes that its program printed beyond `--output-limit`: they were cut.
+    /// Bytes printed by its program beyond `--output-limit`, which were cut.
     pub output_cut_bytes: u64,
-    /// When it was added, s; none if it was there from the start.
+    /// Time at which it was added, s; none if it was there from the start.
     pub added_s: Option<f64>,
-    /// When it was removed, s; none if it is still there.
+    /// Time at which it was removed, s; none if it was not.
     pub removed_s: Option<f64>,
 }
 
 /// A pose in the units of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PlanarPose {
-    /// m
+    /// World coordinate to the right, m.
     #[serde(serialize_with = "finite")]
     pub x_m: f64,
-    /// m
+    /// World coordinate upwards, m.
     #[serde(serialize_with = "finite")]
     pub y_m: f64,
     /// In [-pi, pi), counter-clockwise from x, rad.
@@ -138,13 +138,13 @@ pub struct PlanarPose {
 }
 
 impl From<Pose> for PlanarPose {
-    /// Whole turns are left out.
+    /// Drops whole turns.
     fn from(pose: Pose) -> Self {
         Self { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.remainder() }
     }
 }
 
-/// JSON has no word for the others, and none of them can come from a run that is in order.
+/// Serialises a finite number: JSON has no others, and a correct run yields none.
 fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if number.is_finite() {
         serializer.serialize_f64(*number)
@@ -154,7 +154,7 @@ fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error>
 }
 
 impl Report {
-    /// The report's text.
+    /// Text of the report.
     ///
     /// # Errors
     /// [`RecordError::Report`] if a number is not finite.
@@ -164,7 +164,7 @@ impl Report {
         Ok(json)
     }
 
-    /// Writes the report to `path`, as a whole or not at all.
+    /// Writes the report to `path`, completely or not at all.
     ///
     /// # Errors
     /// [`RecordError::Write`] if it cannot be written, [`RecordError::Report`] if a number is not finite.
@@ -174,9 +174,9 @@ impl Report {
     }
 }
 
-/// Replaces the file `path` by one with these bytes, so that no reader ever sees a part of it.
+/// Replaces the file `path` atomically by one with these bytes.
 ///
-/// What is not a file, and everything in `/dev` (standard output may be a file), is appended to; a link is followed.
+/// Other kinds of files, and everything in `/dev` (standard output may be a file), are appended to; a link is followed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {
@@ -199,7 +199,7 @@ fn replace(path: &Path, bytes: &[u8], permissions: fs::Permissions) -> io::Resul
     Ok(())
 }
 
-/// What the user's umask is applied to, as for every other new file.
+/// Permissions of a new file before the user's umask.
 fn new_file_permissions() -> fs::Permissions {
     use std::os::unix::fs::PermissionsExt as _;
     fs::Permissions::from_mode(0o666)

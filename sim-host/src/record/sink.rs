@@ -1,4 +1,4 @@
-//! Sinks: everybody who wants to see a run's records, and what keeps one of them from being kept.
+//! Sinks: consumers of a run's records, and the errors that end a record.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,17 +7,17 @@ use parking_lot::Mutex;
 use sim_core::record::{Digest, KindSet, Record, Recorder};
 use sim_core::time::Time;
 
-/// Why a record that was asked for cannot be completed; the run ends with it.
+/// Reason why a requested record cannot be completed; it ends the run.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The operating system refused to write: disk full, no permission, ...
+    /// Error of the operating system when writing: disk full, no permission, ...
     #[error("cannot write the {what} `{}`: {source}", path.display())]
     Write {
         /// `trace`, `report`.
         what: &'static str,
         /// The file as the user named it.
         path: PathBuf,
-        /// The system's own words.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A stream of the process cannot be written.
@@ -25,42 +25,42 @@ pub enum RecordError {
     Print {
         /// `standard output` or `standard error`.
         stream: &'static str,
-        /// The system's own words.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// What cameras see has warnings, and the user wants none.
+    /// The cameras' scenery has warnings, which the user does not allow.
     #[error("the scene is not run on: {0}")]
     Strict(String),
-    /// The report holds what its schema does not allow.
+    /// The report holds a value that its schema does not allow.
     #[error("cannot write the report: {0}")]
     Report(serde_json::Error),
 }
 
 impl RecordError {
-    /// The system refused to write the `what` at `path`.
+    /// Error of the system when writing the `what` at `path`.
     pub(crate) fn write(what: &'static str, path: &Path, source: std::io::Error) -> Self {
         Self::Write { what, path: path.to_owned(), source }
     }
 }
 
-/// Somebody who wants to see records.
+/// Consumer of records.
 pub trait Sink: Send {
-    /// The kinds that it wants, the same for the whole run; a slot without any of them costs it nothing but [`Self::end_slot`].
+    /// Kinds of records that the sink takes, constant during a run; other records only cost it [`Self::end_slot`].
     fn interest(&self) -> KindSet;
 
-    /// Takes one record of the slot; they come in order of (virtual time, robot, sequence).
+    /// Takes one record of the slot, in the order (virtual time, robot, sequence).
     ///
     /// # Errors
-    /// If the record cannot be kept.
+    /// If the record cannot be stored.
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError>;
 
-    /// The slot that ends at `end` is complete; `digest` is the run's up to here, if the slot changed it.
+    /// Ends the slot at `end`; `digest` is that of the run up to here, if the slot changed it.
     ///
     /// # Errors
-    /// If what was recorded cannot be kept.
+    /// If the slot's records cannot be stored.
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError>;
 
-    /// The run has ended at `end` with `digest`: completes what the sink keeps.
+    /// Completes the record of the run, which has ended at `end` with `digest`.
     ///
     /// # Errors
     /// If it cannot be completed.
@@ -87,7 +87,7 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     }
 }
 
-/// A sink whose owner looks at it while the run records, or after it.
+/// A sink that its owner reads during the run or after it.
 impl<S: Sink> Sink for Arc<Mutex<S>> {
     fn interest(&self) -> KindSet {
         self.lock().interest()
@@ -108,29 +108,29 @@ impl<S: Sink> Sink for Arc<Mutex<S>> {
 
 /// All sinks of a run as one.
 ///
-/// Unlike a single sink it is not asked again for what it wants: that is the same for the whole run.
+/// Each sink's interest is queried once, since it is constant during a run.
 #[derive(Default)]
 pub struct Sinks<'s> {
-    /// Each with what it wants.
+    /// The sinks with their interests.
     sinks: Vec<(KindSet, Box<dyn Sink + 's>)>,
 }
 
 impl<'s> Sinks<'s> {
-    /// These sinks alone, of which there is one.
+    /// A single sink.
     pub fn one(sink: impl Sink + 's) -> Self {
         Self { sinks: vec![(sink.interest(), Box::new(sink))] }
     }
 
-    /// Ends the slot of `recorder` at `end`, whose interest is that of these sinks: they get its records and its digest.
+    /// Ends the slot of `recorder` at `end`, and gives its records and digest to the sinks; the recorder must have their interest.
     ///
     /// # Errors
-    /// The first error of a sink; the slot is then incomplete for it.
+    /// The first error of a sink; its record of the slot is then incomplete.
     pub fn take_slot(&mut self, recorder: &mut Recorder, end: Time) -> Result<(), RecordError> {
         let digest = recorder.end_slot(end, |record| self.record(record))?;
         self.end_slot(end, digest)
     }
 
-    /// Completes the record at the end of the run, `time`: its digest, and what kept it from being complete.
+    /// Completes the record at the end of the run, `time`; returns the digest, and the error if the record is incomplete.
     pub fn finish_record(&mut self, recorder: &mut Recorder, time: Time) -> (Digest, Result<(), RecordError>) {
         let ended = self.take_slot(recorder, time);
         let digest = recorder.digest();
@@ -145,7 +145,7 @@ impl<'s> FromIterator<Box<dyn Sink + 's>> for Sinks<'s> {
 }
 
 impl Sink for Sinks<'_> {
-    /// What any of them wants.
+    /// Union of the sinks' interests.
     fn interest(&self) -> KindSet {
         self.sinks.iter().fold(KindSet::NONE, |set, (wanted, _)| set.union(*wanted))
     }
@@ -159,7 +159,7 @@ impl Sink for Sinks<'_> {
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.end_slot(end, digest))
     }
 
-    /// Every sink completes what it keeps, even where another one cannot; the first of their errors.
+    /// Completes every sink, even if another one fails; returns the first error.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         let results = self.sinks.iter_mut().map(|(_, sink)| sink.finish(end, digest));
         results.fold(Ok(()), Result::and)

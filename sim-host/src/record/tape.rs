@@ -1,6 +1,6 @@
-//! What would stand in the trace of a run, kept in few bytes while it goes on: a trace is made of it when somebody wants one.
+//! Compact storage of a run's events during the run, from which a trace is made on request.
 //!
-//! Events are kept in their canonical form in a temporary file without a name, a fraction of the time that lines of JSON take.
+//! Events are stored in their canonical form in an unnamed temporary file, in a fraction of the time that lines of JSON take.
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -17,19 +17,19 @@ use super::sink::{RecordError, Sink};
 use super::trace::{Trace, TraceHeader};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
-/// Bytes that are kept of one run.
+/// Most bytes stored of one run.
 const MOST_BYTES: u64 = 128 << 20;
 
-/// So many bytes are handed to the file at once.
+/// Bytes written to the file at a time.
 const BATCH: usize = 1 << 16;
 
-/// Why there is no trace of a run.
+/// Reason why there is no trace of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum TapeError {
-    /// It is too long.
+    /// The events exceed `MOST_BYTES`.
     #[error("so much has happened in this run that it is not kept: `--trace FILE` writes all of it")]
     Full,
-    /// The operating system refuses.
+    /// Error of the operating system.
     #[error("the temporary file of the run cannot be used: {0}")]
     File(#[from] io::Error),
     /// The trace cannot be written.
@@ -37,17 +37,17 @@ pub enum TapeError {
     Record(#[from] RecordError),
 }
 
-/// The events of a run so far.
+/// Sink that stores the events of a run.
 pub struct Tape {
     header: TraceHeader,
     file: Arc<File>,
-    /// Not yet in the file.
+    /// Entries not yet written to the file.
     batch: Vec<u8>,
     length: u64,
     failure: Option<TapeError>,
 }
 
-/// What is kept.
+/// Stored record.
 #[derive(Serialize, Deserialize)]
 enum Entry<'a> {
     Event {
@@ -68,19 +68,19 @@ enum Entry<'a> {
 }
 
 impl Tape {
-    /// An empty tape of a run whose trace begins so.
+    /// Empty storage for a run whose trace begins with `header`.
     ///
     /// # Errors
-    /// When there is no room for temporary files.
+    /// If no temporary file can be made.
     pub fn new(header: TraceHeader) -> io::Result<Self> {
         let file = Arc::new(tempfile::tempfile()?);
         Ok(Self { header, file, batch: Vec::with_capacity(2 * BATCH), length: 0, failure: None })
     }
 
-    /// The trace up to now; the tape goes on meanwhile.
+    /// The trace up to now; the run may continue meanwhile.
     ///
     /// # Errors
-    /// [`TapeError`] where it has not been kept.
+    /// [`TapeError`] if the events were not stored.
     pub fn trace(tape: &Mutex<Self>) -> Result<Vec<u8>, TapeError> {
         let (file, length, header) = {
             let mut tape = tape.lock();
@@ -107,7 +107,7 @@ impl Tape {
                 Entry::End { end, digest } => trace.finish(Time(end), Digest(digest))?,
             }
         }
-        // What was recorded since the last slot's end.
+        // Flushes the lines since the last slot's end.
         trace.end_slot(Time::ZERO, None)?;
         drop(trace);
         Ok(std::mem::take(&mut *lines.lock()))
@@ -136,13 +136,13 @@ impl Tape {
             self.failure = Some(error.into());
         } else if self.length > MOST_BYTES {
             self.failure = Some(TapeError::Full);
-            // Nobody needs what is there.
+            // The stored events are of no use any more.
             let _ = self.file.set_len(0);
         }
     }
 }
 
-/// Never fails: a run does not end for want of a download.
+/// Never fails: a missing download must not end a run.
 impl Sink for Tape {
     fn interest(&self) -> KindSet {
         KindSet::ALL.without(Kind::Call)
@@ -167,7 +167,7 @@ impl Sink for Tape {
     }
 }
 
-/// Memory that outlives who writes to it.
+/// Shared memory that outlives its writer.
 struct Shared(Arc<Mutex<Vec<u8>>>);
 
 impl io::Write for Shared {

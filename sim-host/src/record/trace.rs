@@ -1,8 +1,8 @@
-//! The trace: one JSON object a line, streamed while the run goes on. Its schema is `docs/trace.md`.
+//! The trace: one JSON object per line, streamed during the run. Its schema is `docs/trace.md`.
 //!
-//! Everything up to the last complete slot has left the process when the next slot begins: at each slot's end the lines
-//! are handed to the operating system in one write, so that a crash or `kill -9` of the process loses nothing before that.
-//! They are not forced to the disk (no fsync): a loss of power may take the last seconds.
+//! At each slot's end its lines are handed to the operating system in one write, before the next slot begins, so that a crash or
+//! `kill -9` of the process loses no complete slot. They are not forced to the disk (no fsync): a loss of power may lose the last
+//! seconds.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -18,7 +18,7 @@ use sim_core::record::{Digest, Kind, KindSet, Record};
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
 
-/// The first line of a trace, besides schema and version of the program.
+/// First line of a trace, besides schema and version of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceHeader {
     /// The master seed of the run.
@@ -27,10 +27,10 @@ pub struct TraceHeader {
     pub slot_us: i64,
     /// All robots in order of their ids.
     pub robots: Vec<TraceRobot>,
-    /// What follows `eyesim run` in a command line that runs the same again: the scene, then every option that matters.
+    /// Arguments of `eyesim run` that repeat the run: the scene, then every option that matters.
     #[serde(default)]
     pub run: Vec<String>,
-    /// Every file that decides what is run, as far as they were known at the start.
+    /// Every file that determines the run, as far as known at the start.
     #[serde(default)]
     pub inputs: Vec<Input>,
 }
@@ -46,14 +46,14 @@ pub struct TraceRobot {
     pub program: String,
 }
 
-/// Writes a trace.
+/// Sink that writes a trace.
 pub struct Trace {
     out: BufWriter<Box<dyn Write + Send>>,
     path: PathBuf,
     has_new_lines: bool,
 }
 
-/// The lines that are not events of a robot.
+/// Lines of a trace that are not events.
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Frame<'a> {
@@ -83,7 +83,7 @@ impl Trace {
         Self::new(Box::new(file), path, header)
     }
 
-    /// A trace that goes to `out`; messages call it `path`.
+    /// Trace that is written to `out`; error messages call it `path`.
     ///
     /// # Errors
     /// [`RecordError::Write`] if the first line cannot be written.
@@ -127,7 +127,7 @@ impl Sink for Trace {
         if self.has_new_lines { self.flush() } else { Ok(()) }
     }
 
-    /// Writes the last line, which says that the trace is complete.
+    /// Writes the last line, which marks the trace as complete.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         self.write_line(&Frame::End { t_s: end.seconds(), digest })?;
         self.flush()
@@ -145,7 +145,7 @@ pub(super) mod tests {
     use crate::record::Sinks;
     use sim_core::record::{ActionText, Event, Journal, Numbers, Obstacle, Outcome, Recorder};
 
-    /// Memory that tests can look at while the trace writes to it.
+    /// Shared memory, read by tests while the trace writes to it.
     #[derive(Clone, Default)]
     struct Shared(Arc<Mutex<Vec<u8>>>);
 
@@ -342,7 +342,7 @@ pub(super) mod tests {
     #[test]
     fn the_page_documents_every_kind_and_field() {
         let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/trace.md")).unwrap();
-        // Their order is that of the numbers in the digest.
+        // The rows must be in the order of the kinds' numbers in the digest.
         let mut rows = page.lines();
         for kind in Kind::ALL {
             let heading = format!("| `{}` |", kind.name());

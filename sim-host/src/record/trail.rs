@@ -1,4 +1,4 @@
-//! Where robots have been: trails that keep their shape in bounded memory.
+//! Trails of robots and objects: polylines that keep their shape in bounded memory.
 
 use std::collections::VecDeque;
 
@@ -11,7 +11,7 @@ use sim_core::time::Time;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
-/// How far a trail may be from the recorded positions at first, in metres.
+/// Initial deviation of a trail from the recorded positions, in metres.
 const TOLERANCE: f64 = 1e-3;
 
 /// A trail with more points than this is thinned with twice the tolerance.
@@ -19,21 +19,22 @@ const MAX_POINTS: usize = 4096;
 
 /// A polyline that stays within [`Self::deviation`] of every position pushed.
 ///
-/// Points are dropped as they come: the last corner and a sector of directions within which everything since then lies
-/// (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail grows past 4096 points.
+/// Intermediate points are dropped as they arrive: only the last corner is kept, with the sector of directions that passes all
+/// positions since then (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds
+/// 4096 points.
 #[derive(Clone, Debug)]
 pub struct Trail {
     corners: Vec<DVec2>,
-    /// The newest position, the end of the open segment.
+    /// The newest position, at the end of the open segment.
     last: DVec2,
     tolerance: f64,
     segment: Option<Sector>,
 }
 
-/// What the open segment of a trail must satisfy, as seen from its corner.
+/// Constraints on the open segment of a trail, as seen from its corner.
 #[derive(Clone, Copy, Debug)]
 struct Sector {
-    /// Unit vector from which angles count.
+    /// Unit vector from which angles are measured.
     axis: DVec2,
     /// Angles between which the segment must lie, rad.
     angles: (f64, f64),
@@ -77,14 +78,14 @@ impl Trail {
             .collect()
     }
 
-    /// How far the polyline may be from a position that was pushed, in metres.
+    /// Greatest distance of the polyline from a pushed position, in metres.
     pub fn deviation(&self) -> f64 {
-        // Each thinning adds its own tolerance to those before it, a geometric series. A point beyond the end of a segment
-        // may be off by a tolerance along and one across it.
+        // Each thinning adds its tolerance to those before it, a geometric series. A point beyond the end of a segment may deviate by
+        // one tolerance along it and one across it.
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
-    /// The open segment after the position at `offset` from its corner, or the news that it needs a corner before.
+    /// The open segment extended to `offset` from its corner, or [`Bend`] if a new corner is needed before that.
     fn extended(&self, offset: DVec2) -> Result<Option<Sector>, Bend> {
         let distance = math::hypot(offset.x, offset.y);
         let Some(sector) = self.segment else {
@@ -104,13 +105,13 @@ impl Trail {
         if !(low..=high).contains(&angle) {
             return Err(Bend);
         }
-        // The sine of an angle is less than the angle, so this is on the safe side.
+        // The sine of an angle is less than the angle, so this width is conservative.
         let width = self.tolerance / distance;
         let angles = (low.max(angle - width), high.min(angle + width));
         Ok(Some(Sector { angles, reach: sector.reach.max(distance), ..sector }))
     }
 
-    /// Doubles the tolerance until a quarter of the points is gone.
+    /// Doubles the tolerance until at most three quarters of the points are left.
     fn thin(&mut self) {
         while self.corners.len() > MAX_POINTS / 4 * 3 {
             let mut thinner = Self::with_tolerance(self.corners[0], 2.0 * self.tolerance);
@@ -120,13 +121,13 @@ impl Trail {
     }
 }
 
-/// The open segment cannot be extended: a corner is needed.
+/// Error: the open segment cannot be extended, and a corner is needed.
 struct Bend;
 
-/// How many trails a body keeps that is put elsewhere again and again: the latest ones.
+/// Most trails kept of a body that is placed again and again: the latest ones.
 const MAX_TRAILS: usize = 64;
 
-/// The trails of one body: a new one begins where it is put elsewhere.
+/// Trails of one body: a new one begins each time that the body is placed.
 #[derive(Clone, Debug)]
 pub struct Way {
     trails: VecDeque<Trail>,
@@ -137,14 +138,14 @@ impl Way {
         Self { trails: VecDeque::from([Trail::new(start)]) }
     }
 
-    /// Continues to `position`, in metres.
+    /// Continues the latest trail to `position`, in metres.
     fn push(&mut self, position: DVec2) {
         if let Some(trail) = self.trails.back_mut() {
             trail.push(position);
         }
     }
 
-    /// Goes on at `position`, in metres, without a line that leads there.
+    /// Starts a new trail at `position`, in metres.
     fn jump(&mut self, position: DVec2) {
         if self.trails.len() == MAX_TRAILS {
             self.trails.pop_front();
@@ -152,13 +153,13 @@ impl Way {
         self.trails.push_back(Trail::new(position));
     }
 
-    /// The points of each trail, in the order of time.
+    /// Points of each trail, in order of time.
     pub fn lines(&self) -> Vec<Vec<DVec2>> {
         self.trails.iter().map(Trail::points).collect()
     }
 }
 
-/// Collects the trails of all robots and the places of contacts while a run goes on.
+/// Sink that collects the trails of all bodies and the points of contact.
 #[derive(Clone, Debug)]
 pub struct Trails {
     trails: Vec<Way>,
@@ -167,7 +168,7 @@ pub struct Trails {
 }
 
 impl Trails {
-    /// Trails from the poses at the start of the robots and of the movable objects, in order of their ids.
+    /// Trails from the starting poses of robots and movable objects, in order of their ids.
     pub fn new(robots: &[Pose], objects: &[Pose]) -> Self {
         let trails = |starts: &[Pose]| starts.iter().map(|start| Way::new(start.position)).collect();
         Self { trails: trails(robots), objects: trails(objects), contacts: Vec::new() }
@@ -183,13 +184,13 @@ impl Trails {
         &self.trails
     }
 
-    /// Points where bodies touched, in metres; no two of the same square centimetre follow each other.
+    /// Points of contact, in metres; points within 1 cm of the one before are left out.
     pub fn contacts(&self) -> &[DVec2] {
         &self.contacts
     }
 }
 
-/// Continues a body's way; that of one which has come into the run begins.
+/// Continues the trail of a body, or starts that of a spawned body.
 fn push(ways: &mut Vec<Way>, index: usize, position: DVec2) {
     match ways.get_mut(index) {
         Some(way) => way.push(position),

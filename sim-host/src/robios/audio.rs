@@ -1,5 +1,5 @@
-//! Loudspeaker and microphone: sounds are events that take virtual time in the background; the microphone hears what the
-//! robi's companion says, silence without.
+//! Loudspeaker and microphone. Sounds play in the background for their span of virtual time; the microphone reads the
+//! level that the robi's companion file gives, silence by default.
 //!
 //! Sources: RoBIOS 6 library, audio; RoBIOS-7 library, audio.
 
@@ -13,10 +13,10 @@ use sim_core::record::Event;
 /// Frequencies that `AUTone` plays, in Hz. Source: RoBIOS 6 library.
 pub const TONE_HZ: std::ops::RangeInclusive<i32> = 65..=21_000;
 
-/// How long `AUBeep` sounds; our choice.
+/// Duration of a beep (`AUBeep`); our choice.
 pub const BEEP: Time = Time::from_millis(100);
 
-/// What loudspeaker and microphone are doing. A new sound replaces the one in progress.
+/// State of loudspeaker and microphone. A new sound replaces the one in progress.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Audio {
     tone_end: Time,
@@ -42,22 +42,22 @@ impl Audio {
         self.record_end = now + duration;
     }
 
-    /// True when no tone or beep sounds.
+    /// Returns true if no tone or beep is playing.
     pub fn is_tone_done(&self, now: Time) -> bool {
         self.tone_end <= now
     }
 
-    /// True when no sample sounds.
+    /// Returns true if no sample is playing.
     pub fn is_sample_done(&self, now: Time) -> bool {
         self.sample_end <= now
     }
 
-    /// True when neither tone nor sample sounds.
+    /// Returns true if neither tone nor sample is playing.
     pub fn is_silent(&self, now: Time) -> bool {
         self.is_tone_done(now) && self.is_sample_done(now)
     }
 
-    /// True when nothing is being recorded.
+    /// Returns true if nothing is being recorded.
     pub fn is_record_done(&self, now: Time) -> bool {
         self.record_end <= now
     }
@@ -69,14 +69,14 @@ const MAX_RECORD: usize = 1 << 26;
 /// Greatest rate of a recording in Hz.
 const MAX_RATE: i64 = 44_100;
 
-/// `AUPlaySample`: the sample's rate in Hz, 0 if it is none.
+/// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is no WAV file.
 pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
     let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Robios6Call::AUPlaySample, 0) };
     play(robot, wave);
     wave.rate_hz
 }
 
-/// `AUPlay`: a WAV file in memory, or the name of one.
+/// `AUPlay`: plays a WAV file in memory, or the one that `sample` names.
 pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
     let Some(sample) = sample else { return robot.failed(Robios7Call::AUPlay, 1) };
     if let Some(wave) = Wave::parse(sample) {
@@ -117,7 +117,7 @@ pub fn beep(robot: &mut Robot) -> i32 {
     0
 }
 
-/// `AURecordSample`: the rate in Hz.
+/// `AURecordSample`: returns the rate in Hz.
 pub fn record_6(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
     record(robot, buffer, rate_hz).unwrap_or_else(|| robot.failed(Robios6Call::AURecordSample, 0))
 }
@@ -127,7 +127,7 @@ pub fn record_7(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
     record(robot, buffer, rate_hz).map_or_else(|| robot.failed(Robios7Call::AURecord, 1), |_| 0)
 }
 
-/// Records what the microphone hears; the rate in Hz, none if that cannot be.
+/// Records the microphone; returns the rate in Hz, `None` if buffer or rate is invalid.
 fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32> {
     let length = buffer.capacity();
     if buffer.is_null() || !(1..=MAX_RECORD).contains(&length) || rate_hz <= 0 {
@@ -151,7 +151,7 @@ pub fn microphone_7(robot: &mut Robot) -> i32 {
     value.into()
 }
 
-/// What a WAV file says of its sample.
+/// Rate and length of the sample in a WAV file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Wave {
     rate_hz: i32,
@@ -160,7 +160,7 @@ struct Wave {
 }
 
 impl Wave {
-    /// Reads the head of a WAV file; `None` for anything else.
+    /// Parses the header of a WAV file; `None` for anything else.
     fn parse(file: &[u8]) -> Option<Self> {
         let word = |bytes: &[u8], at: usize| {
             bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes)
@@ -184,7 +184,7 @@ impl Wave {
     }
 }
 
-/// How long `count` values at `rate_hz` last; nothing for a rate that is not positive.
+/// Duration of `count` values at `rate_hz`; zero for a rate that is not positive.
 pub fn duration_of(count: i32, rate_hz: i32) -> Time {
     if rate_hz <= 0 { Time::ZERO } else { Time(i64::from(count.max(0)) * 1_000_000 / i64::from(rate_hz)) }
 }

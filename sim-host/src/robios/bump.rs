@@ -1,4 +1,4 @@
-//! Bumpers: arcs of the body's edge that notice when a contact begins.
+//! Bumpers: arcs of the body's edge that detect the beginning of a contact.
 //!
 //! Source: RoBIOS 6 library, bumper and infrared sensors.
 
@@ -14,11 +14,11 @@ use super::robot::Robot;
 use sim_core::device::switch::Sensor;
 use sim_core::record::Event;
 
-/// The bumpers of a robot.
+/// State of a robot's bumpers.
 #[derive(Clone, Debug, Default)]
 pub struct Bumpers {
     handles: Handles,
-    /// By bumper: contacts known before this have been reported.
+    /// By bumper: contacts before this time have been reported.
     since: Vec<Time>,
 }
 
@@ -43,7 +43,7 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     }
 }
 
-/// `BUMPCheck`: the switch closes when a contact begins; one that goes on counts once.
+/// `BUMPCheck`: the switch closes when a contact begins; a lasting contact counts once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let Some(index) = robot.robios.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
     let since = robot.robios.bumpers.since[index];

@@ -1,20 +1,20 @@
-//! The functions that programs call.
+//! Functions that programs call.
 
 use robios_sys::{Robios6Call, Robios7Call, SupportCall};
 
-/// A function that a program can call, of whichever list.
+/// A function of the host that a program can call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Call {
-    /// Of RoBIOS 6.
+    /// A function of RoBIOS 6.
     Robios6(Robios6Call),
-    /// Of RoBIOS-7.
+    /// A function of RoBIOS-7.
     Robios7(Robios7Call),
     /// A service for the program's language.
     Support(SupportCall),
 }
 
 impl Call {
-    /// Its name, as programs write it.
+    /// Name of the function, as programs write it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robios6(call) => call.name(),
@@ -23,7 +23,7 @@ impl Call {
         }
     }
 
-    /// Its number among the functions of RoBIOS, to be kept where only a number can be; none for a service.
+    /// Number of the function among those of both RoBIOS generations; `None` for a service.
     pub fn robios_number(self) -> Option<u16> {
         match self {
             Self::Robios6(call) => Some(call as u16),
@@ -32,7 +32,7 @@ impl Call {
         }
     }
 
-    /// The RoBIOS function of this number.
+    /// The RoBIOS function with this number.
     pub fn of_robios_number(number: u16) -> Option<Self> {
         let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());
         match number.checked_sub(of_6) {

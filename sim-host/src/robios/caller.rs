@@ -1,7 +1,8 @@
-//! A robot's way into the simulator: what every RoBIOS call has in common.
+//! Entry of a robot's calls into the simulator: the behaviour that all RoBIOS calls share.
 //!
-//! A call costs virtual time, acts at its end, and is suspended first when its end lies in a later slot; timer callbacks that
-//! fall due on the way run inside it. The families beside this file say only what a call does.
+//! A call costs virtual time and acts at its end. If its end lies in a later slot, the flow is suspended first; timer
+//! callbacks that fall due on the way run inside the call. The modules beside this file define only the effect of each
+//! call.
 
 use std::any::Any;
 
@@ -18,26 +19,26 @@ use super::task::scheduler::Next;
 use crate::program::site::Site;
 use sim_core::record::Event;
 
-/// The handle that a robot's program is given: its robot in its run.
+/// Handle through which a program calls its robot in its run.
 pub struct Caller<F> {
     flow: F,
 }
 
-/// What a waiting call finds when it looks.
+/// Result of polling the condition of a waiting call.
 pub enum Poll<R> {
     /// The wait is over.
     Ready(R),
-    /// Not yet: look again at `at` ([`Time::NEVER`] when nothing known can end the wait).
+    /// Not yet: poll again at `at` ([`Time::NEVER`] when nothing known can end the wait).
     Until {
-        /// When the condition may hold.
+        /// Earliest time at which the condition may hold.
         at: Time,
-        /// What the robot waits for, as the user is told.
+        /// Reason of the wait, as shown to the user.
         waits_for: Waits,
     },
 }
 
 impl<R> Poll<R> {
-    /// With the result that `change` makes of the one there is.
+    /// Maps the result with `change`.
     pub fn map<S>(self, change: impl FnOnce(R) -> S) -> Poll<S> {
         match self {
             Self::Ready(result) => Poll::Ready(change(result)),
@@ -60,7 +61,7 @@ impl<F: Flow> Caller<F> {
     /// Passes the call's cost of virtual time, then acts at the call's end.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to end instead.
+    /// [`Stop`] if the program must end.
     pub(crate) fn call<R>(&self, call: impl Into<Call>, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
         let call = call.into();
         self.within(call, |caller| {
@@ -71,10 +72,10 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Passes the call's cost, then asks `poll` at the call's end and whenever its wake condition may hold.
+    /// Passes the call's cost, then calls `poll` at the call's end and whenever the awaited condition may hold.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to end instead; waiting inside a timer callback ends the program as failed.
+    /// [`Stop`] if the program must end; waiting inside a timer callback ends the program as failed.
     pub(crate) fn wait<R>(
         &self,
         call: impl Into<Call>,
@@ -88,7 +89,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Asks `poll` now and whenever its wake condition may hold; no time passes besides the wait.
+    /// Calls `poll` now and whenever the awaited condition may hold; no time passes besides the wait.
     ///
     /// # Errors
     /// As [`Caller::wait`].
@@ -101,7 +102,7 @@ impl<F: Flow> Caller<F> {
         self.within(call.into(), |caller| caller.wait_in(caller.robot(), (call.into(), site), poll))
     }
 
-    /// Waits in `call`, made at `site`, until `poll` is ready: the other tasks run meanwhile.
+    /// Waits in `call`, made at `site`, until `poll` is ready; the robot's other tasks run meanwhile.
     fn wait_in<'a, R>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -122,7 +123,7 @@ impl<F: Flow> Caller<F> {
             if robot.timers.in_callback {
                 return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
             }
-            // A condition that holds in the past would never advance: time goes on by 1 us at least.
+            // Virtual time advances by at least 1 us: a condition whose time has passed would be polled for ever.
             let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
             let waiting = Waiting { call, waits_for, since, site: site.clone() };
             if robot.tasks.current().is_unwinding() {
@@ -145,8 +146,8 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Lets virtual time pass until `wake` for a task that waits; its wait is over where a timer's function breaks it off and the program
-    /// goes on.
+    /// Lets virtual time pass until `wake` for a waiting task. Ends the task's wait if a timer callback breaks it off
+    /// and the program continues.
     fn wait_until<'a>(&'a self, robot: MutexGuard<'a, Robot>, wake: Time) -> Result<MutexGuard<'a, Robot>, Stop> {
         self.pass_until(robot, wake, false).inspect_err(|_| {
             if !self.flow.is_leaving() {
@@ -155,9 +156,9 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// The end of `call`: where the time slice of its task is over, the others that are ready get their turn first.
+    /// Ends `call`: if the time slice of its task is over, the other ready tasks run first.
     pub(super) fn take_turns(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
-        // The program prints from within its C library, whose streams no other task may use then.
+        // The program is printing from within its C library, whose streams no other task may use meanwhile.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
             return Ok(());
         }
@@ -171,18 +172,18 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Lets the other tasks that are ready run first, if it is their turn.
+    /// Lets the other ready tasks run first, if it is their turn.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to end instead.
+    /// [`Stop`] if the program must end.
     pub(super) fn turn(&self, call: SupportCall) -> Result<(), Stop> {
         self.within(call.into(), |caller| caller.take_turns(caller.robot(), call.into()))
     }
 
-    /// Lets the other tasks that are ready run first.
+    /// Lets the other ready tasks run first.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to end instead.
+    /// [`Stop`] if the program must end.
     pub(super) fn give_way(&self, call: SupportCall) -> Result<(), Stop> {
         self.within(call.into(), |caller| {
             let robot = caller.spend(call.into())?;
@@ -201,7 +202,8 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Lets the other tasks run, and virtual time pass, until it is the calling one's turn: for RoBIOS 6 with multi-tasking.
+    /// Lets other tasks run, and virtual time pass, until it is the calling task's turn; for RoBIOS 6 with
+    /// multi-tasking.
     pub(super) fn await_turn<'a>(&'a self, mut robot: MutexGuard<'a, Robot>) -> Result<MutexGuard<'a, Robot>, Stop> {
         loop {
             let now = robot.now;
@@ -215,7 +217,7 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Hands the robot to another task of its own, until that hands it back.
+    /// Hands the run token to another task of the robot; returns when the calling task has it back.
     pub(super) fn switch_to<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -230,10 +232,10 @@ impl<F: Flow> Caller<F> {
         if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
-    /// Starts a further task, which runs `code` when its turn comes; its number, or 0 when the robot has too many.
+    /// Starts a further task, which runs `code` at its turn. Returns its number, or 0 if the robot has too many tasks.
     ///
     /// # Errors
-    /// [`Stop`] when the system has no room for it.
+    /// [`Stop`] if the system has no room for another task.
     pub(super) fn spawn(&self, call: SupportCall, code: Callback) -> Result<i32, Stop> {
         self.within(call.into(), |caller| {
             let mut robot = caller.robot();
@@ -253,7 +255,7 @@ impl<F: Flow> Caller<F> {
     /// Passes `span` of virtual time, as a sleep of the program outside RoBIOS.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to end instead.
+    /// [`Stop`] if the program must end.
     pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
         let end = self.at_once(SupportCall::sleep_us, |robot| robot.now + span);
         self.wait(SupportCall::sleep_us, |robot, _| {
@@ -261,10 +263,10 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Acts at once: no virtual time passes, and a program that is told to stop may still do it. The thread counts as at work for
-    /// the program meanwhile, so that the watchdog does not park it while it holds the robot's lock.
+    /// Acts at once: no virtual time passes, and a program that must stop may still call it. The thread counts as
+    /// executing host code meanwhile, so that the watchdog does not park it while it holds the robot's lock.
     pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
-        // These few lines need next to no stack: they serve a program that has none left, too.
+        // These lines need almost no stack: they also serve a program whose stack is exhausted.
         self.flow.enter(call.into());
         let result = act(&mut self.robot());
         self.flow.leave();
@@ -277,12 +279,12 @@ impl<F: Flow> Caller<F> {
         Stop
     }
 
-    /// The state of this caller's robot.
+    /// Locks the state of this caller's robot.
     pub(crate) fn robot(&self) -> MutexGuard<'_, Robot> {
         self.flow.robot()
     }
 
-    /// Runs `body` as the host's work for the program: stopped programs are turned back, a stack at its end is a fault.
+    /// Runs `body` as the host's work for the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         if !self.flow.enter(call) {
             let robot = self.robot();
@@ -295,7 +297,7 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Passes the cost of `call`.
+    /// Lets the virtual time that `call` costs pass.
     pub(super) fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
         let robot = self.robot();
         if robot.ending.is_some() {
@@ -305,11 +307,12 @@ impl<F: Flow> Caller<F> {
         self.pass_until(robot, end, true)
     }
 
-    /// Lets virtual time pass until `end`, running the timer callbacks that fall due, and computing what sensors have
-    /// measured that end to measure on the way.
+    /// Lets virtual time pass until `end`; runs the timer callbacks that fall due, and computes the measurements that
+    /// sensors complete on the way.
     ///
-    /// Where the time is the call's own work (`is_work`), callbacks push its end by what they take. Otherwise the robot waits:
-    /// it comes back early after each callback, and when the scheduler step has changed what it waits for.
+    /// If the time is the call's own work (`is_work`), callbacks delay its end by their duration. Otherwise the robot
+    /// waits: the function returns early after each callback, and when the scheduler step has changed what the robot
+    /// waits for.
     fn pass_until<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -347,7 +350,7 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Runs the callbacks of all timers that are due now; they may call RoBIOS, which takes its time.
+    /// Runs the callbacks of all timers that are due; they may call RoBIOS, which takes virtual time.
     fn run_timers<'a>(&'a self, mut robot: MutexGuard<'a, Robot>) -> Result<MutexGuard<'a, Robot>, Stop> {
         let now = robot.now;
         let due = robot.timers.take_due(now);

@@ -1,8 +1,8 @@
-//! The camera of a robot as both generations have it: what a program is told when there is no image, and its numbers for depths
-//! and labels.
+//! Camera functions that both generations share: the message for a missing image, and the numbers that programs get for
+//! depths and labels.
 //!
-//! The camera itself is [`sim_core::device::camera`]; `camera6.rs` and `camera7.rs` give its images to programs. Source: RoBIOS 6
-//! and RoBIOS-7 library, camera.
+//! The camera itself is [`sim_core::device::camera`]; `camera6.rs` and `camera7.rs` pass its images to programs.
+//! Source: RoBIOS 6 and RoBIOS-7 library, camera.
 
 use std::sync::Arc;
 
@@ -20,22 +20,22 @@ use super::truth::{Census, Counted};
 use crate::record::frame::{Frame, Frames, Pixels};
 use crate::scenery::LazyScenery;
 
-/// What the camera of a robot sees in its run, and where its images go.
+/// Scenery that a robot's camera sees, and destination of its images.
 #[derive(Default)]
 pub struct Imaging {
-    /// What there is to be seen.
+    /// Everything that cameras can see.
     pub scenery: Arc<LazyScenery>,
-    /// Where all images and scans go that programs take, if the user wants them.
+    /// Destination of all images and scans that programs take, if the user wants them.
     pub frames: Option<Arc<Frames>>,
 }
 
-/// Why a call gives no image.
+/// Reason why a call gives no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoImage {
-    /// There is nowhere to put it.
+    /// The buffer is null.
     #[error("it takes room for the image")]
     Null,
-    /// The camera gives none.
+    /// The camera gives no image.
     #[error("{}", in_words(.0))]
     Camera(CameraError),
 }
@@ -73,14 +73,14 @@ pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8;
     Ok(picture)
 }
 
-/// Takes an image of `size` behind the colour filter of the sensor.
+/// Takes an image of `size` through the sensor's colour filter.
 pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<Picture<[u8; 1]>, NoImage> {
     let picture = take(robot, |robot, scenery| robot.take_bayer(world, scenery, size))?;
     show(robot, size, Pixels::Bayer(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
-/// Takes an image of what there is to be seen, which is built for a camera that is on only.
+/// Takes an image. The scenery is built lazily, and only for a camera that is on.
 fn take<T>(
     robot: &mut Robot,
     take: impl FnOnce(&mut simulation::Robot, &Arc<Scenery>) -> Result<T, CameraError>,
@@ -90,7 +90,7 @@ fn take<T>(
     Ok(take(&mut robot.state, &scenery)?)
 }
 
-/// How far away what each pixel of the last image shows is, mm along the line of sight; infinite for the sky.
+/// Depth of each pixel of the last image in mm along the line of sight; infinite for the sky.
 fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
     let picture = robot.take_depth()?;
     let depth = mm_of_depth(&picture);
@@ -98,7 +98,7 @@ fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
     Ok(depth)
 }
 
-/// The number of what each pixel of the last image shows.
+/// Number of the body that each pixel of the last image shows.
 fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, NoImage> {
     let picture = robot.take_labels()?;
     let labels = numbers_of_labels(&picture, &robot.robios.census);
@@ -136,14 +136,14 @@ pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why
     robot.refused(call, answer, |_| why.to_string())
 }
 
-/// Depths in metres as programs get them, in mm.
+/// Converts depths in metres to the mm that programs get.
 pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
     depth.pixels().iter().map(|metres| mm_from_metres(f64::from(*metres)) as f32).collect()
 }
 
-/// Labels as programs get them; bodies by their numbers among all robots and objects.
+/// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
 pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
-    // Movable objects count on their own.
+    // Ids of movable objects count these alone.
     let movable: Vec<usize> =
         (0..census.objects.len()).filter(|place| matches!(census.objects[*place], Counted::Movable(_))).collect();
     let object = |place: usize| CAM_BODY + (census.robots + 1 + place) as i32;
@@ -163,13 +163,13 @@ pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
     labels.pixels().iter().map(number).collect()
 }
 
-/// Records what the last image shows, in a form of programs, and gives it to who wants images.
+/// Records depths or labels of the last image and passes them to the image sink, if there is one.
 fn tell(robot: &mut Robot, size: [u32; 2], pixels: Pixels<'_>) {
     robot.record_frame(pixels.form(), size, &pixels.bytes());
     show(robot, size, pixels);
 }
 
-/// Gives the last image, or what it shows, to who wants images.
+/// Passes the last image, or its depths or labels, to the image sink, if there is one.
 fn show(robot: &Robot, size: [u32; 2], pixels: Pixels<'_>) {
     if let (Some(frames), Some(exposure)) = (&robot.robios.imaging.frames, robot.devices.camera.last()) {
         let Exposure { number, at, .. } = *exposure;

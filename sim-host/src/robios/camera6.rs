@@ -1,7 +1,7 @@
 //! The camera of RoBIOS 6: images of 80 x 60, at the rate of the camera.
 //!
-//! It obeys the settings of all cameras of the EyeBot: lens and levels of the QuickCam, frame rate of the EyeCam. Source:
-//! RoBIOS 6 library, camera; what the sources leave open is our choice, see docs/robios6.md.
+//! It supports the settings of all cameras of the EyeBot: lens and levels of the QuickCam, frame rate of the EyeCam.
+//! Source: RoBIOS 6 library, camera; choices that the sources leave open are in docs/robios6.md.
 
 use robios_sys::robios6::{
     AUTOBRIGHTNESS, BayerFrame, ColImage, ColorFrame, FALSE, FPS0_46875, FPS60, IMAGE_COLUMNS, IMAGE_ROWS, INITERROR,
@@ -18,24 +18,24 @@ use super::caller::Poll;
 use super::camera::{self, NoImage};
 use super::robot::{Robot, Waits};
 
-/// What `CAMInit` answers: an EyeCam with colour.
+/// Answer of `CAMInit`: an EyeCam with colour.
 pub const VERSION: i32 = 17;
 
 /// Columns and rows of an image without its border.
 const SIZE: [u32; 2] = [IMAGE_COLUMNS as u32 - 2, IMAGE_ROWS as u32 - 2];
 
-/// The same behind the colour filter.
+/// Columns and rows of an image behind the colour filter.
 const BAYER_SIZE: [u32; 2] = [2 * SIZE[0], 2 * SIZE[1]];
 
-/// Length of a cycle of the fastest rate, 1/60 s, in sixtieths of a microsecond.
+/// Period of the fastest rate, 1/60 s, in sixtieths of a microsecond.
 const CYCLE_60: i64 = 1_000_000;
 
-/// What the program has set of the camera beside its [`Setting`].
+/// Camera settings of RoBIOS 6 beyond those in [`Setting`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// The frame rate: `FPS60` and the like; `None` where images are there whenever they are asked for.
+    /// The frame rate: `FPS60` and the like; `None` if images are available at any time.
     rate: Option<i32>,
-    /// The last `CAMSet` was one of a rate.
+    /// The last `CAMSet` set the frame rate.
     is_rate_last: bool,
 }
 
@@ -179,7 +179,7 @@ pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
     camera::give_labels(robot, Call::CAMGetLabels, -1, labels)
 }
 
-/// Waits until the camera has an image and gives what `take` makes of it.
+/// Waits until the camera has an image, then stores the result of `take`.
 fn take<T>(
     robot: &mut Robot,
     call: Call,
@@ -206,15 +206,15 @@ fn take<T>(
     })
 }
 
-/// When the first image at or after `now` is there, of those that come at this rate from time 0 on: to the next microsecond.
+/// Time of the first image at or after `now` in a sequence of this rate from time 0 on, rounded up to a microsecond.
 fn next_frame(rate: i32, now: Time) -> Time {
     let period = CYCLE_60 << (rate - FPS60);
-    // The time of image n, rounded up, is not before `now` just where n periods are more than `now` - 1.
+    // The time of image n, rounded up, is not before `now` if and only if n periods exceed `now` - 1.
     let number = (60 * (now.0 - 1)).div_euclid(period) + 1;
     Time((number * period).div_euclid(60) + i64::from((number * period).rem_euclid(60) > 0))
 }
 
-/// A picture in its border.
+/// Adds a border to a picture.
 fn bordered<T: Copy>(picture: &Picture<T>, border: T) -> [[T; IMAGE_COLUMNS]; IMAGE_ROWS] {
     let mut image = [[border; IMAGE_COLUMNS]; IMAGE_ROWS];
     for (row, pixels) in image[1..].iter_mut().zip(picture.rows()) {
@@ -223,7 +223,7 @@ fn bordered<T: Copy>(picture: &Picture<T>, border: T) -> [[T; IMAGE_COLUMNS]; IM
     image
 }
 
-/// As many bytes as the camera's images have.
+/// The first `N` bytes as an array.
 fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     std::array::from_fn(|place| bytes[place])
 }

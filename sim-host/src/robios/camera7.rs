@@ -11,10 +11,10 @@ use super::camera::{self, NoImage};
 use super::image7::is_resolution;
 use super::robot::Robot;
 
-/// Most pixels on either side of an image.
+/// Greatest width and height of an image in pixels.
 const MOST_SIDE: i32 = 4096;
 
-/// `CAMInit`; which size a resolution is, the program's side knows.
+/// `CAMInit`; the program's side translates a resolution to its size.
 pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
     if robot.spec.camera.is_none() {
         let why = CameraError::Absent(robot.spec.file.clone());
@@ -78,7 +78,7 @@ pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
     camera::give_labels(robot, Call::CAMGetLabels, 1, labels)
 }
 
-/// The answer of a call that needs a camera which is on.
+/// Answer of a call that requires a camera which is on.
 fn refuse(robot: &mut Robot, call: Call) -> i32 {
     let why = robot.camera_setting().err().unwrap_or(CameraError::Off);
     camera::refused(robot, call, 1, why)

@@ -63,7 +63,7 @@ fn read(robot: &mut Robot) -> Option<i32> {
     robot.read_compass().filter(|_| is_on).map(whole_degrees)
 }
 
-/// What a compass tells of an angle: whole degrees, 0 to 359.
+/// Compass reading of an angle: whole degrees, 0 to 359.
 fn whole_degrees(angle: f64) -> i32 {
     (unit::degrees_from_radians(angle).round() as i32).rem_euclid(360)
 }

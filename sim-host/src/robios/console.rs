@@ -1,13 +1,13 @@
-//! What a program prints: a limit, so that an endless loop floods neither terminal nor disk.
+//! Output of a program, limited so that an endless loop floods neither terminal nor disk.
 
 use super::robot::Robot;
 use robios_sys::support::stream;
 use sim_core::record::Event;
 
-/// Bytes that a program may print in a run where nobody says anything; our choice.
+/// Default limit of a program's output in a run, in bytes; our choice.
 pub const DEFAULT_OUTPUT_LIMIT: u64 = 10_000_000;
 
-/// How much a program has printed.
+/// Counters of a program's output in bytes.
 #[derive(Clone, Debug)]
 pub struct Console {
     limit: u64,
@@ -22,17 +22,17 @@ impl Default for Console {
 }
 
 impl Console {
-    /// A console that takes so many bytes.
+    /// Creates a console that accepts `limit` bytes.
     pub fn new(limit: u64) -> Self {
         Self { limit, printed: 0, cut: 0 }
     }
 
-    /// Bytes that were printed beyond the limit, and are recorded nowhere.
+    /// Bytes printed beyond the limit, which are not recorded.
     pub fn cut_bytes(&self) -> u64 {
         self.cut
     }
 
-    /// Counts a line of so many bytes; false when it is cut.
+    /// Counts a line of `bytes` bytes; returns false if it is cut.
     fn takes(&mut self, bytes: u64) -> bool {
         let fits = self.cut == 0 && self.printed + bytes <= self.limit;
         *(if fits { &mut self.printed } else { &mut self.cut }) += bytes;
@@ -40,7 +40,7 @@ impl Console {
     }
 }
 
-/// Records `text` line by line, as far as the limit goes; the user is told of the first line that is cut.
+/// Records `text` line by line up to the limit; the user is told of the first line that is cut.
 pub(super) fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
     let now = robot.now;
     for line in text.split_inclusive('\n') {

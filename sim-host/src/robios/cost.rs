@@ -1,8 +1,8 @@
-//! The cost table: how much virtual time each RoBIOS call takes.
+//! The cost table: virtual time that each RoBIOS call takes.
 //!
-//! A table is TOML with one section a generation of the API and entries `function = microseconds`. A name that ends in `*`
-//! stands for all functions that begin so; the longest name that fits counts. `costs.toml`, compiled in, has an entry for
-//! every function; the user's own table goes before it as a whole.
+//! A table is TOML with one section per generation of the API and entries `function = microseconds`. A name that ends
+//! in `*` matches all functions with that prefix; the longest matching name wins. `costs.toml`, compiled in, has an
+//! entry for every function; any matching entry of the user's table takes precedence over it.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ const ROBIOS7: &str = "robios7";
 /// Sections that a table may have.
 const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
 
-/// The functions of the generation that a section is for.
+/// Functions of the generation of `section`.
 fn functions(section: &str) -> Vec<Call> {
     match section {
         ROBIOS6 => Robios6Call::ALL.iter().map(|call| Call::from(*call)).collect(),
@@ -37,20 +37,20 @@ fn functions(section: &str) -> Vec<Call> {
 /// Greatest cost: an hour, in microseconds.
 const MAX_COST_US: i64 = 3_600_000_000;
 
-/// How much virtual time each call takes.
+/// Virtual time that each call takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Costs {
     /// By [`Call::robios_number`].
     costs: Box<[Time]>,
 }
 
-/// What is wrong with a cost table.
+/// Error in a cost table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CostError {
-    /// Not TOML of the form of a table.
+    /// The text is not TOML of the form of a cost table.
     #[error("{0}")]
     Syntax(String),
-    /// A section of no known generation.
+    /// A section that names no known generation.
     #[error("line {line}: unknown section `{name}`, expected `robios6` or `robios7`")]
     Section {
         /// Line from 1.
@@ -58,7 +58,7 @@ pub enum CostError {
         /// The name.
         name: String,
     },
-    /// An entry that fits no function.
+    /// An entry that matches no function.
     #[error("line {line}: unknown function `{name}`{}", suggestion.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default())]
     Function {
         /// Line from 1.
@@ -68,7 +68,7 @@ pub enum CostError {
         /// The function with the most similar name.
         suggestion: Option<&'static str>,
     },
-    /// A cost that is none.
+    /// A cost that is out of range or not an integer.
     #[error("line {line}: `{name}` must cost 1 to 3600000000 us, in whole microseconds")]
     Cost {
         /// Line from 1.
@@ -82,7 +82,7 @@ pub enum CostError {
 type Section = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
 
 impl Costs {
-    /// The table that is compiled in, with the entries of the user's `table` before it.
+    /// The compiled-in table, overridden by the entries of the user's `table`.
     ///
     /// # Errors
     /// The first [`CostError`] of the user's table.
@@ -90,10 +90,10 @@ impl Costs {
         Ok(Self::with_entries(&parse(table)?))
     }
 
-    /// The table that is compiled in, with the entries of a scene's `table` before it.
+    /// The compiled-in table, overridden by the entries of a scene's `table`.
     ///
     /// # Errors
-    /// The first entry that fits no function.
+    /// The first entry that matches no function.
     pub fn of_table(table: &CostTable) -> Result<Self, CostError> {
         if let Some((_, error)) = mistakes(table).next() {
             return Err(error);
@@ -117,7 +117,7 @@ impl Costs {
         costs
     }
 
-    /// What a RoBIOS call costs; 1 us for a service of the language, enough that a loop which waits for a time ends.
+    /// Cost of a call; 1 us for a service of the language, enough that a loop which waits for a time ends.
     pub fn of(&self, call: impl Into<Call>) -> Time {
         call.into().robios_number().map_or(Time(1), |number| self.costs[usize::from(number)])
     }
@@ -126,7 +126,7 @@ impl Costs {
 impl Default for Costs {
     /// The table that is compiled in.
     fn default() -> Self {
-        // A test reads the compiled-in table, so 1 us for what it does not have is never seen.
+        // A test checks that the compiled-in table is complete, so the 1 us for missing entries never applies.
         let table = parse(DEFAULT).unwrap_or_default();
         let cost = |section: &str, call: Call| {
             table.get(section).and_then(|entries| find(entries, call.name())).unwrap_or(Time(1))
@@ -136,13 +136,13 @@ impl Default for Costs {
     }
 }
 
-/// The entries of a scene's table that fit no function.
+/// Entries of a scene's table that match no function, each with its error.
 pub fn mistakes(table: &CostTable) -> impl Iterator<Item = (&CostEntry, CostError)> {
     let mistake = |entry: &CostEntry| unknown_function(&entry.generation, &entry.function, entry.span.line as usize);
     table.entries.iter().filter_map(move |entry| Some((entry, mistake(entry)?)))
 }
 
-/// The error of an entry in `line` of `section` whose `name` fits no function.
+/// The error of an entry in `line` of `section`, if `name` matches no function.
 fn unknown_function(section: &str, name: &str, line: usize) -> Option<CostError> {
     let is_known = functions(section).iter().any(|call| fits(name, call.name()));
     let error = || CostError::Function { line, name: name.to_owned(), suggestion: most_similar(section, name) };
@@ -175,19 +175,19 @@ fn parse(table: &str) -> Result<Entries, CostError> {
     Ok(entries)
 }
 
-/// The entry whose name fits best.
+/// Cost of `function` by the entry that matches it best.
 fn find(entries: &BTreeMap<String, Time>, function: &str) -> Option<Time> {
     let exact = entries.get(function);
     let pattern = || entries.iter().filter(|(name, _)| fits(name, function)).max_by_key(|(name, _)| name.len());
     exact.or_else(|| pattern().map(|(_, cost)| cost)).copied()
 }
 
-/// True if the name of an entry means `function`.
+/// Returns true if the name or pattern of an entry matches `function`.
 fn fits(name: &str, function: &str) -> bool {
     name.strip_suffix('*').map_or(name == function, |beginning| function.starts_with(beginning))
 }
 
-/// The function of a section whose name is at most a third of its letters away from `name`.
+/// The function of a section with the name closest to `name`, if at most a third of its letters differ.
 pub fn most_similar(section: &str, name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let similar = functions(section)

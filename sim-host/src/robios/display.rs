@@ -1,6 +1,6 @@
-//! What the functions of the display do, over the model in [`super::lcd`].
+//! Display functions of RoBIOS 6, over the model in [`super::lcd`].
 //!
-//! Source: RoBIOS 6 library, LCD output. Text at a place leaves the cursor behind it.
+//! Source: RoBIOS 6 library, LCD output. Text written at a position leaves the cursor behind it.
 
 use robios_sys::robios6::{BitImage, CURSOR, ColImage, Image, SCROLLING};
 use robios_sys::{Out, Robios6Call as Call};
@@ -13,7 +13,7 @@ use sim_core::record::Event;
 /// Columns of the part of an image that is shown.
 const SHOWN_COLUMNS: usize = 80;
 
-/// Longest number and most decimals that `LCDPutFloatS` and `LCDPutIntS` write: more than the display holds.
+/// Greatest width and number of decimals of `LCDPutFloatS` and `LCDPutIntS`: more than the display holds.
 const MAX_FORMAT: i32 = 112;
 
 /// Writes text at the cursor.
@@ -117,7 +117,7 @@ pub fn put_grey(robot: &mut Robot, grey: Option<&Image>) -> i32 {
     drawn(robot, Call::LCDPutGraphic, changed)
 }
 
-/// `LCDPutColorGraphic`: the image holds what is shown afterwards, in black and white.
+/// `LCDPutColorGraphic`: overwrites the image with what the display shows, in black and white.
 pub fn put_colour(robot: &mut Robot, colour: Option<&mut ColImage>) -> i32 {
     let Some(colour) = colour else { return robot.failed(Call::LCDPutColorGraphic, -1) };
     let dithered = image::dither(&image::grey_from_colour(colour));

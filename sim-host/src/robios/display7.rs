@@ -1,4 +1,4 @@
-//! What the functions of the colour display do, over the model in [`super::screen`].
+//! Display functions of RoBIOS-7, over the model in [`super::screen`].
 //!
 //! Source: RoBIOS-7 library, LCD output; what it leaves open is in `docs/robios7.md`.
 
@@ -47,7 +47,7 @@ pub fn set_position(robot: &mut Robot, place: [i32; 2]) -> i32 {
     0
 }
 
-/// Moves the cursor; the user is told once where nothing can be seen there.
+/// Moves the cursor; the user is told once if the position is outside the display.
 fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     robot.screen().set_position(row, column);
     let [rows, columns] = robot.screen().rows_and_columns();
@@ -57,7 +57,7 @@ fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     if robot.robios.hints.is_first_failure(call.into()) {
         let name = call.name();
         robot.hint(&format!("`{name}`: the display has {rows} rows and {columns} columns, none at ({row}, {column})"));
-        // Once: the call has no error to be looked at.
+        // Counted as a failure so that the hint comes once; the call itself returns no error.
         robot.failed(call, 0);
     }
 }
@@ -104,7 +104,7 @@ pub fn set_font_size(robot: &mut Robot, number: i32) -> i32 {
     0
 }
 
-/// `LCDSetMode`: what the mode does not name stays.
+/// `LCDSetMode`: modes that are not named stay as they are.
 pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     let screen = robot.screen();
     let modes = &mut screen.modes;
@@ -129,7 +129,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     0
 }
 
-/// What a mode says of a switch; both words together mean off.
+/// State that a mode gives to a switch, `None` if it names neither; both together mean off.
 fn switched(mode: i32, on: i32, off: i32) -> Option<bool> {
     (mode & (on | off) != 0).then_some(mode & off == 0)
 }
@@ -211,7 +211,7 @@ fn drawn(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
     0
 }
 
-/// `LCDImageSize`: the size itself comes with each image.
+/// `LCDImageSize`: checks the resolution only; each image brings its size.
 pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     if resolution == CUSTOM || RESOLUTIONS.iter().any(|(_, number, ..)| *number == resolution) {
         return 0;
@@ -222,7 +222,7 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     })
 }
 
-/// `LCDImageStart`: the size itself comes with each image.
+/// `LCDImageStart`: sets the place; each image brings its size.
 pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
         return robot.refused(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
@@ -231,7 +231,7 @@ pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> 
     0
 }
 
-/// True for a size from 1 x 1 to as many pixels as the largest camera has.
+/// Returns true for a size from 1 x 1 up to the pixel count of the largest camera.
 fn is_size([width, height]: [i32; 2]) -> bool {
     let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     width > 0 && height > 0 && i64::from(width) * i64::from(height) <= most as i64

@@ -1,4 +1,4 @@
-//! What a robot's calls need of the run in which they are made.
+//! Interface of a robot's calls to the run in which they are made.
 
 use parking_lot::{MappedRwLockReadGuard, MutexGuard};
 use robios_sys::{Callback, Stop};
@@ -10,16 +10,16 @@ use super::call::Call;
 use super::robot::Robot;
 use crate::program::site::Site;
 
-/// A robot's flow of control, and the run around it, as the calls of its program see them. The executive fills it, with threads,
-/// processes or fibers: nothing here knows which.
+/// A robot's flow of control and the run around it, as the calls of its program see them. The executive implements it
+/// with threads, processes or fibers; calls do not depend on the kind.
 pub trait Flow: Send + Sync + 'static {
-    /// The robot.
+    /// Id of the robot.
     fn id(&self) -> RobotId;
 
-    /// Its state.
+    /// Locks the robot's state.
     fn robot(&self) -> MutexGuard<'_, Robot>;
 
-    /// The world, as it was made public at the start of the present slot.
+    /// The world as published at the start of the present slot.
     fn world(&self) -> MappedRwLockReadGuard<'_, World>;
 
     /// Virtual time that `call` takes.
@@ -31,22 +31,22 @@ pub trait Flow: Send + Sync + 'static {
     /// End of the present slot.
     fn slot_end(&self) -> Time;
 
-    /// Suspends the calling flow until the slot that contains `wake`, or earlier if what it waits for changes.
+    /// Suspends the calling flow until the slot that contains `wake`, or earlier if what the robot waits for changes.
     ///
     /// # Errors
-    /// [`Stop`] when the program is to leave.
+    /// [`Stop`] if the program must end.
     fn suspend(&self, wake: Time) -> Result<(), Stop>;
 
-    /// True once the program is to leave: every call is turned back.
+    /// Returns true once the program must end: calls then return [`Stop`].
     fn is_leaving(&self) -> bool;
 
-    /// True when the calls of the robot are recorded.
+    /// Returns true if the robot's calls are recorded.
     fn is_verbose(&self) -> bool;
 
-    /// The calling flow enters `call`; false when it has no stack left to serve it.
+    /// Marks that the calling flow enters `call`; returns false if its stack has no room to serve the call.
     fn enter(&self, call: Call) -> bool;
 
-    /// The calling flow goes back to its program.
+    /// Marks that the calling flow returns to its program.
     fn leave(&self);
 
     /// Hands the run token of the robot from the calling flow to that of task `task`, until it is handed back.
@@ -55,18 +55,18 @@ pub trait Flow: Send + Sync + 'static {
     /// Starts the flow of task `task`, which runs `code` when its turn comes.
     ///
     /// # Errors
-    /// When the system has no room for another flow.
+    /// If the system has no room for another flow.
     fn start_task(&self, task: u32, code: Callback) -> std::io::Result<()>;
 
-    /// Calls a function of the program from within a call; no lock is held.
+    /// Calls a function of the program from within a call; the caller must hold no lock.
     ///
     /// # Errors
-    /// [`Stop`] when the program must be left: the call in progress returns it.
+    /// [`Stop`] if the program must end: the call in progress returns it.
     fn call_back(&self, callback: Callback) -> Result<(), Stop>;
 
-    /// Where the program made the call that it is in.
+    /// Place in the program of the call in progress.
     fn call_site(&self) -> Site;
 
-    /// What each task of `robot`, which is this one, waits for, in words.
+    /// Describes in words what each task of `robot`, the robot of this flow, waits for.
     fn waits_of(&self, robot: &Robot) -> String;
 }

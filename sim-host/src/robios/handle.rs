@@ -1,19 +1,20 @@
-//! Handles: what `...Init` hands out for a device, one bit each, so that programs can OR them.
+//! Handles of devices, as `...Init` returns them: one bit per device, so that programs can OR them.
 
-/// Answer of a release that knows none of the handle's bits. Source: RoBIOS 6 library, `SERVORelease`.
+/// Answer to a release of handles none of which is open. Source: RoBIOS 6 library, `SERVORelease`.
 pub const WRONG_HANDLE: i32 = 0x1111_0000;
 
-/// How many devices of one kind can have a handle: the bits of a positive C `int`; our choice (the manual speaks of 8).
+/// Number of devices of one kind that can have a handle: the bits of a positive C `int`; our choice (the manual speaks
+/// of 8).
 pub const MAX_DEVICES: usize = 31;
 
-/// The handles of one kind of device: device `i` of the robi has bit `i`.
+/// Open handles of one kind of device: device `i` of the robi has bit `i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Handles {
     open: u32,
 }
 
 impl Handles {
-    /// Hands out the handle of device `index`, the same again for a device that has one; 0 beyond [`MAX_DEVICES`].
+    /// Returns the handle of device `index`, always the same for one device; 0 from index [`MAX_DEVICES`] on.
     pub fn open(&mut self, index: usize) -> i32 {
         if index >= MAX_DEVICES {
             return 0;
@@ -22,30 +23,31 @@ impl Handles {
         1 << index
     }
 
-    /// The device of a handle that names exactly one open device.
+    /// Index of the device of a handle that names exactly one open device.
     pub fn one(self, handle: i32) -> Option<usize> {
         let bits = handle as u32;
         (bits.is_power_of_two() && bits & self.open != 0).then_some(bits.trailing_zeros() as usize)
     }
 
-    /// The devices of an OR of handles, in the order of the robi; `None` if it has a bit that is not open, or none.
+    /// Indices of the devices in an OR of handles, in the order of the robi; `None` if the OR is 0 or has a bit that is
+    /// not open.
     pub fn all(self, handles: i32) -> Option<impl Iterator<Item = usize> + use<>> {
         let bits = handles as u32;
         (bits != 0 && bits & !self.open == 0).then(|| (0..MAX_DEVICES).filter(move |index| bits >> index & 1 == 1))
     }
 
-    /// True if any handle is open.
+    /// Returns true if any handle is open.
     pub fn is_any_open(self) -> bool {
         self.open != 0
     }
 
-    /// True if device `index` has an open handle.
+    /// Returns true if device `index` has an open handle.
     pub fn is_open(self, index: usize) -> bool {
         index < MAX_DEVICES && self.open >> index & 1 == 1
     }
 
-    /// Takes back an OR of handles: 0; or nothing is taken back and the answer is [`WRONG_HANDLE`] (no bit is open) or
-    /// the bits that are not.
+    /// Releases an OR of handles and returns 0. If a bit is not open, nothing is released and the answer is
+    /// [`WRONG_HANDLE`] (no bit is open) or the bits that are not open.
     ///
     /// Source: RoBIOS 6 library, `SERVORelease`.
     pub fn release(&mut self, handles: i32) -> i32 {
@@ -60,7 +62,7 @@ impl Handles {
         unknown as i32
     }
 
-    /// Takes back all handles.
+    /// Releases all handles.
     pub fn release_all(&mut self) {
         self.open = 0;
     }

@@ -1,4 +1,4 @@
-//! The hardware description table, as programs look into it.
+//! Lookup of devices in the hardware description table.
 //!
 //! Source: RoBIOS 6 library, hardware description table.
 

@@ -1,16 +1,16 @@
-//! Hints at likely mistakes in a program: each at most once a robot.
+//! Hints at likely mistakes in a program, each given at most once per robot.
 
 use std::collections::BTreeMap;
 
 use super::call::Call;
 
-/// After how many failures of one function the program is told that it does not look.
+/// Failures of one function after which the user is told that the program ignores them.
 const IGNORED_FAILURES: u32 = 100;
 
-/// A drive longer than this is probably meant in millimetres, in metres.
+/// Longest plausible drive in metres; a longer one is probably meant in millimetres.
 pub const LONG_DRIVE: f64 = 100.0;
 
-/// A turn of more than this is probably meant in degrees, in radians.
+/// Largest plausible turn in radians; a larger one is probably meant in degrees.
 pub const LONG_TURN: f64 = 40.0;
 
 /// A likely mistake.
@@ -32,13 +32,13 @@ pub enum Mistake {
     Radians,
     /// A drive of RoBIOS-7 that replaces the one before as soon as it has begun.
     MissingWait,
-    /// A message to an address that nobody has.
+    /// A message to an address that no robot has.
     UnknownAddress,
-    /// An error code that nobody looks at.
+    /// An error code that the program ignores.
     IgnoredFailure,
 }
 
-/// Which hints a robot has been given.
+/// Hints that a robot has been given, and failures of its calls.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     given: Vec<Mistake>,
@@ -46,7 +46,7 @@ pub struct Hints {
 }
 
 impl Hints {
-    /// True the first time that the mistake is made.
+    /// Returns true the first time that the mistake is made.
     pub fn is_first(&mut self, mistake: Mistake) -> bool {
         let is_first = !self.given.contains(&mistake);
         if is_first {
@@ -55,12 +55,12 @@ impl Hints {
         is_first
     }
 
-    /// True if `call` has not failed yet.
+    /// Returns true if `call` has not failed yet.
     pub fn is_first_failure(&self, call: Call) -> bool {
         !self.failures.contains_key(&call)
     }
 
-    /// Counts a failure of `call`; the text of the hint when it is time for one.
+    /// Counts a failure of `call`; returns the text of the hint when one is due.
     pub fn count_failure(&mut self, call: Call) -> Option<String> {
         let count = self.failures.entry(call).or_default();
         *count += 1;
@@ -75,7 +75,7 @@ impl Hints {
 }
 
 impl Mistake {
-    /// What the user is told, for the mistakes that need no numbers.
+    /// Text of the hint, for mistakes that need no numbers.
     pub fn text(self) -> &'static str {
         match self {
             Self::LongDrive => "a drive of more than 100 m: RoBIOS 6 takes metres, not millimetres",

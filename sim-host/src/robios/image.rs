@@ -43,7 +43,7 @@ pub fn shown(image: &Image) -> impl Iterator<Item = u8> + '_ {
     image[1..=54].iter().flat_map(|row| row[1..=80].iter().copied())
 }
 
-/// `IPLaplace` and the others: stores what `operator` gives, which is nothing for a null pointer.
+/// `IPLaplace` and the like: stores the result of `operator`, which is `None` if a pointer is null.
 pub fn process(
     robot: &mut Robot,
     call: Call,
@@ -59,12 +59,12 @@ pub fn process(
     }
 }
 
-/// An image whose border is black already.
+/// Converts the pixels of an image whose border is black already.
 fn bordered(pixels: &[u8]) -> Image {
     std::array::from_fn(|row| std::array::from_fn(|column| pixels[row * COLUMNS + column]))
 }
 
-/// The image whose pixels inside the border are `value`, limited to 0..=255.
+/// Image whose pixels inside the border are `value(row, column)`, limited to 0..=255.
 fn inner(value: impl Fn(usize, usize) -> i32) -> Image {
     std::array::from_fn(|row| {
         std::array::from_fn(|column| {

@@ -1,4 +1,4 @@
-//! The image processing of RoBIOS-7: images of the size that a call brings, from and to buffers and files.
+//! Image processing of RoBIOS-7: images of the size that a call passes, from and to buffers and files.
 
 use robios_sys::{Out, OutBytes, Robios7Call as Call};
 
@@ -6,12 +6,12 @@ use super::picture::{self, Size};
 use super::pnm;
 use super::robot::Robot;
 
-/// Resolutions that `IPSetSize` and `CAMInit` know: `QQVGA` to `CAM5MP`, and `CUSTOM`.
+/// Returns true for the resolutions of `IPSetSize` and `CAMInit`: `QQVGA` to `CAM5MP`, and `CUSTOM`.
 pub fn is_resolution(number: i32) -> bool {
     (0..=5).contains(&number) || number == 10
 }
 
-/// `IPSetSize`; the size itself is kept on the program's side.
+/// `IPSetSize`; the program's side keeps the size.
 pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
     if is_resolution(resolution) { 0 } else { robot.failed(Call::IPSetSize, 1) }
 }
@@ -32,10 +32,10 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 
     }
 }
 
-/// Writes the pixels of an image as a file.
+/// Encoder of an image file.
 type Encode = fn(Size, &[u8]) -> Vec<u8>;
 
-/// `IPWriteFile`, `IPWriteFileGray`: of 3 bytes a pixel, or 1.
+/// `IPWriteFile` (3 bytes a pixel), `IPWriteFileGray` (1 byte a pixel)
 pub fn write_file(
     robot: &mut Robot,
     call: Call,
@@ -63,7 +63,7 @@ fn file_failed(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, 
     robot.refused(call, answer, |_| format!("`{name}`: {reason}"))
 }
 
-/// `IPLaplace`, `IPSobel`: what `operator` makes of a grey image of this size.
+/// `IPLaplace`, `IPSobel`: applies `operator` to a grey image of this size.
 pub fn filter(
     robot: &mut Robot,
     call: Call,
@@ -77,7 +77,8 @@ pub fn filter(
     store(robot, call, [result], source.map(|(size, source)| [operator(size, source)]));
 }
 
-/// `IPCol2Gray` and the others that work pixel by pixel: stores the images that `operator` makes, nothing for a null pointer.
+/// `IPCol2Gray` and the other pixelwise functions: stores `images`; `None` means that an argument was null or too
+/// short.
 pub fn store<const N: usize>(robot: &mut Robot, call: Call, results: [&mut OutBytes; N], images: Option<[Vec<u8>; N]>) {
     let is_null = results.iter().any(|result| result.is_null());
     match images {
@@ -91,7 +92,7 @@ pub fn put_channels(out: [&mut Out<u8>; 3], channels: [u8; 3]) {
     out.into_iter().zip(channels).for_each(|(out, channel)| out.set(channel));
 }
 
-/// The colour of three channels; none if one of them is null.
+/// The three channels of an image; `None` if one is null.
 pub fn channels(channels: [Option<&[u8]>; 3]) -> Option<[&[u8]; 3]> {
     let [red, green, blue] = channels;
     Some([red?, green?, blue?])

@@ -1,4 +1,4 @@
-//! Infrared proximity sensors: switches that tell whether something is nearer than their range.
+//! Infrared proximity sensors: binary sensors that detect a surface within their range.
 //!
 //! Source: RoBIOS 6 library, bumper and infrared sensors.
 
@@ -15,7 +15,7 @@ use sim_core::device::range::Sight;
 use sim_core::device::switch::Sensor;
 use sim_core::record::Event;
 
-/// Where each infrared sensor of the robot looks from at `at`, in the world, and how far away what it sees is.
+/// Pose of each infrared sensor in the world at time `at`, and the distance to the surface that it sees.
 pub fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
     let world_from_robot = robot.motion.pose(at);
     let sight = |infrared: &InfraredSpec| {

@@ -1,5 +1,5 @@
-//! The receiver for a TV remote control: every robot has one. A script presses the keys that RoBIOS-7 knows; programs of RoBIOS
-//! 6, where codes depend on the make of the remote control, receive nothing.
+//! Receiver for a TV remote control, which every robot has. A script can press the keys that RoBIOS-7 knows; programs
+//! of RoBIOS 6, where codes depend on the make of the remote control, receive nothing.
 //!
 //! Sources: RoBIOS 6 library, infrared remote control; RoBIOS-7 library, IR remote control.
 
@@ -44,7 +44,7 @@ const KEYS: [i32; REMOTE_KEYS.len()] = [
 /// Settings of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// How bits are told apart, `SPACE_CODE` to `RAW_CODE`.
+    /// Coding of bits, `SPACE_CODE` to `RAW_CODE`.
     pub type_code: i32,
     /// Bits of a code.
     pub length: i32,
@@ -54,7 +54,7 @@ pub struct Settings {
     pub inv_mask: i32,
     /// An OR of `SLOPPY_MODE` and `REPCODE_MODE`, or `DEFAULT_MODE`.
     pub mode: i32,
-    /// Codes that are kept, 1 to 4.
+    /// Codes that the buffer holds, 1 to 4.
     pub bufsize: i32,
     /// Hundredths of a second before a key repeats; -1: never.
     pub delay: i32,
@@ -94,7 +94,7 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
     0
 }
 
-/// `IRTVGet`: waits, for ever, once the receiver is on.
+/// `IRTVGet`: waits for ever if the receiver is on.
 pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.robios.irtv.is_none() {
         return Poll::Ready(robot.failed(Call::IRTVGet, 0));
@@ -102,7 +102,7 @@ pub fn get(robot: &mut Robot) -> Poll<i32> {
     no_key(Time::NEVER)
 }
 
-/// The wait for a key of a remote control.
+/// Wait for a key of a remote control, to be polled again at `at`.
 fn no_key(at: Time) -> Poll<i32> {
     Poll::Until { at, waits_for: Waits::Input("a key of a TV remote control, which nobody presses".to_owned()) }
 }

@@ -1,4 +1,4 @@
-//! The four keys below the display and touches of it; scripts that press them.
+//! The four keys below the display, touches of the display, and scripts of both.
 //!
 //! Source: RoBIOS 6 library, key input, and RoBIOS-7 library, keys.
 
@@ -38,7 +38,7 @@ const LIST_KEYS: [(&str, i32); 11] = [
 /// Latest time of a press in a script, in seconds: 30 years.
 const MAX_SECONDS: f64 = 1e9;
 
-/// How the user calls the keys of an OR of codes: `KEY1`, `KEY1 or KEY3`, `any key`.
+/// Names of the keys in an OR of codes, as shown to the user: `KEY1`, `KEY1 or KEY3`, `any key`.
 pub fn name(codes: i32) -> String {
     if codes & all_keys() == all_keys() {
         return "any key".to_owned();
@@ -47,28 +47,28 @@ pub fn name(codes: i32) -> String {
     named.map(|(name, _)| *name).collect::<Vec<_>>().join(" or ")
 }
 
-/// True if a program can wait for these codes.
+/// Returns true if a program can wait for these codes.
 pub fn is_key(codes: i32) -> bool {
     codes & all_keys() != 0 && (codes & !all_keys() == 0 || codes == ANYKEY)
 }
 
-/// The OR of all keys.
+/// OR of the codes of the four keys.
 pub fn all_keys() -> i32 {
     KEYS.iter().fold(0, |codes, (_, code)| codes | code)
 }
 
-/// One press of a script.
+/// One press in a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
-    /// Whose key; `None` for all robots.
+    /// Robot whose key is pressed; `None` for all robots.
     pub robot: Option<RobotId>,
-    /// When, in virtual time.
+    /// Virtual time of the press.
     pub at: Time,
-    /// What.
+    /// Key or pixel that is pressed.
     pub touch: Touch,
 }
 
-/// What is wrong with a script of key presses.
+/// Error in a script of key presses.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
     /// Not of the form of a press.
@@ -85,8 +85,8 @@ pub enum ScriptError {
     Robot(String),
 }
 
-/// Reads a script: presses `TIME:KEY` or `ROBOT:TIME:KEY` separated by commas, times in seconds of virtual time; in place of
-/// a key `TOUCH(X,Y)`, or a key of a remote control.
+/// Parses a script: presses `TIME:KEY` or `ROBOT:TIME:KEY` separated by commas, times in seconds of virtual time. `KEY`
+/// is one of the four keys, `TOUCH(X,Y)`, or a key of a remote control.
 ///
 /// # Errors
 /// The first [`ScriptError`].
@@ -150,7 +150,7 @@ pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
     }
 }
 
-/// Waits for a key of an OR of codes; its code. Presses of other keys before it are forgotten.
+/// Waits for a key of an OR of codes and returns its code. Earlier presses of other keys are discarded.
 pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
     match take_of(robot, codes) {
         Some(code) => Poll::Ready(taken(robot, code)),
@@ -162,7 +162,7 @@ pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
     }
 }
 
-/// Takes the earliest press of a key of `codes` (an OR), and forgets those of other keys before it.
+/// Takes the earliest press of a key of `codes` (an OR) and discards earlier presses of other keys.
 fn take_of(robot: &mut Robot, codes: i32) -> Option<i32> {
     let Robot { state, robios, .. } = robot;
     let keys = &mut state.devices.keys;
@@ -197,7 +197,8 @@ pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 
     0
 }
 
-/// Takes the earliest touch of the display: that of a key is in its middle, and one beside the display is not felt.
+/// Takes the earliest touch of the display. A key press counts as a touch of the key's centre; a touch outside the
+/// display is discarded with a hint.
 fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
     while let Some(touch) = robot.state.devices.keys.take_any(robot.state.now) {
         let size = robot.screen().size().map(i32::from);
@@ -215,7 +216,7 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
     None
 }
 
-/// The code of the key, or of the line of a list, that a touch presses on this display: one of RoBIOS 6 feels nothing.
+/// Code of the key or list line under a touch, if any. The display of RoBIOS 6 is not touch-sensitive.
 fn key_under(touch: Touch, screen: &Option<Box<Screen>>) -> Option<i32> {
     let code = match (touch, screen) {
         (Touch::Key(number), _) => KEYS[usize::from(number) - 1].1,

@@ -1,4 +1,5 @@
-//! Latches, A/D converter and parallel port: inputs read what the robi's companion says, outputs hold what was written.
+//! Latches, A/D converter and parallel port: inputs read the values of the robi's companion, outputs hold the value
+//! written.
 //!
 //! Source: RoBIOS 6 library, latches and A/D converter; the numbers of latches and channels are those of the EyeBot.
 
@@ -8,30 +9,30 @@ use sim_core::spec::InputSpec;
 use super::robot::Robot;
 use sim_core::record::Event;
 
-/// Input latches, and output latches, numbered from 0; our choice.
+/// Number of input latches, and of output latches, numbered from 0; our choice.
 pub const LATCHES: usize = 4;
 
-/// A/D channels. Source: RoBIOS 6 library.
+/// Number of A/D channels. Source: RoBIOS 6 library.
 pub const CHANNELS: i32 = 16;
 
-/// What outputs hold.
+/// State of the outputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Latches {
     outputs: [u8; LATCHES],
     /// Control register of the parallel port.
     pub parallel_control: u8,
-    /// Data written to the parallel port, once any was.
+    /// Data last written to the parallel port; `None` before the first write.
     pub parallel_data: Option<u8>,
 }
 
 impl Latches {
-    /// What output latch `number` holds; 0 for one that does not exist.
+    /// Value of output latch `number`; 0 if there is no such latch.
     pub fn output(&self, number: i32) -> u8 {
         usize::try_from(number).ok().and_then(|number| self.outputs.get(number)).copied().unwrap_or(0)
     }
 
-    /// Writes output latch `number`: the bits of `mask` are kept, `value` is ORed in. The old value and the new one;
-    /// `None` for a latch that does not exist.
+    /// Writes output latch `number`: keeps the bits of `mask` and ORs in `value`. Returns the old and the new value;
+    /// `None` if there is no such latch.
     pub fn write(&mut self, number: i32, mask: u8, value: u8) -> Option<(u8, u8)> {
         let latch = self.outputs.get_mut(usize::try_from(number).ok()?)?;
         let old = *latch;
@@ -40,13 +41,12 @@ impl Latches {
     }
 }
 
-/// What input latch `number` reads; 0 where the companion says nothing.
+/// Value of input latch `number`; 0 if the companion gives none.
 pub fn input(inputs: &InputSpec, number: i32) -> u8 {
     inputs.latches.iter().find(|(latch, _)| i32::from(*latch) == number).map_or(0, |(_, value)| *value)
 }
 
-/// What A/D channel `channel` reads, 0 to 1023; 0 where the companion says nothing, `None` for a channel that does not
-/// exist.
+/// Value of A/D channel `channel`, 0 to 1023; 0 if the companion gives none, `None` if there is no such channel.
 pub fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let value = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map_or(0, |(_, value)| *value);
     (0..CHANNELS).contains(&channel).then_some(value)
@@ -73,7 +73,7 @@ pub fn write_output(robot: &mut Robot, number: i32, mask: u8, value: u8) -> u8 {
     }
 }
 
-/// `OSReadParData`: what was written last; before that, what the companion says.
+/// `OSReadParData`: the value written last; before the first write, the companion's value.
 pub fn read_parallel(robot: &mut Robot) -> u8 {
     let value = robot.robios.latches.parallel_data.unwrap_or(robot.spec.inputs.parallel_data);
     robot.record(Event::Reading { device: "parallel data", value: value.into() });

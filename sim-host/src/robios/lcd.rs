@@ -30,30 +30,30 @@ const TAB: usize = 4;
 /// The display's state.
 #[derive(Clone)]
 pub struct Lcd {
-    /// A row of pixels each; the highest bit is the leftmost pixel, 1 is black.
+    /// Rows of pixels; the highest bit is the leftmost pixel, 1 is black.
     pixels: [u128; HEIGHT],
     text: [[u8; COLUMNS]; LINES],
     line: usize,
     /// Equal to [`COLUMNS`] after the last character of a line: the next one begins a new line.
     column: usize,
-    /// True if text that runs past the last line scrolls; else it goes on at the top.
+    /// Text that runs past the last line scrolls; otherwise it continues at the top.
     pub is_scrolling: bool,
-    /// True if the program has switched the cursor on; it is not drawn.
+    /// The program has switched the cursor on; the cursor is not drawn.
     pub has_cursor: bool,
 }
 
-/// A place that is not on the display, or a value that means nothing there.
+/// Error for a position outside the display, or an invalid ink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OffDisplay;
 
-/// What drawing does to a pixel.
+/// Effect of drawing on a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// White.
     Clear,
     /// Black.
     Set,
-    /// The other one.
+    /// The opposite colour.
     Invert,
 }
 
@@ -86,17 +86,17 @@ impl Default for Lcd {
 
 /// Text.
 impl Lcd {
-    /// Clears pixels and text, menu line included; the next text is written at the top left.
+    /// Clears pixels and text, including the menu line; the next text is written at the top left.
     pub fn clear(&mut self) {
         *self = Self { is_scrolling: self.is_scrolling, has_cursor: self.has_cursor, ..Self::default() };
     }
 
-    /// Line and column where the next character is written.
+    /// Line and column of the next character.
     pub fn position(&self) -> (usize, usize) {
         (self.line, self.column.min(COLUMNS - 1))
     }
 
-    /// Sets where the next character is written.
+    /// Sets line and column of the next character.
     ///
     /// # Errors
     /// [`OffDisplay`] outside of lines 0 to 6 and columns 0 to 15.
@@ -105,11 +105,11 @@ impl Lcd {
         Ok(())
     }
 
-    /// Writes text from the present position on.
+    /// Writes text at the present position.
     ///
     /// `\n` begins a new line, `\r` goes back to the line's beginning, `\t` to the next multiple of 4 columns, `\b` one
-    /// column back, `\f` clears; other control characters are left out. Text that reaches the end of a line goes on in the
-    /// next one; below the line above the menu it scrolls, or goes on at the top. So the menu line is reached only by
+    /// column back, `\f` clears; other control characters are ignored. Text wraps at the end of a line; past the line
+    /// above the menu the display scrolls, or text continues at the top. The menu line is therefore reached only by
     /// [`set_position`](Self::set_position) and [`set_menu`](Self::set_menu).
     pub fn write(&mut self, text: &[u8]) {
         for &character in text {
@@ -125,7 +125,8 @@ impl Lcd {
         }
     }
 
-    /// Sets text `position` (1 to 4) of the menu line: at most 4 characters, padded with blanks; an empty text leaves it.
+    /// Sets text `position` (1 to 4) of the menu line: at most 4 characters, padded with blanks; an empty text changes
+    /// nothing.
     ///
     /// # Errors
     /// [`OffDisplay`] for another position.
@@ -139,7 +140,7 @@ impl Lcd {
         Ok(())
     }
 
-    /// The text of the lines, without blanks at their ends; `?` for characters outside ASCII.
+    /// Text of the lines without trailing blanks; `?` for characters outside ASCII.
     pub fn lines(&self) -> [String; LINES] {
         self.text.map(|line| {
             let line: String =
@@ -189,9 +190,9 @@ impl Lcd {
     }
 }
 
-/// Graphics. Each function returns how many pixels have changed.
+/// Graphics. Drawing functions return the number of pixels that have changed.
 impl Lcd {
-    /// True if the pixel is black.
+    /// Returns true if the pixel is black.
     ///
     /// # Errors
     /// [`OffDisplay`] outside of rows 0 to 63 and columns 0 to 127.
@@ -209,17 +210,17 @@ impl Lcd {
         Ok(self.draw(row, mask(column, column), ink))
     }
 
-    /// Draws the line from (`x1`, `y1`) to (`x2`, `y2`), both ends included, each pixel once; what lies outside of the display
-    /// is left out. The pixels are the same in either direction.
+    /// Draws the line between two pixels (x, y), both included, each pixel once; parts outside the display are clipped.
+    /// Both directions give the same pixels.
     pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
         let points = line(from, to, [WIDTH, HEIGHT]);
         points.map(|[x, y]| self.draw(y as usize, mask(x as usize, x as usize), ink)).sum()
     }
 
-    /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; what lies outside of the display is left out.
+    /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; parts outside the display are clipped.
     ///
     /// # Errors
-    /// [`OffDisplay`] if the first corner is not to the left of and above the second one, or on its edges.
+    /// [`OffDisplay`] if the first corner is to the right of the second one or below it.
     pub fn draw_area(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2], ink: Ink) -> Result<u32, OffDisplay> {
         if x1 > x2 || y1 > y2 {
             return Err(OffDisplay);
@@ -235,7 +236,7 @@ impl Lcd {
 
     /// Shows a grey image of `width` pixels a row at the top left, dithered: 0 is black, 255 white.
     ///
-    /// The text below it is gone. What does not fit on the display is left out.
+    /// The text under the image is removed. Parts outside the display are clipped.
     pub fn show_grey(&mut self, grey: impl Iterator<Item = u8>, width: usize) -> u32 {
         let mut changed = 0;
         let mut last = None;
@@ -254,8 +255,8 @@ impl Lcd {
         changed
     }
 
-    /// Shows a whole picture, 16 bytes a row from the top; the highest bit is the leftmost pixel, 1 is black. The text is
-    /// gone.
+    /// Shows a whole picture, 16 bytes a row from the top; the highest bit is the leftmost pixel, 1 is black. All text
+    /// is removed.
     pub fn show_picture(&mut self, picture: &[u8; PICTURE_BYTES]) -> u32 {
         let mut changed = 0;
         let (rows, _) = picture.as_chunks::<{ WIDTH / 8 }>();
@@ -308,13 +309,13 @@ impl std::fmt::Display for Lcd {
     }
 }
 
-/// Whether a grey level is shown black at this place: ordered dithering with a 2 x 2 pattern of thresholds.
+/// Returns true if a grey level is shown black at this pixel: ordered dithering with a 2 x 2 pattern of thresholds.
 pub fn is_black(level: u8, row: usize, column: usize) -> bool {
     const THRESHOLDS: [[u8; 2]; 2] = [[32, 160], [224, 96]];
     level < THRESHOLDS[row % 2][column % 2]
 }
 
-/// Pixels `left` to `right` of a row.
+/// Mask of pixels `left` to `right` of a row.
 fn mask(left: usize, right: usize) -> u128 {
     u128::MAX >> (WIDTH - 1 - (right - left)) << (WIDTH - 1 - right)
 }

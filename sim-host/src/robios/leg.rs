@@ -1,7 +1,7 @@
-//! Legs: functions of our own, the same in both generations.
+//! Legs: functions of our own, identical in both generations.
 //!
-//! Legs, joints, links and gaits are numbered from 1. What is read is how the legs stand at the call's end, exactly: errors of
-//! joints' encoders are not modelled.
+//! Legs, joints, links and gaits are numbered from 1. Readings give the exact stance at the call's end: errors of joint
+//! encoders are not modelled.
 
 use glam::DVec2;
 use robios_sys::{Out, OutFloats};
@@ -16,7 +16,7 @@ use super::robot::Robot;
 use super::unit7::{metres, radians};
 use sim_core::record::Event;
 
-/// The answer of what cannot be done.
+/// Answer of a call that fails.
 const FAILURE: i32 = -1;
 
 /// Names of the joints of a leg, from the body on.
@@ -161,7 +161,7 @@ pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy
 struct Found {
     leg: Leg,
     index: usize,
-    /// Place of its first joint among those of all legs.
+    /// Index of the leg's first joint among the joints of all legs.
     first_joint: usize,
 }
 
@@ -174,19 +174,19 @@ impl Found {
     }
 }
 
-/// The place in a list of what has this number.
+/// Index in a list of the element with this number.
 fn place(number: i32) -> Option<usize> {
     usize::try_from(number).ok()?.checked_sub(1)
 }
 
-/// The answer of a call on a robot without legs.
+/// Answer of a call on a robot without legs.
 fn has_none(robot: &mut Robot, call: Call) -> i32 {
     robot.refused(call, FAILURE, |robot| {
         format!("`{}` has no legs; in a companion they are tables `[[leg]]`", robot.spec.file)
     })
 }
 
-/// The answer of a call that asks for something that the robot does not have; `known` is what it has.
+/// Answer of a call for a part that the robot does not have; `known` lists the parts that it has.
 fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, known: impl FnOnce(&Legs) -> String) -> i32 {
     if robot.motion.legs().is_none() {
         return has_none(robot, call);

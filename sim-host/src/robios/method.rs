@@ -1,8 +1,8 @@
-//! The forms in which a generation's list says what each call does: one line a function.
+//! Macros for the call list of a generation: one line per function.
 //!
-//! `Call` is the list of the generation that uses them.
+//! `Call` is the call list of the generation that uses the macros.
 
-/// Methods that act at the call's end: `fn Name(arguments) -> Result = |robot, world| what it does;`.
+/// Methods that act at the call's end: `fn Name(arguments) -> Result = |robot, world| effect;`.
 macro_rules! act {
     ($(fn $name:ident($($argument:ident: $kind:ty),* $(,)?) -> $result:ty = $act:expr;)*) => {$(
         fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {

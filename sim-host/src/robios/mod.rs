@@ -1,7 +1,8 @@
-//! What each RoBIOS call does: one file a family of functions, over models of the devices.
+//! Effects of RoBIOS calls: one file per family of functions, over models of the devices.
 //!
-//! `robios6` says which function of a family answers which call; the families change a [`robot::Robot`] at the call's end
-//! and know nothing of threads and slots. What they answer to whom is in `docs/robios6.md`.
+//! `robios6` and `robios7` map each call to a function of a family; the families change a [`robot::Robot`] at the
+//! call's end and know nothing of threads and slots. Their answers are documented in `docs/robios6.md` and
+//! `docs/robios7.md`.
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -81,30 +82,30 @@ use panel::{Panel, PanelRef};
 use robot::Robot;
 use screen::Screen;
 
-/// What RoBIOS keeps for a robot's program: handles, settings, displays, keys, files.
+/// State that RoBIOS keeps for a robot's program: handles, settings, displays, keys, files.
 #[derive(Default)]
 pub struct Robios {
-    /// The table by which programs ask for devices.
+    /// Table in which programs look up devices.
     pub table: table::Table,
     /// Variables and clock of the system.
     pub os: os::Os,
     /// The display.
     pub lcd: lcd::Lcd,
-    /// The colour display; none of a robot whose program is of RoBIOS 6.
+    /// The colour display; `None` for a program of RoBIOS 6.
     pub screen: Option<Box<Screen>>,
     /// Loudspeaker and microphone.
     pub audio: audio::Audio,
     /// PSD distance sensors that the program has opened.
     pub psds: handle::Handles,
-    /// Motors that it drives one by one.
+    /// Motors that the program drives individually.
     pub motors: handle::Handles,
-    /// Encoders that it has opened.
+    /// Encoders that the program has opened.
     pub quads: handle::Handles,
     /// Servos.
     pub servos: servo::Servos,
-    /// What its camera sees, and where images go.
+    /// Scenery that the camera sees, and destination of images.
     pub imaging: camera::Imaging,
-    /// What a program of RoBIOS 6 has set of it.
+    /// Camera settings of a program of RoBIOS 6.
     pub camera6: camera6::Settings,
     /// The driving interface.
     pub vw: vw::Vw,
@@ -126,27 +127,27 @@ pub struct Robios {
     pub storage: storage::Storage,
     /// Settings of the receiver for a remote control, while it is on.
     pub irtv: Option<irtv::Settings>,
-    /// What the program prints.
+    /// Counters of the program's output.
     pub console: console::Console,
-    /// Which robots and objects there are.
+    /// Robots and objects of the scene.
     pub census: Arc<truth::Census>,
-    /// Hints that the program was given.
+    /// Hints given for the program.
     pub hints: hint::Hints,
 }
 
 impl Robios {
-    /// That of a robot of this type.
+    /// State for a robot of this type whose program is of RoBIOS 6.
     pub fn new(spec: &RobiSpec) -> Self {
         let serial = serial::Serial::new(&spec.serials);
         Self { table: table::Table::new(spec), serial, ..Self::default() }
     }
 
-    /// The same for a program of RoBIOS-7.
+    /// State for a robot of this type whose program is of RoBIOS-7.
     pub fn of_robios7(spec: &RobiSpec) -> Self {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec) }
     }
 
-    /// True for a program of RoBIOS-7.
+    /// Returns true for a program of RoBIOS-7.
     pub fn is_of_robios7(&self) -> bool {
         self.screen.is_some()
     }
@@ -164,7 +165,7 @@ impl Robios {
         }
     }
 
-    /// The same in a scene with these robots and objects.
+    /// Sets the robots and objects of the scene.
     pub fn among(self, census: Arc<truth::Census>) -> Self {
         Self { census, ..self }
     }
@@ -174,15 +175,15 @@ fn new_screen(spec: &RobiSpec) -> Box<Screen> {
     Box::new(Screen::new([spec.lcd.width, spec.lcd.height]))
 }
 
-/// What the families do to a robot.
+/// Helpers that the families share.
 impl Robot {
-    /// Its colour display.
+    /// The robot's colour display.
     fn screen(&mut self) -> &mut Screen {
         let Self { state, robios, .. } = self;
         robios.screen.get_or_insert_with(|| new_screen(&state.spec))
     }
 
-    /// The answer of a call that has failed; a program that never looks at it gets a hint.
+    /// Counts a failure of `call` and returns `answer`. A program that keeps ignoring failures gets a hint.
     fn failed(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
         if let Some(text) = self.robios.hints.count_failure(call.into()) {
             self.hint(&text);
@@ -190,7 +191,7 @@ impl Robot {
         answer
     }
 
-    /// The answer of a call that has failed for a reason that the program cannot see: the user is told once a function.
+    /// Like [`Self::failed`], for a failure whose reason the program cannot see: the user is told once per function.
     fn refused(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {
@@ -200,12 +201,12 @@ impl Robot {
         self.failed(call, answer)
     }
 
-    /// The answer of a call that was obeyed, 0, or refused.
+    /// Answer of a call: 0 if it succeeded, otherwise `failure`, and the user is told the error.
     fn answered<E: Display>(&mut self, call: impl Into<Call>, failure: i32, outcome: Result<(), E>) -> i32 {
         outcome.map_or_else(|error| self.refused(call, failure, |_| error.to_string()), |()| 0)
     }
 
-    /// Tells the user, once a function, why a call without an answer did nothing.
+    /// Tells the user, once per function, why a call without a result did nothing.
     fn rejected(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {
@@ -215,7 +216,7 @@ impl Robot {
         self.failed(call, 0);
     }
 
-    /// The answer of a call that asks for a device that the robot does not have.
+    /// Answer of a call for a device that the robot does not have.
     fn has_no(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
         self.refused(call, answer, |robot| {
             let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
@@ -230,7 +231,7 @@ impl Robot {
         })
     }
 
-    /// Place of the device of a kind that RoBIOS-7 calls `number`; tells the user, once a function, if there is none.
+    /// Index of the device of a kind with RoBIOS-7's `number`; tells the user, once per function, if there is none.
     fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
         let found = self.robios.table.numbered(kind, number, names).map(|device| device.index);
         if found.is_none() && self.robios.hints.is_first_failure(call.into()) {
@@ -245,26 +246,26 @@ impl Robot {
         found
     }
 
-    /// Tells the user of a likely mistake, once.
+    /// Tells the user of a likely mistake, once per robot.
     fn hint_at(&mut self, mistake: Mistake) {
         self.hint_once(mistake, mistake.text());
     }
 
-    /// Tells the user of a likely mistake in these words, once.
+    /// Tells the user of a likely mistake in the words of `text`, once per robot.
     fn hint_once(&mut self, mistake: Mistake, text: &str) {
         if self.robios.hints.is_first(mistake) {
             self.hint(text);
         }
     }
 
-    /// Gives the drive a command now.
+    /// Commands the drive.
     fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         self.tasks.look_at_drive(self.state.now);
         self.state.command(world, command)
     }
 }
 
-/// A program's text as it is recorded: what is not UTF-8 is replaced.
+/// Text of a program as it is recorded: invalid UTF-8 is replaced.
 fn text(characters: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(characters)
 }

@@ -1,4 +1,4 @@
-//! Motors one by one, and the encoders of their wheels.
+//! Single motors, and the encoders of their wheels.
 //!
 //! Source: RoBIOS 6 library, servos and motors, encoders.
 

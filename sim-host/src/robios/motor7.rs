@@ -1,7 +1,7 @@
-//! Motors and encoders as RoBIOS-7 has them: by number, each with a controller of its own.
+//! Motors and encoders of RoBIOS-7: addressed by number, each motor with its own controller.
 //!
-//! Source: RoBIOS-7 library, servos and motors. A motor that is set takes it from a drive in progress, which ends; the other
-//! motors go on as they turn: our choice.
+//! Source: RoBIOS-7 library, servos and motors. Setting a motor ends a drive in progress; the other motors keep their
+//! rates: our choice.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use super::motor;
 use super::robot::Robot;
 use sim_core::record::Event;
 
-/// Greatest number of `MOTORDriveRaw`.
+/// Full-scale value of `MOTORDriveRaw`.
 const FULL_RAW: i32 = 127;
 
 /// `MOTORDrive`
@@ -73,7 +73,7 @@ pub fn reset_encoder(robot: &mut Robot, quad: i32) -> i32 {
     0
 }
 
-/// Drives a motor with a part of the wheels' greatest rate.
+/// Drives a motor at a fraction of the wheels' greatest rate.
 fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, part: f64) -> i32 {
     let Some(wheel) = find(robot, call, motor) else { return 1 };
     let rate = part * robot.motion.model().max_wheel_rate;

@@ -17,31 +17,31 @@ use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
 use crate::program::site::Site;
 
-/// The largest stack that a task may ask for, in bytes; each gets twice as much.
+/// Largest stack that a task may request, in bytes; each task gets twice as much.
 const MAX_STACK: i32 = 4 << 20;
 
-/// How much of a task's name is kept, in characters.
+/// Longest name of a task, in characters; the rest is cut.
 const MAX_NAME: usize = 40;
 
-/// What `OSSpawn` is asked for.
+/// Arguments of `OSSpawn`.
 pub struct Spawn<'a> {
-    /// Shown in messages.
+    /// Name of the task in messages.
     pub name: Option<&'a [u8]>,
-    /// What the task runs.
+    /// Function that the task runs.
     pub code: Option<Callback>,
-    /// Bytes that its stack must have at least.
+    /// Minimum size of the task's stack in bytes.
     pub stack_bytes: i32,
-    /// 1 to 8.
+    /// Priority, 1 to 8.
     pub priority: i32,
-    /// The program's own number for it.
+    /// The program's own number for the task.
     pub uid: i32,
 }
 
-/// What comes of a call about tasks.
+/// Outcome of a call about tasks.
 enum Answer {
-    /// This is returned, once it is the caller's turn.
+    /// The call returns this value, once it is the calling task's turn.
     Returned(i32),
-    /// The task that calls is suspended first, and 0 returned when it is ready again.
+    /// The calling task is suspended; the call returns 0 when the task is ready again.
     Suspended,
 }
 
@@ -150,7 +150,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// The task that calls is to end, the others going on.
+    /// Ends the calling task by [`Stop`]; the other tasks continue. Does nothing if the task is ending already.
     fn end_task(&self, mut robot: MutexGuard<'_, Robot>) -> Result<(), Stop> {
         if robot.tasks.current().is_unwinding() {
             return Ok(());
@@ -175,7 +175,7 @@ impl<F: Flow> Caller<F> {
         let site = self.flow().call_site();
         let number = u32::try_from(semaphore).unwrap_or(0);
         self.wait(Call::OSSemP, |robot, _| {
-            // A timer's function is no task: it cannot wait in a queue.
+            // A timer callback is no task: it cannot wait in a queue.
             let is_task = !robot.timers.in_callback;
             let tasks = &mut robot.tasks;
             let passing = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
@@ -187,7 +187,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// A call about tasks, after which it may be another one's turn.
+    /// Makes a call about tasks, after which it may be another task's turn.
     fn arrange(&self, call: Call, act: impl FnOnce(&mut Robot) -> Answer) -> Result<i32, Stop> {
         let site = self.flow().call_site();
         let call = call::Call::from(call);
@@ -211,7 +211,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// The program fails: a task that was killed would wait before it has ended.
+    /// Fails the program: a killed task would wait before it has ended.
     pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: call::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
         let place = match call {
@@ -221,7 +221,7 @@ impl<F: Flow> Caller<F> {
         self.fail(robot, format!("{name} was killed and would wait in {place} before it has ended"))
     }
 
-    /// The program fails: none of its tasks can go on any more.
+    /// Fails the program: none of its tasks can continue.
     pub(super) fn end_deadlock(&self, robot: MutexGuard<'_, Robot>) -> Stop {
         let reason = format!("deadlock: {}", self.flow().waits_of(&robot));
         self.fail(robot, reason)
@@ -229,7 +229,7 @@ impl<F: Flow> Caller<F> {
 }
 
 impl Robot {
-    /// True when every task waits for another one, and no timer's function is left that could help.
+    /// Returns true if every task waits for another one and no timer callback is attached that could wake any.
     pub(super) fn is_deadlocked(&self) -> bool {
         let is_blocked = |number| self.tasks.scheduler().is_none_or(|scheduler| !scheduler.is_ready(number));
         self.timers.next_due() == Time::NEVER && self.tasks.iter().all(|task| is_blocked(task.number))
@@ -329,7 +329,7 @@ fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, si
     }
 }
 
-/// Adds the task that `OSSpawn` asks for; its number.
+/// Adds the task that `OSSpawn` requests and returns its number; `None` if the request is refused.
 fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
     let Spawn { stack_bytes, priority, uid, .. } = *spawn;
     let reason = if robot.tasks.scheduler().is_none() {
@@ -356,7 +356,7 @@ fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
     task
 }
 
-/// The number of a task that a program names, 0 for the one that calls.
+/// Number of the task that a program names; 0 names the calling task.
 fn find(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
     if !is_started(robot, call) {
         return Err(-1);
@@ -367,7 +367,7 @@ fn find(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
 
 const NOT_STARTED: &str = "there is no multi-tasking before `OSMTInit`";
 
-/// Whether multi-tasking was started; a program that did not is told.
+/// Returns true if multi-tasking has been started; otherwise the user is told.
 fn is_started(robot: &mut Robot, call: Call) -> bool {
     let is_started = robot.tasks.scheduler().is_some();
     if !is_started {
@@ -376,7 +376,8 @@ fn is_started(robot: &mut Robot, call: Call) -> bool {
     is_started
 }
 
-/// Whether the task that calls can give way: not for a timer's function, which belongs to none, nor while it ends.
+/// Returns true if the calling task can yield: not in a timer callback, which belongs to no task, nor while the task
+/// ends.
 fn gives_way(robot: &mut Robot, call: Call) -> bool {
     if robot.timers.in_callback {
         robot.rejected(call, |_| "a timer's function gives way to nobody".to_owned());
@@ -384,7 +385,7 @@ fn gives_way(robot: &mut Robot, call: Call) -> bool {
     !robot.timers.in_callback && !robot.tasks.current().is_unwinding()
 }
 
-/// Tells the scheduler, where there is one.
+/// Applies `change` to the scheduler, if there is one.
 fn scheduler(robot: &mut Robot, change: impl FnOnce(&mut Scheduler)) {
     let now = robot.now;
     if let Some(scheduler) = robot.tasks.scheduler_at(now) {

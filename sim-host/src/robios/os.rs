@@ -1,4 +1,4 @@
-//! The machine: its name, errors, variables and clock.
+//! System functions: name, errors, variables and clock of the machine.
 //!
 //! Source: RoBIOS 6 library, system functions and timer.
 
@@ -12,7 +12,7 @@ use super::robot::{Ending, Robot, Waits};
 use super::{call, display, display7, key, text};
 use sim_core::record::Event;
 
-/// Version of RoBIOS that is imitated: the last one for which a manual is known.
+/// Version of RoBIOS that is simulated: the last one for which a manual is known.
 pub const VERSION: &str = "6.5";
 
 /// Clock rate of the processor in Hz. Source: EyeBot, Motorola 68332.
@@ -23,15 +23,15 @@ const DAY: Time = Time(24 * 3600 * 1_000_000);
 /// Number of system variables.
 const VARIABLES: usize = 16;
 
-/// What the system keeps for a program.
+/// State of the system functions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Os {
     variables: [i32; VARIABLES],
-    /// What the clock shows when virtual time begins; less than a day.
+    /// Time of day at virtual time 0; less than a day.
     clock_start: Time,
-    /// Whether programs may run commands of the machine that simulates.
+    /// The program may run commands on the host machine.
     pub may_execute: bool,
-    /// Whether one has.
+    /// The program has run a command.
     pub has_executed: bool,
 }
 
@@ -45,7 +45,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// `OSError`: shows it; then the program ends, or waits for a key.
+    /// `OSError`: shows the error; then the program ends, or waits for a key.
     pub(super) fn show_error(
         &self,
         call: impl Into<call::Call>,
@@ -64,34 +64,34 @@ impl<F: Flow> Caller<F> {
     }
 }
 
-/// Whole hundredths of a second, in the 32 bits of a counter that wraps after 248 days.
+/// Whole hundredths of a second, in 32 bits that wrap after 248 days.
 pub fn hundredths(time: Time) -> i32 {
     (time.0 / TICK.0) as i32
 }
 
-/// The span of `n` hundredths of a second; nothing if negative.
+/// Span of `n` hundredths of a second; zero if `n` is negative.
 pub fn span_of_hundredths(n: i32) -> Time {
     Time(i64::from(n.max(0)) * TICK.0)
 }
 
-/// `OSVersion`; the length of the text.
+/// `OSVersion`: returns the length of the text.
 pub fn version(text: &mut OutBytes) -> i32 {
     text.set(VERSION.as_bytes());
     VERSION.len() as i32
 }
 
-/// `OSMachineName`; the length of the text.
+/// `OSMachineName`: returns the length of the text.
 pub fn machine_name(robot: &Robot, text: &mut OutBytes) -> i32 {
     text.set(robot.spec.name.as_bytes());
     robot.spec.name.len() as i32
 }
 
-/// `OSMachineID`: the robot's number, from robot 256 on its lowest byte.
+/// `OSMachineID`: the lowest byte of the robot's number.
 pub fn machine_id(robot: &Robot) -> u8 {
     robot.id.0 as u8
 }
 
-/// `OSError`: shows message and number at the cursor of the display. When the robot is to stop, its program ends.
+/// `OSError`: shows message and number at the cursor of the display. Ends the program if `is_dead`.
 pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bool) {
     let message = String::from_utf8_lossy(message.unwrap_or_default()).into_owned();
     let shown = format!("{message}\nError {number}\n");
@@ -111,7 +111,7 @@ fn show(robot: &mut Robot, text: &[u8]) {
     }
 }
 
-/// The wait of an `OSError` that is not deadly: for any key.
+/// Wait for any key, after an `OSError` that does not end the program.
 pub fn acknowledge(robot: &mut Robot) -> Poll<i32> {
     key::wait_for(robot, ANYKEY).map(|_| 0)
 }
@@ -154,7 +154,7 @@ pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
     if set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, -1) }
 }
 
-/// Sets the robot's clock; false, and nothing happens, for no time of a day.
+/// Sets the robot's clock; returns false and changes nothing if this is no time of day.
 pub fn set_clock(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> bool {
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..60).contains(&seconds);
     if is_time {
@@ -185,12 +185,12 @@ pub fn clock(robot: &Robot, tick: Time) -> [i32; 4] {
     [seconds / 3600, seconds / 60 % 60, seconds % 60, clock % SECOND / tick.0].map(|value| value as i32)
 }
 
-/// The wait of `OSWait`: until `end`.
+/// Wait of `OSWait` until `end`.
 pub fn wait_until(robot: &Robot, end: Time) -> Poll<i32> {
     if robot.now >= end { Poll::Ready(0) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
 }
 
-/// `OSAttachTimer`: at every `scale`-th tick.
+/// `OSAttachTimer`: calls back at every `scale`-th tick.
 pub fn attach_timer(
     robot: &mut Robot,
     call: impl Into<call::Call>,
@@ -207,7 +207,7 @@ pub fn attach_timer(
     handle
 }
 
-/// `OSDetachTimer`; false if there is none of this number.
+/// `OSDetachTimer`: returns false if there is no timer with this number.
 pub fn detach_timer(robot: &mut Robot, handle: i32) -> bool {
     let is_found = robot.timers.detach(handle);
     if is_found {

@@ -1,4 +1,4 @@
-//! The machine as RoBIOS-7 shows it; what both generations have in common is in [`os`].
+//! System functions of RoBIOS-7; those of both generations are in [`os`].
 //!
 //! Source: RoBIOS-7 library, system functions and timer; versions and clock rate are those of EyeSim VR.
 
@@ -20,12 +20,12 @@ const VERSION: &str = "1.0";
 /// Clock rate of the processor in Hz.
 pub const MACHINE_SPEED: i32 = 700_000_000;
 
-/// Whole milliseconds, in the 32 bits of a counter that wraps after 49 days.
+/// Whole milliseconds, in 32 bits that wrap after 49 days.
 pub fn milliseconds(time: Time) -> i32 {
     (time.0 / MILLISECOND.0) as i32
 }
 
-/// The span of `n` milliseconds; nothing if negative.
+/// Span of `n` milliseconds; zero if `n` is negative.
 pub fn span_of_milliseconds(n: i32) -> Time {
     Time::from_millis(n.max(0).into())
 }
@@ -35,13 +35,13 @@ pub fn version(robot: &mut Robot, call: Call, text: &mut OutBytes) -> i32 {
     put_name(robot, call, text, VERSION)
 }
 
-/// `OSMachineName`: that of the robi.
+/// `OSMachineName`: the robi's name.
 pub fn machine_name(robot: &mut Robot, text: &mut OutBytes) -> i32 {
     let spec = robot.spec.clone();
     put_name(robot, Call::OSMachineName, text, &spec.name)
 }
 
-/// Stores a text that ends in 0, cut to what there is room for.
+/// Stores a text with a final 0, truncated to the buffer's capacity.
 fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i32 {
     let room = text.capacity().min(MAX_NAME);
     if text.is_null() || room == 0 {
@@ -51,7 +51,7 @@ fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i
     0
 }
 
-/// As much of a text as fits with a final 0.
+/// The part of a text that fits into `room` bytes with a final 0, followed by that 0.
 pub fn terminated(text: &[u8], room: usize) -> Vec<u8> {
     let mut bytes = text[..text.len().min(room.saturating_sub(1))].to_vec();
     bytes.push(0);
@@ -84,7 +84,7 @@ pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
     0
 }
 
-/// `OSExecute`: runs a command where the user has allowed it, and waits in real time for its end.
+/// `OSExecute`: runs a command if the user has allowed it, and waits in real time for its end.
 pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
     let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
     if !robot.robios.os.may_execute {

@@ -1,15 +1,15 @@
-//! The display of a robot of either generation.
+//! The display of a robot, of either generation.
 
 use super::lcd::{self, Lcd};
 use super::screen::Screen;
 use super::screen::canvas::{Canvas, Ink, Rgb};
 
-/// A pixel of the classic display that is not set: the green-grey of a reflective LCD.
+/// Colour of a clear pixel of the classic display: the green-grey of a reflective LCD.
 const CLEAR: Rgb = [0x9c, 0xac, 0x84];
-/// One that is set.
+/// Colour of a set pixel of the classic display.
 const SET: Rgb = [0x26, 0x30, 0x24];
 
-/// What a robot shows.
+/// Display of a robot.
 pub enum Panel {
     /// 128 x 64 pixels, black or white.
     Classic(Box<Lcd>),
@@ -17,7 +17,7 @@ pub enum Panel {
     Colour(Box<Screen>),
 }
 
-/// The same, looked at where it is.
+/// Borrowed [`Panel`].
 #[derive(Clone, Copy)]
 pub enum PanelRef<'a> {
     /// 128 x 64 pixels, black or white.
@@ -27,7 +27,7 @@ pub enum PanelRef<'a> {
 }
 
 impl Panel {
-    /// Looks at it.
+    /// Borrows the display.
     pub fn as_ref(&self) -> PanelRef<'_> {
         match self {
             Self::Classic(lcd) => PanelRef::Classic(lcd),
@@ -35,19 +35,19 @@ impl Panel {
         }
     }
 
-    /// Its text, the menu last.
+    /// Lines of text, the menu last.
     pub fn lines(&self) -> Vec<String> {
         self.as_ref().lines()
     }
 
-    /// Its pixels.
+    /// Pixels of the display.
     pub fn picture(&self) -> Canvas {
         self.as_ref().picture()
     }
 }
 
 impl PanelRef<'_> {
-    /// Its text, the menu last.
+    /// Lines of text, the menu last.
     pub fn lines(self) -> Vec<String> {
         match self {
             Self::Classic(lcd) => lcd.lines().to_vec(),
@@ -55,7 +55,7 @@ impl PanelRef<'_> {
         }
     }
 
-    /// Its pixels.
+    /// Pixels of the display.
     pub fn picture(self) -> Canvas {
         match self {
             Self::Classic(lcd) => classic_picture(lcd),

@@ -1,8 +1,8 @@
 //! Image processing on images of any size: grey ones of 1 byte a pixel, colour ones of 3, row by row from the top.
 //!
-//! Whole numbers only, so that results are the same everywhere. Every operator works from `source` to a new image.
-//! Sources: RoBIOS 6 and RoBIOS-7 library, image processing; Bräunl, Embedded Robotics, for the operators and for hue. The
-//! scaling of the operators and what they leave at the border are our choice.
+//! Integer arithmetic only, so that results are the same on every machine. Every operator reads `source` and returns a
+//! new image. Sources: RoBIOS 6 and RoBIOS-7 library, image processing; Bräunl, Embedded Robotics, for the operators
+//! and for hue. Scaling and border of the operators are our choice.
 
 use sim_core::device::camera::grey;
 
@@ -15,7 +15,7 @@ pub struct Size {
     pub height: usize,
 }
 
-/// Most pixels of an image: three times those of `CAM5MP`, as in `eyebot.h`.
+/// Most pixels of an image: nine times those of `CAM5MP`.
 const MAX_PIXELS: usize = 3 * 3 * 2592 * 1944;
 
 impl Size {
@@ -26,7 +26,7 @@ impl Size {
         (1..=MAX_PIXELS).contains(&pixels).then_some(Self { width, height })
     }
 
-    /// Pixels in all.
+    /// Number of pixels.
     pub fn pixels(self) -> usize {
         self.width * self.height
     }
@@ -35,7 +35,7 @@ impl Size {
 /// Edges of a grey image by the Laplace operator: |4 c - n - s - w - e|, at most 255. Border pixels are 0.
 ///
 /// # Panics
-/// When `source` is shorter than `size` says.
+/// If `source` has fewer pixels than `size`.
 pub fn laplace(size: Size, source: &[u8]) -> Vec<u8> {
     inner(size, source, |[[_, n, _], [w, c, e], [_, s, _]]| (4 * c - n - s - w - e).abs())
 }
@@ -43,7 +43,7 @@ pub fn laplace(size: Size, source: &[u8]) -> Vec<u8> {
 /// Edges of a grey image by the Sobel operator: |gx| + |gy|, at most 255. Border pixels are 0.
 ///
 /// # Panics
-/// When `source` is shorter than `size` says.
+/// If `source` has fewer pixels than `size`.
 pub fn sobel(size: Size, source: &[u8]) -> Vec<u8> {
     inner(size, source, |[[nw, n, ne], [w, _, e], [sw, s, se]]| {
         let gx = ne + 2 * e + se - nw - 2 * w - sw;
@@ -52,7 +52,7 @@ pub fn sobel(size: Size, source: &[u8]) -> Vec<u8> {
     })
 }
 
-/// The image whose pixels inside the border are what `operator` makes of their neighbourhoods, limited to 0..=255.
+/// Image whose inner pixels are `operator` of their 3 x 3 neighbourhoods, limited to 0..=255; border pixels are 0.
 fn inner(size: Size, source: &[u8], operator: impl Fn([[i32; 3]; 3]) -> i32) -> Vec<u8> {
     let Size { width, height } = size;
     let mut result = vec![0; size.pixels()];
@@ -75,27 +75,27 @@ pub fn grey_of_colour(source: &[u8]) -> Vec<u8> {
     pixels(source).map(grey).collect()
 }
 
-/// A colour image that looks like a grey one.
+/// Colour image with the grey levels of a grey one.
 pub fn colour_of_grey(source: &[u8]) -> Vec<u8> {
     source.iter().flat_map(|grey| [*grey; 3]).collect()
 }
 
-/// A colour image of its three channels, as long as the shortest of them.
+/// Colour image with these three channels, as long as the shortest of them.
 pub fn colour_of_channels([red, green, blue]: [&[u8]; 3]) -> Vec<u8> {
     red.iter().zip(green).zip(blue).flat_map(|((red, green), blue)| [*red, *green, *blue]).collect()
 }
 
-/// Hue, saturation and intensity of a colour image, a channel each.
+/// Hue, saturation and intensity of a colour image, one channel each.
 pub fn hsi_of_colour(source: &[u8]) -> [Vec<u8>; 3] {
     [0, 1, 2].map(|channel| pixels(source).map(|rgb| hsi(rgb)[channel]).collect())
 }
 
-/// The colour image `over` over `under`, where it is not black.
+/// Overlays the colour image `over` on `under`, except where `over` is black.
 pub fn overlay(under: &[u8], over: &[u8]) -> Vec<u8> {
     pixels(under).zip(pixels(over)).flat_map(|(under, over)| if over == [0; 3] { under } else { over }).collect()
 }
 
-/// In `colour` over the grey image `under`, where the grey image `over` is not 0; a colour image.
+/// Overlays `colour` on the grey image `under` where the grey image `over` is not 0; returns a colour image.
 pub fn overlay_grey(under: &[u8], over: &[u8], colour: [u8; 3]) -> Vec<u8> {
     under.iter().zip(over).flat_map(|(under, over)| if *over == 0 { [*under; 3] } else { colour }).collect()
 }
@@ -121,8 +121,8 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 
-/// Hue of a colour: red 43, green 128, blue 213, 42 to either side of each; 0 for grey, which is where the largest and the
-/// smallest channel differ by half of the largest or less.
+/// Hue of a colour: red 43, green 128, blue 213, 42 to either side of each; 0 for grey, a colour whose largest and
+/// smallest channel differ by at most half of the largest.
 ///
 /// Source: Bräunl, Embedded Robotics, colour; the offset as in the EyeBot's library.
 pub fn hue([red, green, blue]: [u8; 3]) -> u8 {

@@ -9,35 +9,35 @@ use image::{DynamicImage, ImageDecoder};
 
 use super::picture::Size;
 
-/// An image from a file, of the size that was asked for.
+/// An image read from a file, of the requested size.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// The digit of `P1` to `P6`.
+    /// Digit of the format, `P1` to `P6`.
     pub kind: u8,
-    /// 1 byte a pixel of kinds 1, 2, 4 and 5, else 3.
+    /// 1 byte a pixel for kinds 1, 2, 4 and 5, otherwise 3.
     pub pixels: Vec<u8>,
 }
 
-/// Why a file is no image.
+/// Reason why an image cannot be read from a file.
 #[derive(Debug, thiserror::Error)]
 pub enum PnmError {
-    /// Head or pixels cannot be read.
+    /// Header or pixels cannot be decoded.
     #[error("{0}")]
     Damaged(#[from] image::ImageError),
     /// Another format of the same family.
     #[error("it is a PAM file (P7), expected P1 to P6")]
     Pam,
-    /// The head promises more pixels than there are bytes for.
+    /// The header declares more pixels than the file can contain.
     #[error("it ends before the {0} pixels of its head")]
     Short(u64),
 }
 
-/// Reads the image in `file` to `size`: what lies beyond to the right and below is cut, what is missing there is black.
+/// Reads the image in `file`, cropped or filled with black at the right and bottom to `size`.
 ///
 /// Values are scaled to 0..=255; the black of a PBM file is 0.
 ///
 /// # Errors
-/// [`PnmError`] when it is no PNM file, or a damaged one.
+/// [`PnmError`] if the file is not a PNM file or is damaged.
 pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     let decoder = PnmDecoder::new(Cursor::new(file))?;
     let kind = match decoder.subtype() {
@@ -47,7 +47,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         PnmSubtype::ArbitraryMap => return Err(PnmError::Pam),
     };
     let (width, height) = decoder.dimensions();
-    // A byte holds 8 pixels at most: no room is made for what cannot be there.
+    // A byte holds at most 8 pixels: no memory is allocated for pixels that the file cannot contain.
     let pixels = u64::from(width) * u64::from(height);
     if pixels > 8 * file.len() as u64 {
         return Err(PnmError::Short(pixels));
@@ -67,7 +67,7 @@ fn offset(encoding: SampleEncoding) -> u8 {
     }
 }
 
-/// Rows of `from_width` bytes as `height` rows of `width` bytes.
+/// Crops or fills rows of `from_width` bytes to `height` rows of `width` bytes.
 fn fitted(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u8> {
     let mut result = vec![0; width * height];
     let common = width.min(from_width);
@@ -77,12 +77,12 @@ fn fitted(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u
     result
 }
 
-/// A binary PPM file of a colour image.
+/// Encodes a colour image as a binary PPM file.
 pub fn write_colour(size: Size, pixels: &[u8]) -> Vec<u8> {
     write("P6", size, pixels)
 }
 
-/// A binary PGM file of a grey image.
+/// Encodes a grey image as a binary PGM file.
 pub fn write_grey(size: Size, pixels: &[u8]) -> Vec<u8> {
     write("P5", size, pixels)
 }

@@ -1,6 +1,7 @@
-//! Digital lines and analog channels of RoBIOS-7: inputs read what the robi's companion says, outputs hold what was written.
+//! Digital lines and analog channels of RoBIOS-7: inputs read the values of the robi's companion, outputs hold the
+//! value written.
 //!
-//! Source: RoBIOS-7 library, digital and analog I/O; the lines' direction at the start, and that a recording has the upper
+//! Source: RoBIOS-7 library, digital and analog I/O; the lines' initial direction, and that a recording holds the upper
 //! 8 bits of each value, are our choice.
 
 use robios_sys::robios7::Char;
@@ -12,10 +13,10 @@ use super::robot::Robot;
 use super::timer::MILLISECOND;
 use sim_core::record::Event;
 
-/// Digital lines, numbered from 1.
+/// Number of digital lines, numbered from 1.
 const LINES: usize = 16;
 
-/// Analog channels, numbered from 0; the last is the microphone.
+/// Number of analog channels, numbered from 0; the last is the microphone.
 const CHANNELS: i32 = 9;
 
 /// The channel of the microphone. Source: RoBIOS-7 library.
@@ -24,7 +25,7 @@ const MICROPHONE: i32 = 8;
 /// Longest recording in values, as in `eyebot.h`.
 const MAX_RECORDING: i32 = 1 << 20;
 
-/// Names of the digital lines, as they are recorded.
+/// Names of the digital lines in records.
 const NAMES: [&str; LINES] = [
     "DIGITAL1",
     "DIGITAL2",
@@ -44,19 +45,19 @@ const NAMES: [&str; LINES] = [
     "DIGITAL16",
 ];
 
-/// What a digital line is used for.
+/// Direction of a digital line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Direction {
-    /// Input; open, it reads 0.
+    /// Input that reads 0 if nothing is connected.
     #[default]
     In,
-    /// Input that reads 1 while it is open.
+    /// Input that reads 1 if nothing is connected.
     PullUp,
-    /// Output of this state.
+    /// Output with its state.
     Out(bool),
 }
 
-/// The lines and the recording of one robot.
+/// Digital lines of a robot and its recording of an analog channel.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
     lines: [Direction; LINES],
@@ -84,7 +85,7 @@ impl Ports {
     }
 }
 
-/// Place of a line in the list; none if there is none of this number.
+/// Index of the line with this number; `None` if there is none.
 fn index_of(line: i32) -> Option<usize> {
     usize::try_from(line).ok()?.checked_sub(1).filter(|index| *index < LINES)
 }
@@ -135,7 +136,7 @@ pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
     0
 }
 
-/// What an analog channel reads, 0 to 1023; none for a channel that does not exist.
+/// Value of an analog channel, 0 to 1023; `None` if there is no such channel.
 fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let given = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map(|(_, value)| *value);
     let open = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };

@@ -1,4 +1,4 @@
-//! PSD distance sensors, and all range sensors as PSDs.
+//! PSD distance sensors; programs see all range sensors as PSDs.
 //!
 //! Source: RoBIOS 6 library, position sensing devices.
 
@@ -15,26 +15,26 @@ use super::os;
 use super::robot::Robot;
 use sim_core::record::Event;
 
-/// The raw byte times the distance in millimetres, see [`raw_from_distance`].
+/// Product of the raw byte and the distance in millimetres, see [`raw_from_distance`].
 const RAW_MM: f64 = 20_400.0;
 
-/// What `PSDGetSignal` answers where there is no sensor, or no value yet.
+/// Answer of `PSDGetSignal` if there is no sensor, or no value yet.
 pub(super) const NO_SIGNAL: f32 = -1.0;
 
-/// A distance in metres as `PSDGet` gives it: whole millimetres, [`PSD_OUT_OF_RANGE`] for nothing.
+/// Converts a distance in metres for `PSDGet`: whole millimetres, [`PSD_OUT_OF_RANGE`] for no return.
 pub fn mm_from_distance(metres: Option<f64>) -> i32 {
     metres.map_or(PSD_OUT_OF_RANGE, |metres| {
         (sim_core::unit::mm_from_metres(metres).round() as i32).min(PSD_OUT_OF_RANGE)
     })
 }
 
-/// A distance in metres as `PSDGetRaw` gives it: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0 for
-/// nothing.
+/// Converts a distance in metres for `PSDGetRaw`: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0
+/// for no return.
 ///
-/// The shape is that of the sensor (the nearer, the greater); the constant is our choice, so that the byte is used up over
-/// the 80 to 800 mm of the Sharp GP2D02.
+/// The characteristic is that of the sensor (the nearer, the greater); the constant is our choice, so that the 80 to
+/// 800 mm of the Sharp GP2D02 use the whole byte.
 pub fn raw_from_distance(metres: Option<f64>) -> i32 {
-    // A distance of 0 divides to infinity, which the conversion saturates.
+    // A distance of 0 gives infinity, which the conversion saturates.
     metres.map_or(0, |metres| i32::from((RAW_MM / sim_core::unit::mm_from_metres(metres)).round() as u8))
 }
 
@@ -104,7 +104,7 @@ pub fn get_signal(robot: &mut Robot, world: &World, handle: i32) -> f32 {
     reading.signal as f32
 }
 
-/// The distance that a sensor has measured in metres, `None` for nothing; or, for handle 0, the time stamp.
+/// Distance measured by a sensor in metres, `None` for no return or no value; `Err` with the time stamp for handle 0.
 fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result<Option<f64>, i32> {
     if handle == 0 {
         if !robot.robios.psds.is_any_open() {
@@ -117,7 +117,8 @@ fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result
     Ok(reading.distance)
 }
 
-/// The sensor of a handle and what it has measured; `None`, and a hint, where there is none or nothing yet.
+/// Index of a handle's sensor and its measurement; `None`, with a hint, if there is no such sensor or no measurement
+/// yet.
 fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(usize, Measured)> {
     let Some(index) = robot.robios.psds.one(handle) else {
         robot.hint_at(Mistake::PsdNotOpen);

@@ -1,4 +1,4 @@
-//! PSD distance sensors as RoBIOS-7 has them: read at once, in millimetres.
+//! PSD distance sensors of RoBIOS-7: read at once, in millimetres.
 //!
 //! Source: RoBIOS-7 library, distance sensors.
 
@@ -10,7 +10,7 @@ use sim_core::world::World;
 use super::psd::{NO_SIGNAL, mm_from_distance, raw_from_distance, record_distance, record_signal};
 use super::robot::Robot;
 
-/// The sensors 1 to 7 by name. Source: EyeSim VR; RoBIOS-7's header has the first four.
+/// Names of sensors 1 to 7. Source: EyeSim VR; RoBIOS-7's header has the first four.
 const NAMES: [&str; 7] =
     ["PSD_FRONT", "PSD_LEFT", "PSD_RIGHT", "PSD_BACK", "PSD_FRONT2", "PSD_LEFTDIAG", "PSD_RIGHTDIAG"];
 
@@ -31,14 +31,14 @@ pub fn get_signal(robot: &mut Robot, world: &World, psd: i32) -> f32 {
     reading.signal as f32
 }
 
-/// What a sensor sees now: a distance in metres or nothing; `None` if there is no such sensor.
+/// Present distance of a sensor in metres, `Some(None)` for no return; `None` if there is no such sensor.
 fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<f64>> {
     let (index, reading) = read(robot, world, call, psd)?;
     record_distance(robot, index, robot.now, reading.distance);
     Some(reading.distance)
 }
 
-/// A sensor and what it reads now; `None` if there is no such sensor.
+/// Index of a sensor and its present reading; `None` if there is no such sensor.
 fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize, Reading)> {
     let Some(index) = robot.find_numbered(call, HDT_PSD, psd, &NAMES) else {
         robot.failed(call, 0);

@@ -1,7 +1,8 @@
-//! The radio, as far as both generations have it: switching it, sending, waiting for a message.
+//! Radio functions of both generations: switching on and off, sending, waiting for a message.
 //!
-//! A robot sends and receives by its own station; what the stations have sent goes to the others at the slot's end, see
-//! [`sim_core::simulation::Environment`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio communication.
+//! A robot sends and receives through its own station; messages reach the other stations at the slot's end, see
+//! [`sim_core::simulation::Environment`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio
+//! communication.
 
 use robios_sys::robios6::{BROADCAST, RadioIOParameters};
 use sim_core::RobotId;
@@ -13,18 +14,18 @@ use super::caller::Poll;
 use super::hint::Mistake;
 use super::robot::{Robot, Waits};
 
-/// What programs keep of the radio.
+/// Radio settings and counters of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Radio {
-    /// What `RADIOSetIoctl` has set.
+    /// Settings made by `RADIOSetIoctl`.
     pub settings: Option<RadioIOParameters>,
-    /// How many messages the program has sent.
+    /// Number of messages that the program has sent.
     pub sent: i32,
-    /// How many it has taken.
+    /// Number of messages that the program has received.
     pub taken: i32,
 }
 
-/// `RADIOInit`: as the station of `address` that sends with `baud`.
+/// `RADIOInit`: switches on the station `address`, which sends at `baud`.
 pub fn init(robot: &mut Robot, world: &World, call: impl Into<Call>, failure: i32, address: u32, baud: u32) -> i32 {
     if robot.radio_member().is_some() {
         return robot.refused(call, failure, |_| "the radio is on already".to_owned());
@@ -42,12 +43,12 @@ pub fn release(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
     0
 }
 
-/// The answer of a call that needs the radio to be on.
+/// Answer of a call that requires the radio to be on.
 pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
     robot.refused(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; how many messages are left unsent.
+/// Switches the radio off; returns the number of messages left unsent.
 fn switch_off(robot: &mut Robot) -> usize {
     let unsent = robot.switch_radio_off();
     robot.tasks.look_at_radio(robot.state.now);
@@ -76,7 +77,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
     0
 }
 
-/// True for the address of another robot of the scene, as far as is known, and for that of all.
+/// Returns true for the broadcast address, and for the address of another robot as far as is known.
 fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
     let is_own = robot.radio_member().is_some_and(|member| member.address == address);
     let is_number = address > 0 && world.is_robot_there(RobotId(address), robot.now);
@@ -92,7 +93,7 @@ pub fn check(robot: &mut Robot, call: impl Into<Call>) -> i32 {
     robot.radio_waiting() as i32
 }
 
-/// Waits for a message, which `give` hands to the program.
+/// Waits for a message, which `give` passes to the program.
 pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: impl FnOnce(&Message)) -> Poll<i32> {
     let now = robot.now;
     robot.settle_radio(now);
@@ -107,7 +108,7 @@ pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: imp
     Poll::Ready(0)
 }
 
-/// Ends the radio with the program.
+/// Switches the radio off when the program ends.
 pub fn end(robot: &mut Robot) {
     let unsent = switch_off(robot);
     if unsent > 0 {

@@ -15,7 +15,7 @@ use super::{os, radio};
 /// Rates of the radio.
 const RATES: [i32; 5] = [SER9600, SER19200, SER38400, SER57600, SER115200];
 
-/// What a call returns that is not obeyed.
+/// Answer of a call that fails.
 const FAILURE: i32 = -1;
 
 /// `RADIOInit`
@@ -39,7 +39,7 @@ pub fn send(robot: &mut Robot, world: &World, id: u8, buffer: Option<&[u8]>) -> 
     radio::send(robot, world, Call::RADIOSend, id.into(), payload)
 }
 
-/// `RADIORecv`: what the buffer has no room for is lost.
+/// `RADIORecv`: bytes beyond the buffer's capacity are lost.
 pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Poll<i32> {
     if buffer.is_null() {
         return Poll::Ready(robot.refused(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
@@ -80,7 +80,7 @@ pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     0
 }
 
-/// What the program has set, else how the robot comes.
+/// Settings that the program has made, otherwise the defaults of the robot.
 fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
     robot.robios.radio.settings.unwrap_or_else(|| RadioIOParameters {
         interface: SERIAL1,
@@ -92,7 +92,7 @@ fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
     })
 }
 
-/// The settings that the program wants, if they can be.
+/// Checks the settings that the program requests.
 fn accepted(robot: &Robot, world: &World, parameters: Option<&RadioIOParameters>) -> Result<RadioIOParameters, String> {
     let Some(wanted) = parameters else { return Err("no settings".to_owned()) };
     if robot.radio_member().is_some() {

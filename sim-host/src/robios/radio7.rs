@@ -1,6 +1,6 @@
-//! The radio of RoBIOS-7: messages of text, which ends in 0.
+//! The radio of RoBIOS-7: messages of text with a final 0.
 //!
-//! Source: RoBIOS-7 library, radio communication; that 0 is the address of everybody is our choice.
+//! Source: RoBIOS-7 library, radio communication; that 0 is the broadcast address is our choice.
 
 use robios_sys::{Out, OutBytes, OutInts, Robios7Call as Call};
 use sim_core::radio::BUFFER;
@@ -10,10 +10,10 @@ use super::caller::Poll;
 use super::robot::Robot;
 use super::{os7, radio};
 
-/// Longest text in bytes, without its final 0: with that it fills the buffer.
+/// Longest text in bytes, without the final 0 that fills the buffer.
 const MAX_TEXT: usize = BUFFER - 1;
 
-/// What a call returns that is not obeyed.
+/// Answer of a call that fails.
 const FAILURE: i32 = 1;
 
 /// `RADIOInit`
@@ -40,7 +40,8 @@ pub fn send(robot: &mut Robot, world: &World, id: i32, text: Option<&[u8]>) -> i
     radio::send(robot, world, Call::RADIOSend, id.unsigned_abs(), payload)
 }
 
-/// `RADIOReceive`: a text is cut at the first 0 that arrives, and to the room there is, of which its final 0 takes a byte.
+/// `RADIOReceive`: cuts a text at the first 0 received, and to the capacity of the buffer less one byte for the final
+/// 0.
 pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Poll<i32> {
     if text.capacity() == 0 {
         return Poll::Ready(robot.refused(Call::RADIOReceive, FAILURE, |_| "no buffer, or no room in it".to_owned()));
@@ -52,7 +53,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Pol
     })
 }
 
-/// `RADIOStatus`: the addresses of the stations that were on at the slot's start, and of the own one.
+/// `RADIOStatus`: addresses of the stations that were on at the slot's start, and of the robot's own.
 pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 {
     if addresses.is_null() {
         return robot.refused(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());

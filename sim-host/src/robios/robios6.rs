@@ -1,4 +1,4 @@
-//! Which function of which family answers each RoBIOS 6 call.
+//! Dispatch of the RoBIOS 6 calls to the functions of the families.
 
 use robios_sys::robios6::{
     BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, PositionType, RadioIOParameters,

@@ -1,6 +1,7 @@
-//! Which function of which family answers each RoBIOS-7 call.
+//! Dispatch of the RoBIOS-7 calls to the functions of the families.
 //!
-//! Units are converted in [`unit7`](super::unit7). A function that stands nowhere here answers as for a robot without that device.
+//! Units are converted in [`unit7`](super::unit7). A function that is missing here answers as for a robot without that
+//! device.
 
 use robios_sys::robios7::{ANYKEY, Char, Color, Flag, Timer, VEHICLE};
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Robios7Call as Call, Stop};

@@ -1,4 +1,4 @@
-//! One robot of a run: the robot of the simulation, and what its running program keeps, waits for and how it ended.
+//! One robot of a run: the robot of the simulation, and the state, waits and ending of its running program.
 
 use std::ops::{Deref, DerefMut};
 
@@ -13,21 +13,21 @@ use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
 use crate::program::site::Site;
 
-/// One robot with what its running program keeps; one lock guards it all.
+/// A robot with the state of its running program, all guarded by one lock.
 pub struct Robot {
     /// The robot as the simulation knows it.
     pub state: simulation::Robot,
-    /// What RoBIOS keeps for its program.
+    /// State that RoBIOS keeps for its program.
     pub robios: Robios,
-    /// The name of its program; empty for a robot without one.
+    /// Name of its program; empty for a robot without one.
     pub program: String,
-    /// The generators that its program draws from.
+    /// Random generators of its program.
     pub generators: Generators,
-    /// The timers that its program has attached.
+    /// Timers that its program has attached.
     pub timers: Timers,
     /// Its tasks; a program that starts none has one.
     pub tasks: Tasks,
-    /// How its program ended, once that is known.
+    /// Ending of its program, once known.
     pub ending: Option<Ending>,
 }
 
@@ -50,36 +50,36 @@ impl DerefMut for Robot {
 pub struct Waiting {
     /// The call that waits.
     pub call: Call,
-    /// What for.
+    /// Reason of the wait.
     pub waits_for: Waits,
-    /// Since when, in virtual time.
+    /// Virtual time at which the wait began.
     pub since: Time,
-    /// Where the program called it.
+    /// Place in the program of the call.
     pub site: Site,
 }
 
-/// What a robot can wait for.
+/// Reason of a wait.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Waits {
     /// A point in virtual time.
     Time(Time),
     /// The end of the drive in progress.
     Drive,
-    /// A key, as the user calls it.
+    /// A key, as shown to the user.
     Key(String),
-    /// Something else that only the outside could give, as the user calls it.
+    /// Other external input, as shown to the user.
     Input(String),
     /// A message by radio.
     Message,
-    /// Something that only another task could give.
+    /// An action of another task.
     Task(TaskWait),
     /// The semaphore of RoBIOS 6 with this number.
     Semaphore(u32),
-    /// To be made ready by another task.
+    /// Another task must make this task ready.
     Ready,
 }
 
-/// How a robot's program ended.
+/// Ending of a robot's program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
     /// `main` returned, or the program called `exit`.
@@ -87,29 +87,29 @@ pub enum Ending {
         /// Its exit code; 0 is success.
         code: i32,
     },
-    /// It broke off: a panic, `abort`, a call that the simulator refuses.
+    /// The program broke off: a panic, `abort`, a call that the simulator refuses.
     Failed {
-        /// Why, as the user is told.
+        /// The reason, as shown to the user.
         reason: String,
     },
-    /// It was stopped by the watchdog.
+    /// The watchdog stopped the program.
     Overdue {
-        /// Where, as the user is told.
+        /// The place in the program, as shown to the user.
         reason: String,
     },
-    /// It was stopped with the run.
+    /// The program was stopped with the run.
     Stopped,
 }
 
 impl Robot {
-    /// A robot at its start, whose program has this name.
+    /// A robot at its start, whose program is called `program`.
     pub fn new(state: simulation::Robot, robios: Robios, program: String) -> Self {
         let generators = Generators::new(state.seed(), state.id);
         let (timers, tasks) = (Timers::default(), Tasks::default());
         Self { state, robios, program, generators, timers, tasks, ending: None }
     }
 
-    /// Tells the user when the program has ended before a drive that it commanded.
+    /// Tells the user if the program has ended before a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
         if self.motion.drive_end().is_some_and(|end| end > self.now) {
             let wait = if self.robios.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
@@ -119,7 +119,7 @@ impl Robot {
         }
     }
 
-    /// Tells the user when `main` has ended before other tasks of RoBIOS 6, which end with it.
+    /// Tells the user if `main` has ended before other tasks of RoBIOS 6, which end with it.
     pub fn hint_at_living_tasks(&mut self) {
         let is_by_main = !self.tasks.is_leaving() && matches!(self.ending, None | Some(Ending::Exited { .. }));
         if is_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
@@ -128,14 +128,15 @@ impl Robot {
         }
     }
 
-    /// Records that its program begins.
+    /// Records the start of the program.
     pub fn record_start(&mut self) {
         self.state.record_start(&self.program);
     }
 }
 
 impl Waiting {
-    /// True where the task leaves the processor to others under the scheduler of RoBIOS 6; in any other wait it keeps what it has.
+    /// Returns true if the waiting task yields the processor to others under the scheduler of RoBIOS 6; other waits are
+    /// busy.
     pub fn leaves_processor(&self) -> bool {
         let is_sleep = matches!(self.call, Call::Robios6(Robios6Call::OSSleep) | Call::Support(SupportCall::sleep_us));
         is_sleep || self.waits_for.is_for_task()
@@ -143,12 +144,12 @@ impl Waiting {
 }
 
 impl Waits {
-    /// True for what only another task of the robot could give.
+    /// Returns true if only another task of the robot can end the wait.
     pub fn is_for_task(&self) -> bool {
         matches!(self, Self::Task(_) | Self::Semaphore(_) | Self::Ready)
     }
 
-    /// True where another task may end the wait by force.
+    /// Returns true if another task may interrupt the wait.
     pub fn is_interruptible(&self) -> bool {
         match self {
             Self::Task(wait) => wait.is_interruptible(),

@@ -1,8 +1,8 @@
-//! Serial interfaces: what is sent is recorded; what is received comes from what the robi's companion connects.
+//! Serial interfaces: output is recorded; input comes from the device that the robi's companion connects.
 //!
-//! A byte takes 10 bits at the baud rate. A loop-back gives back what is sent; the device of a file sends it from the moment
-//! that the interface is opened. Where nothing is connected, nothing is ever received. Sources: RoBIOS 6 library, RS-232;
-//! RoBIOS-7 library, serial communication; the time that bytes take is our choice.
+//! A byte takes 10 bits at the baud rate. A loop-back returns all output; a file is sent from the moment that the
+//! interface is opened. An interface with nothing connected never receives anything. Sources: RoBIOS 6 library, RS-232;
+//! RoBIOS-7 library, serial communication; the transmission time of bytes is our choice.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -18,25 +18,25 @@ use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use sim_core::record::Event;
 
-/// Names of the interfaces from 1 on, as they are recorded.
+/// Names of the interfaces from 1 on, in records.
 const NAMES: [&str; 16] = [
     "SERIAL1", "SERIAL2", "SERIAL3", "SERIAL4", "SERIAL5", "SERIAL6", "SERIAL7", "SERIAL8", "SERIAL9", "SERIAL10",
     "SERIAL11", "SERIAL12", "SERIAL13", "SERIAL14", "SERIAL15", "SERIAL16",
 ];
 
-/// Interfaces of RoBIOS 6: `SERIAL1` to `SERIAL3`.
+/// Number of interfaces of RoBIOS 6: `SERIAL1` to `SERIAL3`.
 const PORTS_OF_6: i32 = 3;
 
-/// Rates that RoBIOS 6 knows.
+/// Baud rates of RoBIOS 6.
 const RATES_OF_6: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SER115200];
 
-/// Greatest rate of RoBIOS-7; our choice.
+/// Greatest baud rate of RoBIOS-7; our choice.
 const MAX_BAUD: i32 = 4_000_000;
 
-/// Microseconds of the bits of a byte, times the baud rate.
+/// Transmission time of a byte in microseconds, times the baud rate.
 const BYTE: i64 = 10_000_000;
 
-/// What a loop-back keeps: further bytes are lost; our choice.
+/// Capacity of a loop-back in bytes: further bytes are lost; our choice.
 const MAX_KEPT: usize = 1 << 16;
 
 /// The interfaces of a robot.
@@ -46,31 +46,31 @@ pub struct Serial {
     open: BTreeMap<i32, Port>,
 }
 
-/// What is at the other end.
+/// Device at the other end of an interface.
 #[derive(Clone, Debug)]
 enum Line {
     Loopback,
-    /// The device's bytes, and how many of them have been sent before the interface was opened.
+    /// A device that sends `bytes`, of which it has sent the first `sent` before the interface was last opened.
     Device {
         bytes: Arc<[u8]>,
         sent: usize,
     },
 }
 
-/// An interface that is open.
+/// An open interface.
 #[derive(Clone, Debug)]
 struct Port {
     baud: i64,
-    /// When it was opened.
+    /// Time at which the interface was opened.
     since: Time,
-    /// Bytes on their way, with the times at which they arrive.
+    /// Bytes in transmission, with their arrival times.
     incoming: VecDeque<(Time, u8)>,
-    /// Bytes of the device that were taken since the interface was opened.
+    /// Number of the device's bytes that were taken since the interface was opened.
     taken: usize,
 }
 
 impl Serial {
-    /// The interfaces of a robot to which this is connected.
+    /// Interfaces of a robot with the given connections.
     pub fn new(specs: &[SerialSpec]) -> Self {
         let line = |line: &SerialLine| match line {
             SerialLine::Loopback => Line::Loopback,
@@ -80,14 +80,14 @@ impl Serial {
         Self { lines, open: BTreeMap::new() }
     }
 
-    /// Opens an interface, or opens it again with another rate; what has come in is forgotten.
+    /// Opens an interface, or opens it again with another rate; received bytes are discarded.
     pub fn open(&mut self, number: i32, baud: i32, now: Time) {
         self.close(number, now);
         let port = Port { baud: baud.into(), since: now, incoming: VecDeque::new(), taken: 0 };
         self.open.insert(number, port);
     }
 
-    /// Closes an interface; false if it is not open.
+    /// Closes an interface; returns false if it is not open.
     pub fn close(&mut self, number: i32, now: Time) -> bool {
         let Some(port) = self.open.remove(&number) else { return false };
         if let Some(Line::Device { bytes, sent }) = self.lines.get_mut(&number) {
@@ -96,7 +96,7 @@ impl Serial {
         true
     }
 
-    /// Name of an interface that is open.
+    /// Name of an open interface; `None` if it is not open.
     pub fn opened(&self, number: i32) -> Option<&'static str> {
         let index = usize::try_from(number).ok()?.checked_sub(1)?;
         self.open.contains_key(&number).then(|| NAMES.get(index).copied())?
@@ -113,14 +113,14 @@ impl Serial {
         }
     }
 
-    /// The bytes of an open interface's device that have not been taken.
+    /// An open interface with the bytes that its device has not sent before the interface was opened.
     fn device(&self, number: i32) -> Option<(&Port, &[u8])> {
         let (port, line) = (self.open.get(&number)?, self.lines.get(&number)?);
         let Line::Device { bytes, sent } = line else { return None };
         Some((port, &bytes[*sent..]))
     }
 
-    /// How many bytes have come in by `now`.
+    /// Number of received bytes at `now`.
     pub fn waiting(&self, number: i32, now: Time) -> usize {
         if let Some((port, bytes)) = self.device(number) {
             return port.arrived(now, bytes.len()) - port.taken;
@@ -128,7 +128,7 @@ impl Serial {
         self.open.get(&number).map_or(0, |port| port.incoming.partition_point(|(at, _)| *at <= now))
     }
 
-    /// Takes the first `most` of the bytes that have come in by `now`.
+    /// Takes up to `most` of the bytes received by `now`, the earliest first.
     fn take(&mut self, number: i32, now: Time, most: usize) -> Vec<u8> {
         let count = self.waiting(number, now).min(most);
         let from_device = self.device(number).map(|(port, bytes)| bytes[port.taken..port.taken + count].to_vec());
@@ -142,7 +142,7 @@ impl Serial {
         }
     }
 
-    /// When the next byte comes in that has not been taken; [`Time::NEVER`] if none is on its way.
+    /// Arrival time of the next byte; [`Time::NEVER`] if none is in transmission.
     fn next_arrival(&self, number: i32) -> Time {
         match self.device(number) {
             Some((port, bytes)) if port.taken < bytes.len() => port.arrival(port.taken),
@@ -153,13 +153,13 @@ impl Serial {
 }
 
 impl Port {
-    /// When byte `index` of a device has come in, counted from the opening.
+    /// Arrival time of byte `index` of a device, counted from the opening.
     fn arrival(&self, index: usize) -> Time {
         let bits = i128::from(BYTE) * (index as i128 + 1);
         self.since + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
     }
 
-    /// How many of `count` bytes of a device have come in by `now`.
+    /// Number of bytes, of `count` bytes of a device, that have arrived by `now`.
     fn arrived(&self, now: Time, count: usize) -> usize {
         let bits = i128::from((now - self.since).0) * i128::from(self.baud);
         usize::try_from(bits.div_euclid(i128::from(BYTE))).unwrap_or_default().min(count)
@@ -221,7 +221,7 @@ pub fn receive_char(robot: &mut Robot, number: i32) -> Poll<Char> {
     receive(robot, number)
 }
 
-/// Waits for a byte from an interface that is open.
+/// Waits for a byte from an open interface.
 fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     if let [byte] = take(robot, number, 1)[..] {
         return Poll::Ready(byte);
@@ -236,7 +236,7 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     Poll::Until { at, waits_for: Waits::Input(format!("a byte on {name}, {what}")) }
 }
 
-/// Takes what has come in, and records it.
+/// Takes up to `most` received bytes and records them.
 fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
     let now = robot.now;
     let data = robot.robios.serial.take(number, now, most);
@@ -246,7 +246,7 @@ fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
     data
 }
 
-/// `SERReceive`: what has come in, and a final 0.
+/// `SERReceive`: returns the received bytes and a final 0.
 pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
         return robot.failed(Robios7Call::SERReceive, 0);
@@ -258,7 +258,7 @@ pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32
     count as i32
 }
 
-/// `OSCheckInRS232`: how many bytes have come in.
+/// `OSCheckInRS232`: number of received bytes.
 pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
     if robot.robios.serial.opened(number).is_none() {
         return robot.failed(Robios6Call::OSCheckInRS232, -1);
@@ -274,7 +274,7 @@ pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
     (robot.robios.serial.waiting(number, robot.now) > 0).into()
 }
 
-/// `OSFlushInRS232`, `SERFlush`: forgets what has come in.
+/// `OSFlushInRS232`, `SERFlush`: discards received bytes.
 pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32) -> i32 {
     if robot.robios.serial.opened(number).is_none() {
         return robot.failed(call, failure);
@@ -283,7 +283,7 @@ pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32
     0
 }
 
-/// `OSFlushOutRS232`, `OSCheckOutRS232`: the buffers for output are always empty.
+/// `OSFlushOutRS232`, `OSCheckOutRS232`: the output buffers are always empty.
 pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
     if robot.robios.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
 }
@@ -344,7 +344,7 @@ mod tests {
         assert_eq!(serial.next_arrival(2), Time(6_000));
         assert_eq!(serial.take(2, Time(7_500), 1), b"a");
         assert_eq!((serial.waiting(2, Time(7_999)), serial.waiting(2, Time(8_000))), (1, 2));
-        // Opened again after 3 bytes: the other two that had come in are forgotten.
+        // Opened again after 3 bytes: the two received bytes that were not taken are discarded.
         serial.open(2, 5_000, Time(8_500));
         assert_eq!(serial.next_arrival(2), Time(10_500));
         assert_eq!(serial.take(2, Time(1_000_000), 99), b"def");

@@ -1,4 +1,4 @@
-//! Servos as RoBIOS 6 has them; the steering servo of an Ackermann drive steers.
+//! Servos of RoBIOS 6; the steering servo of an Ackermann drive steers.
 //!
 //! Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
@@ -9,24 +9,24 @@ use sim_core::world::World;
 use super::handle::Handles;
 use super::robot::Robot;
 
-/// What programs keep of servos.
+/// Servo handles and ranges of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
     handles: Handles,
-    /// By servo what positions 0 and 255 of RoBIOS-7 mean, as far as `SERVORange` has set any.
+    /// By servo: its positions for 0 and 255 of RoBIOS-7, as far as `SERVORange` has set any.
     ranges: Vec<[u8; 2]>,
 }
 
-/// All that a servo can do.
+/// Range of a servo before `SERVORange`.
 const WHOLE_RANGE: [u8; 2] = [0, 255];
 
 impl Servos {
-    /// What positions 0 and 255 of RoBIOS-7 mean.
+    /// The servo's positions for 0 and 255 of RoBIOS-7.
     pub fn range(&self, index: usize) -> [u8; 2] {
         self.ranges.get(index).copied().unwrap_or(WHOLE_RANGE)
     }
 
-    /// Sets what positions 0 and 255 of RoBIOS-7 mean.
+    /// Sets the servo's positions for 0 and 255 of RoBIOS-7.
     pub fn set_range(&mut self, index: usize, range: [u8; 2]) {
         self.ranges.resize(self.ranges.len().max(index + 1), WHOLE_RANGE);
         self.ranges[index] = range;

@@ -1,6 +1,6 @@
-//! Servos as RoBIOS-7 has them: by number, with a range that the program sets.
+//! Servos of RoBIOS-7: addressed by number, with a range that the program sets.
 //!
-//! A servo's own numbers are 0 to 255 over its whole swing: our choice. Source: RoBIOS-7 library, servos and motors.
+//! Raw positions are 0 to 255 over the servo's whole swing: our choice. Source: RoBIOS-7 library, servos and motors.
 
 use robios_sys::Robios7Call as Call;
 use robios_sys::robios6::hdt_type::HDT_SERVO;
@@ -33,7 +33,7 @@ pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
     0
 }
 
-/// `SERVOGet`: the position that `SERVOSet` takes, by the range that is set now.
+/// `SERVOGet`: position in terms of `SERVOSet` and the present range.
 pub fn position(robot: &mut Robot, servo: i32) -> i32 {
     let Some(index) = robot.find_numbered(Call::SERVOGet, HDT_SERVO, servo, &[]) else {
         return robot.failed(Call::SERVOGet, -1);
@@ -44,7 +44,7 @@ pub fn position(robot: &mut Robot, servo: i32) -> i32 {
     position.round().clamp(0.0, 255.0) as i32
 }
 
-/// The servo and the number as one of its own; `None` after the answer was counted as a failure.
+/// Index of a servo, and `number` as a position; `None` if either is invalid, which is counted as a failure.
 fn find(robot: &mut Robot, call: Call, servo: i32, number: i32) -> Option<(usize, u8)> {
     let Some(index) = robot.find_numbered(call, HDT_SERVO, servo, &[]) else {
         robot.failed(call, 1);

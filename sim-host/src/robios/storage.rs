@@ -1,8 +1,9 @@
-//! The files of a robot: what its RoBIOS calls read and write beside the simulation.
+//! Files of a robot that its RoBIOS calls read and write outside the simulation.
 //!
-//! A name is relative to the working folder of the run; what is not there is looked for in the folder of the scene. What a
-//! robot writes, it reads back at once; others see it from the next slot on, in the order of (virtual time, robot), so that a
-//! run does not depend on who runs first. Files that other programs change during a run are outside of the guarantee.
+//! A name is relative to the working folder of the run; a file that is not there is looked for in the folder of the
+//! scene. A robot reads its own writes at once; other robots see them from the next slot on, in the order (virtual
+//! time, robot), so that a run does not depend on execution order. Files that other programs change during a run are
+//! outside this guarantee.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -13,38 +14,38 @@ use std::path::{Path, PathBuf};
 
 use sim_core::time::Time;
 
-/// Larger files are no images or sounds.
+/// Largest file that is read: larger ones are no images or sounds.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// The files of one robot.
+/// Files of one robot.
 #[derive(Clone, Debug, Default)]
 pub struct Storage {
     scene_folder: PathBuf,
-    /// What was written in the present slot.
+    /// Files written in the present slot.
     written: BTreeMap<PathBuf, (Time, Vec<u8>)>,
 }
 
 /// A file that a robot wrote in a slot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// When.
+    /// Virtual time of the write.
     pub at: Time,
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
 impl Storage {
-    /// The files of a robot in a scene of this folder.
+    /// Files of a robot in a scene that is in `scene_folder`.
     pub fn new(scene_folder: &Path) -> Self {
         Self { scene_folder: scene_folder.to_owned(), written: BTreeMap::new() }
     }
 
-    /// Reads the file of this name.
+    /// Reads the file called `name`.
     ///
     /// # Errors
-    /// Those of the system for the name as it is.
+    /// Those of the system for `name` in the working folder.
     pub fn read(&self, name: &[u8]) -> io::Result<Vec<u8>> {
         let path = path_of(name);
         let beside_scene = self.scene_folder.join(&path);
@@ -59,10 +60,10 @@ impl Storage {
         read_file(&path)
     }
 
-    /// Writes a file of this name, in the working folder, when the slot ends.
+    /// Stores a file to be written in the working folder when the slot ends.
     ///
     /// # Errors
-    /// When there is no folder for it, or a folder has its name.
+    /// If the parent folder does not exist, or a folder has this name.
     pub fn write(&mut self, now: Time, name: &[u8], bytes: Vec<u8>) -> io::Result<()> {
         let path = path_of(name);
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -76,7 +77,7 @@ impl Storage {
         Ok(())
     }
 
-    /// What was written in the slot that ends.
+    /// Takes the files written in the slot that ends.
     pub fn take_written(&mut self) -> impl Iterator<Item = Written> + use<> {
         let written = std::mem::take(&mut self.written);
         written.into_iter().map(|(path, (at, bytes))| Written { at, path, bytes })
@@ -84,7 +85,7 @@ impl Storage {
 }
 
 impl Written {
-    /// Puts it on the disk.
+    /// Writes the file to the disk.
     ///
     /// # Errors
     /// Those of the system.
@@ -93,7 +94,7 @@ impl Written {
     }
 }
 
-/// A name as a program writes it: bytes, with either slash.
+/// Path of a name as programs write it: bytes, with either slash.
 fn path_of(name: &[u8]) -> PathBuf {
     let slashed: Vec<u8> = name.iter().map(|byte| if *byte == b'\\' { b'/' } else { *byte }).collect();
     PathBuf::from(OsStr::from_bytes(&slashed))
@@ -101,7 +102,7 @@ fn path_of(name: &[u8]) -> PathBuf {
 
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
-    // A pipe or a terminal would never end.
+    // Reading a pipe or a terminal might never end.
     if !metadata.is_file() {
         return Err(io::Error::other("it is not a file"));
     }

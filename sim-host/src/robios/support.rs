@@ -1,4 +1,4 @@
-//! Services for the program's language: console, random numbers, virtual time, how it failed.
+//! Services for the program's language: console, random numbers, virtual time, reason of a failure, tasks.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::flow::Flow;
 use super::robot::{Ending, Robot, Waits};
 use super::task::TaskWait;
 
-/// The generators that a program draws from, one for each purpose.
+/// Random generators of a program, one per purpose.
 #[derive(Clone, Debug)]
 pub struct Generators {
     seed: u64,
@@ -34,7 +34,8 @@ impl Generators {
         self.streams.entry(purpose).or_insert_with(|| Stream::new(seed, robot, Purpose::Program, purpose, 0)).bits()
     }
 
-    /// Starts the stream for `purpose` anew where the program's own seed says. No such place is the one before any seed.
+    /// Restarts the stream for `purpose` with the program's seed, as its substream `program_seed` + 1; substream 0 is
+    /// the unseeded one.
     pub fn seed(&mut self, purpose: u32, program_seed: u64) {
         let sub_number = program_seed.wrapping_add(1);
         self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, sub_number));
@@ -44,7 +45,7 @@ impl Generators {
 impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
-        // A program that is told to stop still leaves what it has printed; it pays no time for it any more.
+        // The output of a program that must stop is still recorded; it costs no more virtual time.
         let result = if self.flow().is_leaving() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)

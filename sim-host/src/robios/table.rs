@@ -1,7 +1,7 @@
-//! The table of a robot's devices: which number of `hdt_sem.h` means which device of the robi.
+//! The table of a robot's devices: maps the numbers of `hdt_sem.h` to the devices of the robi.
 //!
-//! A device answers to the number that the robi or its companion gives it, and to the number that `hdt_sem.h` gives to its
-//! name. Source: RoBIOS 6 library, hardware description table; the order of these is our choice.
+//! A device has the number that the robi or its companion gives it, and the number that `hdt_sem.h` gives to its name.
+//! Source: RoBIOS 6 library, hardware description table; the precedence of these numbers is our choice.
 
 use robios_sys::robios6::hdt_type::{
     HDT_BUMP, HDT_COMPASS, HDT_IR, HDT_IRTV, HDT_MOTOR, HDT_PSD, HDT_QUAD, HDT_SERVO, HDT_VW,
@@ -9,29 +9,29 @@ use robios_sys::robios6::hdt_type::{
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::spec::RobiSpec;
 
-/// Greatest number of a device in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
+/// Greatest device number in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
 /// One device of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
-    /// Its kind, `HDT_MOTOR` and so on.
+    /// Kind of the device, `HDT_MOTOR` and so on.
     pub kind: i32,
-    /// Its place among the devices of its kind, in the order of the robi.
+    /// Index among the devices of its kind, in the order of the robi.
     pub index: usize,
-    /// Its name, `PSD_FRONT`.
+    /// Name of the device, such as `PSD_FRONT`.
     pub name: String,
-    /// Numbers that it answers to: of its line in the robi or companion, of the companion's table, of `hdt_sem.h`.
+    /// Numbers of the device: of its line in the robi or companion, of the companion's table, of `hdt_sem.h`.
     numbers: [Option<i32>; 3],
 }
 
 impl Device {
-    /// The number that comes first, 0 for a device that no program can ask for.
+    /// First number of the device; 0 if programs cannot refer to it.
     pub fn number(&self) -> i32 {
         self.numbers.iter().flatten().next().copied().unwrap_or(0)
     }
 
-    /// Its own numbers that programs of RoBIOS-7 can mean.
+    /// Numbers given by robi or companion that programs of RoBIOS-7 can use.
     fn small_numbers(&self) -> impl Iterator<Item = i32> {
         self.numbers[..2].iter().flatten().copied().filter(|number| (1..=MAX_NUMBER).contains(number))
     }
@@ -44,7 +44,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The devices that a robi describes; every robot has a driving interface and a receiver for a remote control.
+    /// Devices that a robi describes; every robot has a driving interface and a receiver for a remote control.
     pub fn new(spec: &RobiSpec) -> Self {
         let mut table = Self::default();
         for motor in &spec.drive.motors {
@@ -76,20 +76,20 @@ impl Table {
         table
     }
 
-    /// All devices of a kind, in order of their indices; of any kind for 0.
+    /// All devices of a kind, in order of their indices; 0 means any kind.
     pub fn of_kind(&self, kind: i32) -> impl Iterator<Item = &Device> {
         self.devices.iter().filter(move |device| kind == 0 || device.kind == kind)
     }
 
-    /// The device of a kind (0: any) that answers to `number`; the robi's own numbers go before those of `hdt_sem.h`.
+    /// Device of a kind (0: any) with `number`; numbers of the robi take precedence over those of `hdt_sem.h`.
     pub fn find(&self, kind: i32, number: i32) -> Option<&Device> {
         (0..3).find_map(|place| self.of_kind(kind).find(|device| device.numbers[place] == Some(number)))
     }
 
-    /// The device of a kind that RoBIOS-7 calls `number`, from 1 on.
+    /// Device of a kind with RoBIOS-7's `number`, from 1 on.
     ///
-    /// A device has the numbers from 1 to [`MAX_NUMBER`] of its own; else the place of its name in `names`; the others have
-    /// the numbers that are left, in the order of the robi.
+    /// Numbers from 1 to [`MAX_NUMBER`] given by robi or companion come first, then the position of a device's name in
+    /// `names`; the remaining devices have the remaining numbers, in the order of the robi.
     pub fn numbered(&self, kind: i32, number: i32, names: &[&str]) -> Option<&Device> {
         let place = |number: i32| usize::try_from(number).ok()?.checked_sub(1);
         let unnumbered = || self.of_kind(kind).filter(|device| device.small_numbers().next().is_none());
@@ -102,7 +102,7 @@ impl Table {
         if let Some(device) = taken(number) {
             return Some(device);
         }
-        // Each device takes two numbers at most: beyond, there is none left for another.
+        // A device takes at most two numbers: beyond this bound every device has one already.
         if place(number)? > 3 * self.devices.len() {
             return None;
         }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_sensor_of_the_companion_takes_no_number_from_a_psd() {
-        // A laser with a number hid all PSDs without one, one without a number could not be asked for.
+        // Regression: a laser with a number hid all PSDs without one, and a laser without a number had none at all.
         let some = |name: &str| Some(name.to_owned());
         let robi = "psd PSD_FRONT -200 0 0 0 0\n";
         let numbered = psds(robi, "[[laser]]\nname = \"LASER\"\nid = 3\n");

@@ -1,4 +1,4 @@
-//! What the functions answer on a robot in a world: hand-computed values.
+//! Answers of the functions on a robot in a world, compared with hand-computed values.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use super::caller::Poll;
 use super::robot::{Ending, Waits};
 use super::*;
 
-/// A robot of 200 mm on the axle's middle, wheels of 100 mm with 1,000 ticks a turn, 10 turns a second at most.
+/// A robot of 200 mm centred on its axle, wheels of 100 mm with 1,000 ticks a turn, 10 turns a second at most.
 const ROVER: &str = "name Rover
 diameter 200
 speed 5000
@@ -68,7 +68,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// The robot in the middle of a closed field of 2 m by 1 m, looking along x.
+    /// The robot in the middle of a closed field of 2 m by 1 m, facing along x.
     fn new(robi: &str, companion: &str) -> Self {
         let (field, _) = read_world("field.wld", "0 0 2000 0\n2000 0 2000 1000\n2000 1000 0 1000\n0 1000 0 0\n");
         let (mut spec, _) = read_robi("rover.robi", robi);
@@ -76,7 +76,7 @@ impl Bench {
         let walls = build::walls(&field);
         let model = Arc::new(build::model(&spec));
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, 0.0));
-        // One slot for the whole test: a robot alone sees the same in any slot.
+        // One slot for the whole test: a single robot sees the same for any slot length.
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let robios = Robios::new(&spec);
         let mut state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
@@ -90,14 +90,14 @@ impl Bench {
         Self::new(ROVER, COMPANION)
     }
 
-    /// The same, later.
+    /// Advances to virtual time `ms`.
     fn at_ms(&mut self, ms: i64) -> &mut Self {
         self.robot.now = Time::from_millis(ms);
         self.robot.settle(&self.world);
         self
     }
 
-    /// The rover's driving interface, ready.
+    /// Opens the rover's driving interface.
     fn vw(&mut self) -> i32 {
         let handle = vw::init(&mut self.robot, &self.world, VW_DRIVE, 1);
         assert_eq!(handle, vw::HANDLE);
@@ -105,7 +105,7 @@ impl Bench {
     }
 }
 
-/// When a wait is over, and what for.
+/// Time and reason of a wait.
 fn wait_of<R>(poll: Poll<R>) -> (Time, Waits) {
     match poll {
         Poll::Ready(_) => panic!("there is nothing to wait for"),
@@ -155,8 +155,8 @@ fn a_psd_sees_what_was_there_at_the_end_of_its_cycle() {
     assert_eq!([psd::start(robot, 8, true), psd::start(robot, front | left, true)], [-1, 0]);
     assert_eq!([psd::start(robot, front, true), psd::check(robot)], [1, 0]);
     let vw = bench.vw();
-    // Towards the wall at x = 2 m, which the sensor at x = 1.06 m sees 0.94 m ahead: out of its 0.8 m. After 1.98 s, the end
-    // of cycle 33, it is 0.1 m/s * 1.98 s nearer.
+    // Towards the wall at x = 2 m. The sensor at x = 1.06 m is 0.94 m from it, beyond its range of 0.8 m. After 1.98 s,
+    // the end of cycle 33, it is 0.1 m/s * 1.98 s nearer.
     assert_eq!(vw::drive_straight(&mut bench.robot, &bench.world, vw, 0.5, 0.1), 0);
     bench.at_ms(60);
     assert_eq!([psd::check(&mut bench.robot), psd::get(&mut bench.robot, &bench.world, front)], [1, PSD_OUT_OF_RANGE]);
@@ -193,7 +193,7 @@ fn drives_end_where_and_when_they_should() {
     let mut position = Out::<PositionType>::wanted();
     assert_eq!(vw::position(&mut bench.robot, handle, &mut position), 0);
     assert_eq!(position.value(), Some(&PositionType { x: -0.25, y: 0.0, phi: 0.0 }));
-    // A turn, its rate given with a sign that does not count, and a curve of a quarter circle.
+    // A turn, whose rate has a sign that is ignored, and a curve of 1 rad.
     let Bench { robot, world } = &mut bench;
     assert_eq!(vw::drive_turn(robot, world, handle, 0.5, -0.25), 0);
     assert_eq!(wait_of(vw::drive_wait(robot, handle)).0, Time(4_000_000));
@@ -345,7 +345,8 @@ fn infrared_compass_and_inputs() {
     assert_eq!([compass::init(&mut bench.robot, IR_FRONT), compass::init(&mut bench.robot, COMPASS)], [1, 0]);
     assert_eq!([compass::start(&mut bench.robot, true), compass::check(&mut bench.robot)], [0, 0]);
     let vw = bench.vw();
-    // 0.7 m ahead: the sensor at 0.1 m is then 0.2 m from the wall; at 0.8 m, 0.1 m, which is nearer than 0.15 m.
+    // After 0.7 m the sensor at 0.1 m is 0.2 m from the wall; after 0.8 m it is at 0.1 m, nearer than its range of 0.15
+    // m.
     vw::drive_straight(&mut bench.robot, &bench.world, vw, 0.7, 7.0);
     bench.at_ms(300);
     assert_eq!(ir::read(&mut bench.robot, &bench.world, infrared), 0);
@@ -490,7 +491,7 @@ fn what_nobody_sends_is_waited_for_in_vain() {
     assert_eq!(robot.robios.table.name(HDT_MOTOR, 7), "");
 }
 
-/// Numbers from a linear congruential generator, mostly those at which programs and devices break.
+/// Pseudo-random arguments from a linear congruential generator, mostly edge cases.
 struct Storm(u64);
 
 impl Storm {

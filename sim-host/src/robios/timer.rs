@@ -1,4 +1,4 @@
-//! The timers that a program attaches: callbacks on the global grid of its generation's tick.
+//! Timers that a program attaches: callbacks on the global grid of its generation's tick.
 
 use robios_sys::Callback;
 use sim_core::time::Time;
@@ -6,17 +6,17 @@ use sim_core::time::Time;
 /// The tick of RoBIOS-7: timers run at 1 kHz.
 pub const MILLISECOND: Time = Time::from_millis(1);
 
-/// How many timers a robot may have; our choice.
+/// Greatest number of timers of a robot; our choice.
 const MAX_TIMERS: usize = 32;
 
-/// The timers that a program has attached.
+/// Timers that a program has attached.
 #[derive(Default)]
 pub struct Timers {
     list: Vec<Timer>,
     next_handle: i32,
-    /// True while a callback runs: callbacks are never nested, and may not wait.
+    /// A callback is running: callbacks are never nested, and may not wait.
     pub in_callback: bool,
-    /// True between `OSDisable` and `OSEnable`: what falls due meanwhile is made up for once, at `OSEnable`.
+    /// Timers are held from `OSDisable` to `OSEnable`: a timer that falls due meanwhile runs once, at `OSEnable`.
     pub are_held: bool,
 }
 
@@ -28,8 +28,8 @@ struct Timer {
 }
 
 impl Timers {
-    /// Attaches `callback` to every `scale`-th point of the global grid of `tick` after `now`; the handle, or 0 when the list is
-    /// full or `scale` is not positive.
+    /// Attaches `callback` to every `scale`-th point of the global grid of `tick` after `now`; returns the handle, or 0
+    /// if the list is full or `scale` is not positive.
     pub fn attach(&mut self, now: Time, tick: Time, scale: i32, callback: Callback) -> i32 {
         if self.list.len() >= MAX_TIMERS || scale <= 0 {
             return 0;
@@ -40,14 +40,14 @@ impl Timers {
         self.next_handle
     }
 
-    /// Removes the timer; false when there is none of that handle.
+    /// Removes a timer; returns false if no timer has this handle.
     pub fn detach(&mut self, handle: i32) -> bool {
         let before = self.list.len();
         self.list.retain(|timer| timer.handle != handle);
         self.list.len() < before
     }
 
-    /// When the next callback is due; [`Time::NEVER`] without timers and inside a callback.
+    /// Time of the next callback; [`Time::NEVER`] without timers, while they are held, and inside a callback.
     pub fn next_due(&self) -> Time {
         if self.in_callback || self.are_held {
             return Time::NEVER;
@@ -55,7 +55,7 @@ impl Timers {
         self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
     }
 
-    /// The callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
+    /// Takes the callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
     pub fn take_due(&mut self, now: Time) -> Vec<Callback> {
         let mut due = Vec::new();
         for timer in &mut self.list {
@@ -67,8 +67,8 @@ impl Timers {
         due
     }
 
-    /// The callbacks that ran are over at `now`: what fell due while they ran is left out, so that the program itself goes on,
-    /// however long its callbacks take.
+    /// Ends the running callbacks at `now`. Ticks that fell due meanwhile are dropped, so that the program itself
+    /// continues however long its callbacks take.
     pub fn end_callbacks(&mut self, now: Time) {
         self.in_callback = false;
         self.list.iter_mut().for_each(|timer| timer.go_on(now));
@@ -76,7 +76,7 @@ impl Timers {
 }
 
 impl Timer {
-    /// The next time is after `now`.
+    /// Moves the next tick of the timer past `now`.
     fn go_on(&mut self, now: Time) {
         if self.next <= now {
             let missed = (now - self.next).0 / self.period.0;

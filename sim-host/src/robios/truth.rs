@@ -1,4 +1,4 @@
-//! The functions of RoBIOS-7 that only a simulator can have: true poses, and robots and objects put elsewhere.
+//! Functions of RoBIOS-7 that only a simulator can have: ground-truth poses, and placement of robots and objects.
 //!
 //! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise.
 
@@ -13,29 +13,29 @@ use robios_sys::{Out, Robios7Call as Call};
 use super::robot::Robot;
 use super::unit7::{pose, pose_numbers};
 
-/// What numbers mean to programs: the robots of the scene from 1 on, then its objects in the order of the sim file, then whoever has
-/// come into the run, in this order.
+/// Numbers of robots and objects as programs see them: the robots of the scene from 1 on, then its objects in the order
+/// of the sim file, then spawned entities in the order of their addition.
 #[derive(Clone, Debug, Default)]
 pub struct Census {
-    /// Number of robots.
+    /// Number of robots in the scene.
     pub robots: usize,
-    /// The objects, fixed ones included.
+    /// Objects of the scene, fixed ones included.
     pub objects: Vec<Counted>,
-    /// Robots and movable objects that were added to the run.
+    /// Robots and movable objects that were added during the run.
     pub newcomers: boxcar::Vec<Placeable>,
 }
 
 /// An object with a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counted {
-    /// One that can be moved.
+    /// A movable object.
     Movable(ObjectId),
-    /// One that never moves, and where it is.
+    /// A fixed object and its pose.
     Fixed(Pose),
 }
 
 impl Census {
-    /// That of the start of `scene`.
+    /// Numbers at the start of `scene`.
     pub fn of(scene: &SceneSpec) -> Self {
         let mut movable = 0;
         let counted = |object: &ObjectSpec| {
@@ -49,7 +49,7 @@ impl Census {
         Self { robots: scene.robots.len(), objects, ..Self::default() }
     }
 
-    /// The robot of a number; 0 is `own`.
+    /// Id of the robot with this number; 0 is `own`.
     fn robot(&self, number: i32, own: RobotId) -> Option<RobotId> {
         match usize::try_from(number).ok()? {
             0 => Some(own),
@@ -61,7 +61,7 @@ impl Census {
         }
     }
 
-    /// The object of a number.
+    /// Object with this number.
     fn object(&self, number: i32) -> Option<Counted> {
         let number = usize::try_from(number).ok()?;
         let of_scene = self.objects.get(number.checked_sub(self.robots + 1)?).copied();
@@ -75,7 +75,7 @@ impl Census {
         self.newcomers.get(number.checked_sub(self.robots + self.objects.len() + 1)?).copied()
     }
 
-    /// The number of somebody who was added to the run.
+    /// Number of a spawned robot or object.
     pub fn number_of_newcomer(&self, who: Placeable) -> Option<i32> {
         let (place, _) = self.newcomers.iter().find(|(_, newcomer)| **newcomer == who)?;
         Some((self.robots + self.objects.len() + 1 + place) as i32)
@@ -95,7 +95,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
     give(&pose, into);
 }
 
-/// `SIMSetRobot`: at once for the own robot, of another one at the slot's end. Odometry does not notice it.
+/// `SIMSetRobot`: places the own robot at once, another robot at the slot's end. Odometry is not affected.
 pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     let Some(id) = robot.robios.census.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
@@ -107,7 +107,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     if id != robot.id {
         return place(robot, Placeable::Robot(id), pose);
     }
-    // Whole millimetres are always a place.
+    // Poses in whole millimetres are always valid.
     let _ = robot.state.motion.place(robot.state.now, pose);
     let (now, id) = (robot.now, robot.id);
     robot.record_placed(now, id, &pose);
@@ -126,7 +126,7 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
     give(&pose, into);
 }
 
-/// `SIMSetObject`: at the slot's end.
+/// `SIMSetObject`: places the object at the slot's end.
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     match robot.robios.census.object(number) {
         Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
@@ -150,7 +150,7 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.census.objects.len() as i32
 }
 
-/// Everything stands on the floor: z is 0.
+/// Stores a pose; z is 0, since everything stands on the floor.
 fn give(pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let numbers = pose_numbers(pose);
     [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));

@@ -1,26 +1,26 @@
-//! The units of RoBIOS-7 and SI: whole millimetres and degrees.
+//! Conversion between SI and the units of RoBIOS-7: whole millimetres and degrees.
 //!
-//! Numbers are rounded to the nearest, halves away from 0, and saturate at the ends of `int`.
+//! Results are rounded to the nearest integer, halves away from 0, and saturate at the limits of `int`.
 
 use sim_core::pose::Pose;
 use sim_core::unit;
 
-/// Metres, or m/s, from whole millimetres.
+/// Converts whole millimetres (or mm/s) to metres (or m/s).
 pub fn metres(mm: i32) -> f64 {
     unit::metres_from_mm(mm.into())
 }
 
-/// Radians, or rad/s, from whole degrees.
+/// Converts whole degrees (or degrees/s) to radians (or rad/s).
 pub fn radians(degrees: i32) -> f64 {
     unit::radians_from_degrees(degrees.into())
 }
 
-/// Whole millimetres, or mm/s, from metres.
+/// Converts metres (or m/s) to whole millimetres (or mm/s).
 pub fn mm(metres: f64) -> i32 {
     unit::mm_from_metres(metres).round() as i32
 }
 
-/// Whole degrees, or degrees/s, from radians.
+/// Converts radians (or rad/s) to whole degrees (or degrees/s).
 pub fn degrees(radians: f64) -> i32 {
     unit::degrees_from_radians(radians).round() as i32
 }
@@ -36,9 +36,9 @@ pub fn pose_numbers(pose: &Pose) -> [i32; 3] {
     [mm(pose.position.x), mm(pose.position.y), if phi == -180 { 180 } else { phi }]
 }
 
-/// What is left of a length in millimetres or an angle in degrees, rounded up, so that it is 0 only when nothing is left.
+/// Rounds a remaining length in millimetres or angle in degrees up, so that the result is 0 only if nothing remains.
 pub fn left(rest: f64) -> i32 {
-    // What is less than a millionth too much has come from rounding.
+    // An excess below a millionth is a rounding error.
     if rest > 0.0 { ((rest - 1e-6).ceil() as i32).max(1) } else { 0 }
 }
 

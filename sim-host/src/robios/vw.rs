@@ -1,4 +1,4 @@
-//! The driving interface: metres, radians, seconds.
+//! The driving interface of RoBIOS 6: metres, radians, seconds.
 //!
 //! Source: RoBIOS 6 library, VW interface.
 
@@ -15,25 +15,25 @@ use super::hint::{LONG_DRIVE, LONG_TURN, Mistake};
 use super::robot::{Robot, Waits};
 use sim_core::record::Event;
 
-/// The one handle: a number that no other family hands out, so that a mixed-up handle is noticed.
+/// The only handle: a number that no other family returns, so that a mixed-up handle is detected.
 pub const HANDLE: i32 = 0x56;
 
-/// The driving interface of a robot.
+/// State of a robot's driving interface.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vw {
-    /// True between `VWInit` and `VWRelease` of RoBIOS 6: motors are reserved.
+    /// The interface is open, from `VWInit` to `VWRelease` of RoBIOS 6: motors are reserved.
     pub is_open: bool,
-    /// When the last drive of RoBIOS-7 began.
+    /// Start of the last drive of RoBIOS-7.
     pub begun: Option<Time>,
 }
 
-/// Why a command is not obeyed.
+/// Reason why a command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// A drive that would take for ever, or no time that is a number.
+    /// The duration of the drive would be infinite or undefined.
     #[error("it takes a length or angle that is a number, a speed other than 0, and a length for a curve")]
     Endless,
-    /// The drive cannot.
+    /// The drive rejects the command.
     #[error(transparent)]
     Command(#[from] CommandError),
 }
@@ -45,7 +45,7 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
     }
     robot.robios.vw.is_open = true;
     robot.halt(world);
-    // Nothing to refuse: the origin is finite.
+    // Cannot be refused: the origin is finite.
     let _ = robot.state.motion.set_odometry(robot.state.now, Pose::default());
     robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
     HANDLE
@@ -121,7 +121,7 @@ pub fn stop_control(robot: &mut Robot, handle: i32) -> i32 {
     0
 }
 
-/// `VWDriveStraight`: the sign is that of `distance`; that of the speed is ignored.
+/// `VWDriveStraight`: the direction is the sign of `distance`; the sign of the speed is ignored.
 pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f32, v: f32) -> i32 {
     let (distance, v) = (f64::from(distance), f64::from(v));
     if distance.abs() > LONG_DRIVE {
@@ -132,7 +132,7 @@ pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f
     start(robot, world, handle, drive, seconds(distance, v), (Call::VWDriveStraight, event))
 }
 
-/// `VWDriveTurn`: the sign is that of `angle`; that of the rate is ignored.
+/// `VWDriveTurn`: the direction is the sign of `angle`; the sign of the rate is ignored.
 pub fn drive_turn(robot: &mut Robot, world: &World, handle: i32, angle: f32, omega: f32) -> i32 {
     let (angle, omega) = (f64::from(angle), f64::from(omega));
     if angle.abs() > LONG_TURN {
@@ -142,7 +142,7 @@ pub fn drive_turn(robot: &mut Robot, world: &World, handle: i32, angle: f32, ome
     start(robot, world, handle, Twist::new(0.0, angle), seconds(angle, omega), (Call::VWDriveTurn, event))
 }
 
-/// `VWDriveCurve`: forwards or backwards by the sign of `distance`; that of the speed is ignored.
+/// `VWDriveCurve`: forwards or backwards by the sign of `distance`; the sign of the speed is ignored.
 pub fn drive_curve(robot: &mut Robot, world: &World, handle: i32, [distance, angle, v]: [f32; 3]) -> i32 {
     let [distance, angle, v] = [distance, angle, v].map(f64::from);
     if distance.abs() > LONG_DRIVE {
@@ -189,7 +189,7 @@ pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
     i32::from(robot.state.motion.is_stalled(robot.state.now))
 }
 
-/// Why `VWInit` fails.
+/// Reason why `VWInit` fails, if it does.
 fn obstacle(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static str> {
     if robot.robios.table.find(HDT_VW, semantics).is_none() {
         Some("the first argument must be `VW_DRIVE`")
@@ -208,7 +208,7 @@ fn is_handle(robot: &Robot, handle: i32) -> bool {
     robot.robios.vw.is_open && handle == HANDLE
 }
 
-/// Starts a drive by a handle.
+/// Starts a drive through a handle.
 fn start(
     robot: &mut Robot,
     world: &World,
@@ -224,19 +224,19 @@ fn start(
     robot.answered(call, -1, accepted)
 }
 
-// What follows is in metres, radians and seconds, for both generations.
+// The functions below serve both generations, in metres, radians and seconds.
 
-/// How long a way takes at this rate; no number at an infinite one.
+/// Duration of a distance or angle at this rate; NaN at an infinite rate.
 fn seconds(way: f64, rate: f64) -> f64 {
     if rate.is_infinite() { f64::NAN } else { way / rate }
 }
 
-/// How long a curve takes; no number for one without length, along which there is no speed.
+/// Duration of a curve; NaN for one without length, along which no speed is defined.
 pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
     if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
-/// Starts a drive of `seconds`, of which the sign does not count: it is that of a speed.
+/// Starts a drive of `seconds`; its sign, that of the speed, is ignored.
 pub(super) fn start_drive(
     robot: &mut Robot,
     world: &World,
@@ -253,35 +253,35 @@ pub(super) fn start_drive(
     Ok(())
 }
 
-/// Drives with a speed and a turning speed from now on.
+/// Drives with a linear and an angular speed from now on.
 pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) -> Result<(), Refusal> {
     robot.command(world, Command::Twist(Twist::new(v, omega)))?;
     robot.record(Event::DriveSpeed { v_m_per_s: v, omega_rad_per_s: omega });
     Ok(())
 }
 
-/// The speeds that the wheels tell.
+/// Speeds measured at the wheels.
 pub(super) fn twist(robot: &mut Robot) -> Twist {
     let twist = robot.state.motion.speed(robot.state.now);
     robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
     twist
 }
 
-/// Sets the pose by odometry.
+/// Sets the odometry pose.
 pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), Refusal> {
     robot.state.motion.set_odometry(robot.state.now, Pose::new(x, y, phi))?;
     robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
     Ok(())
 }
 
-/// The pose by odometry.
+/// The odometry pose.
 pub(super) fn odometry(robot: &mut Robot) -> Pose {
     let pose = robot.state.motion.odometry(robot.state.now);
     robot.record(Event::Odometry { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.remainder() });
     pose
 }
 
-/// Starts the controllers of speed and turning speed.
+/// Starts the controllers of linear and angular speed.
 pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), Refusal> {
     robot.state.motion.start_control(robot.state.now, gains)?;
     let Gains { vv, tv, vw, tw } = gains;

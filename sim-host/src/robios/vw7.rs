@@ -1,6 +1,6 @@
-//! The driving interface as RoBIOS-7 has it: always there, without a handle, in millimetres and degrees.
+//! The driving interface of RoBIOS-7: always open, without a handle, in millimetres and degrees.
 //!
-//! Source: RoBIOS-7 library, V-Omega driving. The motors obey whoever commanded them last, this or `MOTORDrive`: our choice.
+//! Source: RoBIOS-7 library, V-Omega driving. The motors obey the last command, from here or `MOTORDrive`: our choice.
 
 use robios_sys::{Out, Robios7Call as Call};
 use sim_core::drive::{Gains, arc_to};
@@ -15,13 +15,13 @@ use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
 use super::vw::{self, Refusal};
 use sim_core::record::Event;
 
-/// A drive that replaces another so soon after its beginning is one that nobody waited for.
+/// A drive that is replaced within this time of its start was probably to be waited for.
 const AT_ONCE: Time = Time::from_millis(20);
 
-/// Lengths and speeds below this, together, are probably meant in metres.
+/// A length and a speed both below this are probably meant in metres.
 const SHORT_MM: i32 = 5;
 
-/// Angles and turning speeds up to this, together, are probably meant in radians.
+/// An angle and a turning speed both up to this are probably meant in radians.
 const SMALL_DEGREES: i32 = 6;
 
 /// `VWSetSpeed`
@@ -51,7 +51,7 @@ pub fn position(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
     0
 }
 
-/// `VWStraight`: the sign is that of `distance_mm`; that of the speed is ignored.
+/// `VWStraight`: the direction is the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
     let (distance, v) = (metres(distance_mm), metres(v_mm));
@@ -59,7 +59,7 @@ pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -
     start(robot, world, Call::VWStraight, Twist::new(distance, 0.0), distance / v, event)
 }
 
-/// `VWTurn`: the sign is that of `angle_degrees`; that of the rate is ignored.
+/// `VWTurn`: the direction is the sign of `angle_degrees`; the sign of the rate is ignored.
 pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees: i32) -> i32 {
     let is_small = |degrees: i32| (1..=SMALL_DEGREES).contains(&degrees.saturating_abs());
     if is_small(angle_degrees) && is_small(omega_degrees) {
@@ -70,7 +70,7 @@ pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees:
     start(robot, world, Call::VWTurn, Twist::new(0.0, angle), angle / omega, event)
 }
 
-/// `VWCurve`: forwards or backwards by the sign of `distance_mm`; that of the speed is ignored.
+/// `VWCurve`: forwards or backwards by the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
     let (distance, angle, v) = (metres(distance_mm), radians(angle_degrees), metres(v_mm));
@@ -78,7 +78,7 @@ pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i3
     start(robot, world, Call::VWCurve, Twist::new(distance, angle), vw::curve_seconds(distance, angle, v), event)
 }
 
-/// `VWDrive`: the arc that begins ahead, or behind for a negative `dx_mm`.
+/// `VWDrive`: drives an arc that begins straight ahead, or straight back for a negative `dx_mm`.
 pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, dx_mm.saturating_abs().max(dy_mm.saturating_abs()), v_mm);
     let v = metres(v_mm);
@@ -87,7 +87,7 @@ pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i
     start(robot, world, Call::VWDrive, arc, arc.vx / v, event)
 }
 
-/// `VWRemain`: millimetres, of a turn degrees.
+/// `VWRemain`: the rest in millimetres, in degrees for a turn.
 pub fn remain(robot: &mut Robot) -> i32 {
     let rest = robot.state.motion.drive_remaining(robot.state.now);
     if robot.state.motion.is_drive_turn(robot.state.now) {
@@ -126,7 +126,7 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
     0
 }
 
-/// Starts a drive of `seconds`, of which the sign does not count.
+/// Starts a drive of `seconds`, whose sign is ignored.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
     let replaces_at_once = robot.robios.vw.begun.is_some_and(|begun| robot.now - begun <= AT_ONCE);
     if replaces_at_once && !robot.state.motion.is_drive_done(robot.state.now) {

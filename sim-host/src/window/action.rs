@@ -1,9 +1,9 @@
-//! Interventions in the page's words and in the simulation's.
+//! Conversion of the page's actions into those of the simulation.
 
 use sim_core::record::Action;
 use sim_view::protocol;
 
-/// What a page asks to be done.
+/// Converts an action of the page's protocol into one of the simulation.
 pub fn action_from_page(action: protocol::Action) -> Action {
     use protocol::Action as Page;
     match action {

@@ -1,4 +1,4 @@
-//! What pages have asked of a run, on its way from the desk to who advances the run.
+//! Requests of the pages on their way to the thread that advances the run.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use parking_lot::{Condvar, Mutex, MutexGuard};
 use sim_core::record::Action;
 use sim_view::window::Asked;
 
-/// The way from those who ask to who advances the run, who looks at it between two slots.
+/// Hands the pages' requests to the thread that advances the run, which checks for them between two slots.
 #[derive(Default)]
 pub struct Control {
     is_stirred: AtomicBool,
@@ -15,27 +15,27 @@ pub struct Control {
     stirred: Condvar,
 }
 
-/// What is asked of a run.
+/// Pending requests to a run.
 #[derive(Default)]
 pub struct Wishes {
-    /// It is to stop before the next slot.
+    /// The run pauses before the next slot.
     pub is_paused: bool,
-    /// So many slots are to be run while it is paused.
+    /// Number of slots to run while paused.
     pub steps: u32,
     /// Simulated seconds for each second of real time; none for as fast as possible.
     pub speed: Option<f64>,
-    /// What is to be done to it, in order, and who is told what becomes of it.
+    /// Interventions in order, each with the command of a page to be answered.
     pub actions: Vec<(Action, Asked)>,
-    /// Pages are to be shown how it stands.
+    /// An update of the pages is due.
     pub is_show_due: bool,
-    /// It is to end, since another one begins.
+    /// The run must end because another one begins.
     pub is_ending: bool,
-    /// It is over, or has not begun: nothing can be done to it.
+    /// The run is over or has not begun: interventions are refused.
     pub is_over: bool,
 }
 
 impl Control {
-    /// Asks for something.
+    /// Changes the requests and wakes the thread that waits for them.
     pub fn ask<T>(&self, wish: impl FnOnce(&mut Wishes) -> T) -> T {
         let answer = wish(&mut self.wishes.lock());
         self.is_stirred.store(true, Ordering::Release);
@@ -43,18 +43,18 @@ impl Control {
         answer
     }
 
-    /// True once something was asked since the last [`Self::wishes`].
+    /// Returns true if something was requested since the last call of [`Self::wishes`].
     fn is_stirred(&self) -> bool {
         self.is_stirred.load(Ordering::Acquire)
     }
 
-    /// What was asked for.
+    /// Locks the requests and marks them as seen.
     pub fn wishes(&self) -> MutexGuard<'_, Wishes> {
         self.is_stirred.store(false, Ordering::Release);
         self.wishes.lock()
     }
 
-    /// Waits until something is asked for, or for this long.
+    /// Waits for a request, at most for `time`.
     pub fn wait(&self, time: Duration) {
         let mut wishes = self.wishes.lock();
         if !self.is_stirred() {

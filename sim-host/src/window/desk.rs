@@ -1,4 +1,4 @@
-//! Where commands of pages arrive: each is obeyed at once, or goes to who advances the run, or to who starts runs.
+//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`Starter`] of runs.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -12,22 +12,22 @@ use sim_view::window::{Asked, Window};
 use super::action::action_from_page;
 use super::control::Control;
 
-/// Time between two looks of pages at a run: 60 a second.
+/// Time between two updates of the pages: 60 a second.
 const TICK: Duration = Duration::from_micros(16_667);
 
-/// The same while nobody watches.
+/// Time between two updates while no page is connected.
 const LAZY_TICK: Duration = Duration::from_millis(200);
 
-/// Who starts runs anew.
+/// Restarts runs.
 pub trait Starter: Send {
-    /// Starts a run with this seed; answers `asked` once it is known whether that can be done.
+    /// Starts a run with this seed; answers `asked` once it is known if the run can start.
     fn restart(&mut self, seed: Seed, asked: Asked);
 
-    /// Is called often, at least every 200 ms.
+    /// Called often, at least every 200 ms.
     fn tick(&mut self);
 }
 
-/// A thread that takes the commands of pages until it is dropped.
+/// Thread that dispatches the commands of pages until it is dropped.
 pub struct Desk {
     window: Arc<Window>,
     is_closing: Arc<AtomicBool>,
@@ -35,10 +35,10 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Opens the desk of `window`.
+    /// Starts the thread for the commands of `window`.
     ///
     /// # Errors
-    /// When the system has no room for a thread.
+    /// If the thread cannot be started.
     pub fn open(
         window: Arc<Window>,
         control: Arc<Control>,
@@ -58,7 +58,7 @@ impl Drop for Desk {
         self.is_closing.store(true, Ordering::Release);
         self.window.commands().wake();
         if let Some(thread) = self.thread.take() {
-            // A panic of the desk has been reported already.
+            // A panic of the thread has been reported already.
             let _ = thread.join();
         }
     }
@@ -116,8 +116,8 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
     }
 }
 
-/// Simulated seconds for each second of real time: slower nothing seems to happen, and faster an idle run would be at the end of
-/// all times within days.
+/// Accepted speeds, in simulated seconds for each second of real time: slower, nothing seems to happen; faster, an idle run
+/// would reach the end of simulated time within days.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 
 const OVER: &str = "the run is over: start it again";

@@ -1,4 +1,4 @@
-//! More of the robots that pages have chosen.
+//! Details of the robots that pages have selected.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -22,18 +22,18 @@ use sim_core::device::switch::Sensor;
 /// Least time between two pictures of one camera.
 const CAMERA_PERIOD: Duration = Duration::from_millis(100);
 
-/// Makes details, and remembers what pages have got already.
+/// Makes details; remembers what pages have already received.
 #[derive(Default)]
 pub struct Details {
-    /// By robot the hash of what its display showed.
+    /// Hash of the last picture of each robot's display.
     displays: BTreeMap<RobotId, [u8; 32]>,
-    /// When each camera was looked through.
+    /// Last picture of each camera and the time of its rendering.
     cameras: BTreeMap<RobotId, (Instant, Picture)>,
     renderer: Camera,
 }
 
 impl Details {
-    /// What there is to say of robot `id` now; its display is `panel` where the run has taken it out.
+    /// Detail of robot `id` now; `panel` is its display if the run has ended and handed it over.
     pub fn of(&mut self, run: &Run, world: &World, id: RobotId, panel: Option<PanelRef<'_>>) -> Detail {
         let at = world.slot_start();
         let mut robot = run.robot(id);
@@ -60,7 +60,7 @@ impl Details {
         }
     }
 
-    /// The picture of a display, unless it is that of the last time.
+    /// Picture of a display; none if it is unchanged since the last call.
     fn display(&mut self, id: RobotId, panel: PanelRef<'_>) -> Option<Picture> {
         let canvas = panel.picture();
         let hash = *blake3::hash(canvas.pixels().as_flattened()).as_bytes();
@@ -70,7 +70,7 @@ impl Details {
         Some(picture(canvas.size().map(|side| side as u32), canvas.pixels().as_flattened()))
     }
 
-    /// What the camera of robot `id` sees now, without errors; what it saw just before, if that is not long ago. None if it has none.
+    /// Noise-free picture of the camera of robot `id` now, or the last one if younger than `CAMERA_PERIOD`. None without a camera.
     pub fn camera(&mut self, run: &Run, world: &World, id: RobotId, scenery: &LazyScenery) -> Option<Picture> {
         if let Some((_, picture)) = self.cameras.get(&id).filter(|(then, _)| then.elapsed() < CAMERA_PERIOD) {
             return Some(picture.clone());
@@ -90,12 +90,12 @@ impl Details {
     }
 }
 
-/// Its sensors in the order of the scene.
+/// Sensors of the robot in the order of the scene.
 fn sensors(robot: &Robot) -> Vec<SensorState> {
     robot.sensors_on().into_iter().map(|(name, is_on)| SensorState { name: name.to_owned(), is_on }).collect()
 }
 
-/// More than any number of an error model that makes sense; pages have no infinite numbers.
+/// Bound on noise parameters, beyond any sensible value: JSON has no infinite numbers.
 const MOST: f64 = 1e6;
 
 fn parameter(parameter: &Parameter) -> protocol::Parameter {

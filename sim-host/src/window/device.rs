@@ -1,4 +1,4 @@
-//! The devices of a type of robots as pages get them.
+//! Devices of a robot type in the page's protocol.
 
 use sim_core::build;
 use sim_core::camera::Lens;
@@ -77,7 +77,7 @@ fn kind_of(model: &RangeModel) -> SensorKind {
     }
 }
 
-/// The camera of a robot of this type, its servos at rest.
+/// The camera of a robot of this type, with its servos at rest.
 pub fn camera(robi: &RobiSpec) -> Option<protocol::Camera> {
     let camera = robi.camera.as_ref()?;
     let mount = camera::mount(robi, camera, &Servos::default(), Time::ZERO);

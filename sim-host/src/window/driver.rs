@@ -1,5 +1,5 @@
-//! The owner's loop of a run that pages watch and take part in: it paces, pauses and steps the run, does to it what they ask for, and
-//! shows how it stands.
+//! Loop of a run that pages watch and control: paces, pauses and steps the run, applies the interventions that pages request,
+//! and shows the run's state.
 
 use std::mem::take;
 use std::sync::Arc;
@@ -16,43 +16,43 @@ use super::show::{Moment, Show};
 use crate::executive::conductor::Boundary;
 use crate::executive::scheduler::{Progress, Scheduler};
 
-/// How long the driver waits without looking whether the user wants to stop.
+/// Longest wait without a check for requests.
 const NAP: Duration = Duration::from_millis(20);
 
-/// A run that is farther behind its pace does not try to catch up.
+/// Delay beyond which a run no longer catches up with its pace.
 const MOST_DELAY: Duration = Duration::from_millis(250);
 
-/// Over so long the speed is measured.
+/// Least period over which the speed is measured.
 const RATE_PERIOD: Duration = Duration::from_millis(500);
 
-/// A run at full speed looks this often at what is asked for: often enough for people, and so seldom that it costs nothing.
+/// Interval at which a run at full speed checks for requests: short enough for users, long enough to cost nothing.
 const STRETCH: Duration = Duration::from_millis(5);
 
-/// A run at full speed is not shown more often: nobody can follow it anyway.
+/// Least time between two updates of the pages at full speed: users cannot follow more.
 const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
 
-/// At full speed a run spends at most one part of so many on being shown.
+/// At full speed at most 1 / `SHARE_AT_FULL_SPEED` of the time goes into updates of the pages.
 const SHARE_AT_FULL_SPEED: u32 = 25;
 
-/// Lets a run go on as its pages wish.
+/// Advances a run with the pace, pauses, steps and interventions that its pages request.
 pub struct Driver {
     control: Arc<Control>,
     show: Arc<Mutex<Show>>,
     is_paused: bool,
     speed: Option<f64>,
-    /// Real and simulated time from which the pace counts.
+    /// Real and simulated time at which the current pace began.
     anchor: Option<(Instant, Time)>,
-    /// The time to which the run has come.
+    /// Simulated time that the run has reached.
     now: Time,
-    /// Something has changed that pages have not seen.
+    /// The latest change has not been shown to the pages yet.
     is_news: bool,
-    /// Earliest next show.
+    /// Earliest instant of the next update of the pages.
     not_before: Option<Instant>,
     rate: Rate,
 }
 
 impl Driver {
-    /// One that asks `control` and shows the run by `show`.
+    /// Driver that takes requests from `control` and shows the run by `show`.
     pub fn new(control: Arc<Control>, show: Arc<Mutex<Show>>) -> Self {
         Self {
             control,
@@ -67,12 +67,12 @@ impl Driver {
         }
     }
 
-    /// Takes the run to its end.
+    /// Advances the run to its end.
     pub fn drive(&mut self, run: &mut Scheduler) {
         while self.go_on(run) == Progress::Paused {}
     }
 
-    /// Takes over what is asked of pace and pauses; what is to be done to the run.
+    /// Applies the requested pace and pause; returns the other requests.
     fn take_wishes(&mut self) -> Wished {
         let mut wishes = self.control.wishes();
         if (self.is_paused, self.speed) != (wishes.is_paused, wishes.speed) {
@@ -98,7 +98,7 @@ impl Driver {
         let (run, world) = (run.run(), &run.run().world());
         self.show.lock().present(Moment { run, world, now: self.now, state, speed: self.speed, rate, ends: &[] });
         let is_full_speed = self.speed.is_none() && !self.is_paused;
-        // Texts of it are made elsewhere, but on the same processors.
+        // The texts of the update are serialised on another thread, but on the same processors.
         let rest = if is_full_speed {
             (SHARE_AT_FULL_SPEED * start.elapsed()).max(PERIOD_AT_FULL_SPEED)
         } else {
@@ -108,21 +108,21 @@ impl Driver {
         self.is_news = false;
     }
 
-    /// Whether nothing is left to run, now or later: every program has ended.
+    /// Returns true if the run has programs and all of them have ended.
     fn is_finished(run: &Scheduler) -> bool {
         let run = run.run();
         let mut programs = run.ids_with_program().peekable();
         programs.peek().is_some() && programs.all(|id| run.robot(id).ending.is_some())
     }
 
-    /// When the slot at `next` begins at this pace.
+    /// Real time at which the slot at `next` is due, with `factor` simulated seconds for each second of real time.
     fn due(&mut self, next: Time, factor: f64) -> Instant {
         let (real, simulated) = *self.anchor.get_or_insert_with(|| (Instant::now(), self.now));
         let seconds = (next - simulated).seconds() / factor;
         real + Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX / 4)
     }
 
-    /// Goes on with simulated time where nothing happens, at this pace, up to the slot before `next`.
+    /// Advances simulated time with the clock while nothing happens, at most to the slot before `next`.
     fn follow_clock(&mut self, slot: Time, next: Option<Time>, factor: f64) {
         let (real, simulated) = *self.anchor.get_or_insert_with(|| (Instant::now(), self.now));
         let reached = simulated + Time::from_seconds_ceil(real.elapsed().as_secs_f64() * factor);
@@ -130,7 +130,7 @@ impl Driver {
         self.now = self.now.max(reached);
     }
 
-    /// Runs the slot at `next`, which was due at `due`; at full speed also those that follow it.
+    /// Runs the slot at `next`, which was due at `due`; at full speed also the slots that follow, for [`STRETCH`].
     fn begin(&mut self, run: &mut Scheduler, next: Time, due: Option<Instant>) -> Progress {
         if due.is_some_and(|due| due.elapsed() > MOST_DELAY) {
             self.anchor = None;
@@ -142,7 +142,7 @@ impl Driver {
         }
     }
 
-    /// Waits until the paused run may go on, then does to it what is asked for or runs its next slots.
+    /// Waits until the paused run may continue, then applies the pending interventions or runs its next slots.
     fn go_on(&mut self, run: &mut Scheduler) -> Progress {
         let boundary @ Boundary { limit, slot, .. } = run.boundary();
         let next = boundary.next_within_limit();
@@ -196,7 +196,7 @@ impl Driver {
         }
     }
 
-    /// Does to the run what is asked for, and tells those who asked.
+    /// Applies interventions to the run and answers the pages that requested them.
     fn act(&mut self, run: &mut Scheduler, actions: Vec<(Action, Asked)>) -> Progress {
         self.is_news = true;
         for (action, asked) in actions {
@@ -208,7 +208,7 @@ impl Driver {
         if run.is_ending() { Progress::Over } else { Progress::Paused }
     }
 
-    /// Takes one of the slots that are to be run while it is paused.
+    /// Consumes one requested single step; returns false if none is pending.
     fn take_step(&self) -> bool {
         let mut wishes = self.control.wishes();
         let has_step = wishes.steps > 0;
@@ -217,7 +217,7 @@ impl Driver {
     }
 }
 
-/// What is asked of a run at once.
+/// Requests taken over at one time.
 struct Wished {
     is_ending: bool,
     is_show_due: bool,

@@ -1,4 +1,4 @@
-//! What happens in a run, as pages are told: rare kinds of events as events, the others as the latest readings.
+//! Events of a run for the pages: rare kinds one by one, frequent kinds (readings and commands) as latest values.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -12,19 +12,20 @@ use crate::record::log::Printable;
 use crate::record::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record, WORLD};
 
-/// Most events between two looks at the feed; what comes beyond is counted and left out, so that a run at full speed is not slowed.
+/// Most events kept between two calls of [`Feed::take_events`]; further ones are only counted, so that a run at full speed is
+/// not slowed.
 const MOST_EVENTS: usize = 200;
 
-/// Collects what there is to tell until somebody [takes](Feed::take_events) it.
+/// Sink that collects events until they are [taken](Feed::take_events), and the latest readings.
 #[derive(Default)]
 pub struct Feed {
     events: Vec<protocol::Event>,
-    /// Events so far, those that were left out too.
+    /// Number of events so far, including those left out.
     count: u32,
     readings: BTreeMap<RobotId, BTreeMap<String, Value>>,
 }
 
-/// What was read of a device, or commanded.
+/// Latest reading of a device, or latest command to it.
 #[derive(Clone, Copy)]
 struct Value {
     value: Option<f64>,
@@ -33,12 +34,12 @@ struct Value {
 }
 
 impl Feed {
-    /// The events since the last time.
+    /// Takes the events since the last call.
     pub fn take_events(&mut self) -> Vec<protocol::Event> {
         take(&mut self.events)
     }
 
-    /// What the program of a robot has read and commanded last.
+    /// Latest readings and commands of the program of a robot.
     pub fn readings(&self, robot: RobotId) -> Vec<Reading> {
         let of_robot = self.readings.get(&robot).into_iter().flatten();
         let reading = |(name, Value { value, unit, at }): (&String, &Value)| Reading {
@@ -59,7 +60,7 @@ impl Feed {
         }
     }
 
-    /// Keeps what the event says of devices; false for an event of another kind.
+    /// Stores the readings in the event; returns false for an event of another kind.
     fn keep_readings(&mut self, record: &Record<'_>) -> bool {
         let mut keep = |name: &str, value: f64, unit| self.keep(record, name, Some(value), unit);
         match record.event {
@@ -112,7 +113,7 @@ impl Feed {
     }
 }
 
-/// Kinds of which pages are told by the last value alone.
+/// Kinds of which pages get only the latest value.
 const READINGS: [Kind; 19] = [
     Kind::Distance,
     Kind::Angle,
@@ -135,11 +136,11 @@ const READINGS: [Kind; 19] = [
     Kind::BodyHeight,
 ];
 
-/// Kinds that the scene and the display show.
+/// Kinds that pages see in the scene and on the display.
 const SHOWN: [Kind; 7] =
     [Kind::Pose, Kind::Object, Kind::LcdText, Kind::LcdClear, Kind::LcdGraphics, Kind::Posture, Kind::Footfall];
 
-/// True for kinds that pages are told one by one.
+/// Returns true if pages get events of this kind one by one.
 pub fn is_told(kind: Kind) -> bool {
     !READINGS.contains(&kind) && !SHOWN.contains(&kind)
 }
@@ -164,14 +165,14 @@ impl Sink for Feed {
     }
 }
 
-/// An event as pages get it, with its number within the run.
+/// Converts an event into the page's protocol; `number` counts within the run.
 fn told(number: u32, record: &Record<'_>) -> protocol::Event {
     let fields = serde_json::to_value(record).unwrap_or_default();
     let robot = (record.robot != WORLD).then_some(record.robot.0);
     event_of(number, record.time, robot, record.event.kind().name(), fields)
 }
 
-/// The event of a line of a trace as pages get it, with its number within the run.
+/// Converts a line of a trace into an event of the page's protocol; `number` counts within the run.
 pub fn event_of(
     number: u32,
     at: Time,
@@ -221,7 +222,7 @@ impl Fields<'_> {
     }
 }
 
-/// What happened, in words.
+/// Description of an event in words.
 fn words(kind: &str, fields: &Fields<'_>) -> String {
     let text = |name| fields.text(name);
     let number = |name| fields.number(name);
@@ -280,7 +281,7 @@ fn words(kind: &str, fields: &Fields<'_>) -> String {
     }
 }
 
-/// What a hand has done, in words.
+/// Description of a user intervention in words.
 fn intervention(action: &serde_json::Value) -> String {
     let fields = Fields(action);
     let number = |name| fields.number(name);
@@ -305,7 +306,7 @@ fn intervention(action: &serde_json::Value) -> String {
     }
 }
 
-/// The fields by their names.
+/// Description of other events: the kind, and the fields by their names.
 fn plain_words(kind: &str, fields: &serde_json::Value) -> String {
     let mut words = kind.replace('_', " ");
     for (name, value) in fields.as_object().into_iter().flatten() {

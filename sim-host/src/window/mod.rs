@@ -1,7 +1,7 @@
-//! The window of a run: what pages see of it, and what becomes of what they ask for.
+//! The window of a run: fills the pages' protocol and carries out the pages' commands.
 //!
-//! [`scene`], [`snapshot`] and [`detail`] fill the protocol of `sim_view` from a run at rest between two slots; [`feed`] tells what
-//! happens, and [`driver`] advances the run as its pages wish. Watching draws no random number and changes nothing.
+//! [`scene`], [`snapshot`] and [`detail`] fill the protocol of `sim_view` from a run at rest between two slots; [`feed`] reports
+//! events, and [`driver`] advances the run as its pages request. Watching draws no random number and changes nothing.
 #![forbid(unsafe_code)]
 
 mod action;
@@ -22,12 +22,12 @@ use base64::prelude::BASE64_STANDARD;
 use sim_core::pose::Pose;
 use sim_view::protocol;
 
-/// A file of PNG as the address of an image.
+/// Data URL of a PNG file.
 fn png_url(file: &[u8]) -> String {
     format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file))
 }
 
-/// A pose in the plane as pages get it.
+/// Pose in the plane in the page's protocol.
 fn planar(pose: &Pose) -> protocol::Pose {
     protocol::Pose { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.radians() }
 }

@@ -1,4 +1,4 @@
-//! A run as a page plays it, made from its trace.
+//! Builds the recording that a page replays from the trace of a run.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -15,25 +15,25 @@ use super::planar;
 use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
 use crate::robios::lcd::{self, Lcd};
 
-/// How far a track may be from the recorded positions, m.
+/// Greatest deviation of a track from the recorded positions, in metres.
 const TOLERANCE: f64 = 2e-3;
 
-/// How far it may be from the recorded headings, rad.
+/// Greatest deviation of a track from the recorded headings, in radians.
 const TOLERANCE_RAD: f64 = TAU / 360.0;
 
-/// Most events of a kind.
+/// Most events kept of one kind.
 const MOST_OF_KIND: u32 = 5_000;
 
-/// Time between two contents of a display, at first: it doubles when there are more than [`MOST_SHOWN`].
+/// Initial least time between two contents of a display, in seconds; doubles when there are more than [`MOST_SHOWN`].
 const DISPLAY_PERIOD: f64 = 0.1;
 
-/// Most contents of a display.
+/// Most contents kept of a display.
 const MOST_SHOWN: usize = 4_000;
 
-/// Makes a recording of the trace of a run in which there is this to see; `spec` says where robots start, which no trace does.
+/// Builds the recording of a run from its trace and its scene; `spec` gives the robots' starting poses, which traces lack.
 ///
 /// # Errors
-/// [`TraceError`] for a line that is wrong; a trace that was cut off is told of in the recording.
+/// [`TraceError`] for an invalid line; a truncated trace is no error but a remark in the recording.
 pub fn recording<R: BufRead>(
     mut trace: TraceReader<R>,
     mut scene: Scene,
@@ -86,19 +86,19 @@ pub fn recording<R: BufRead>(
     })
 }
 
-/// Collects what a recording holds.
+/// Collects the contents of a recording.
 struct Maker {
     slot: f64,
     robots: BTreeMap<u32, RobotMaker>,
     objects: BTreeMap<u32, TrackMaker>,
     events: Vec<sim_view::protocol::Event>,
-    /// By kind how many there are.
+    /// Number of events of each kind.
     counts: BTreeMap<String, u32>,
-    /// Events that pages are told of.
+    /// Number of events for pages, including those left out.
     count: u32,
-    /// Number of the next robot that a hand adds.
+    /// Number of the next robot that a user adds.
     next_robot: u32,
-    /// Number of the next object that a hand adds.
+    /// Number of the next object that a user adds.
     next_object: u32,
 }
 
@@ -121,7 +121,7 @@ impl Maker {
         }
     }
 
-    /// Follows the bodies.
+    /// Continues the tracks of bodies that the event moves.
     fn move_bodies(&mut self, t_s: f64, robot: Option<u32>, kind: &str, fields: &serde_json::Value) {
         let slot = self.slot;
         let object = fields["object"].as_u64().and_then(|object| u32::try_from(object).ok());
@@ -135,7 +135,7 @@ impl Maker {
         if matches!(kind, "placed" | "object_placed") { track.jump(t_s, pose) } else { track.push(t_s, pose, slot) }
     }
 
-    /// Follows the bodies that a hand puts elsewhere, or takes away.
+    /// Continues the tracks of bodies that a user intervention places, adds or removes.
     fn intervene(&mut self, t_s: f64, action: &serde_json::Value) {
         let Ok(action) = serde_json::from_value::<Action>(action.clone()) else { return };
         match action {
@@ -176,14 +176,14 @@ impl Maker {
     }
 }
 
-/// Position and heading, whole turns in it, of a line.
+/// Position and heading, including whole turns, in the fields of an event.
 fn pose_of(fields: &serde_json::Value) -> Option<[f64; 3]> {
     let number = |name: &str| fields[name].as_f64();
     let turns = number("turns").unwrap_or_default();
     Some([number("x_m")?, number("y_m")?, number("phi_rad")? + turns * TAU])
 }
 
-/// Collects what became of a robot.
+/// Collects the history of a robot.
 #[derive(Default)]
 struct RobotMaker {
     track: TrackMaker,
@@ -217,15 +217,15 @@ impl RobotMaker {
     }
 }
 
-/// What a display shows.
+/// Contents of a display over time.
 #[derive(Default)]
 struct Display {
     classic: Lcd,
-    /// The lines of a display that is larger than the classic one.
+    /// Lines of a display larger than the classic one.
     lines: Vec<String>,
     is_large: bool,
     shown: Vec<Shown>,
-    /// Least time between two contents, s.
+    /// Least time between two contents, in seconds.
     period: f64,
 }
 
@@ -239,7 +239,7 @@ impl Display {
                 self.classic.clear();
                 self.lines.clear();
             }
-            // A position beyond the menu is no position.
+            // A position beyond the menu is ignored.
             "lcd_menu" => drop(self.classic.set_menu(number("position") as i32, text.as_bytes())),
             _ => return,
         }
@@ -288,20 +288,20 @@ impl Display {
     }
 }
 
-/// More rows than any display has.
+/// Bound on the rows, more than any display has.
 const MOST_ROWS: usize = 256;
 
-/// Collects where a body was, and drops what lies on the way: the slopes of all lines through the last corner that pass everything
-/// since then within the tolerance (swinging door, Bristol 1990).
+/// Collects the track of a body and drops redundant points. Keeps the range of slopes of all lines through the last corner that
+/// pass all later points within the tolerance (swinging door, Bristol 1990).
 #[derive(Default)]
 struct TrackMaker {
     corners: Vec<Corner>,
-    /// The newest point, not yet a corner, and the slopes that are left.
+    /// The newest point, not yet a corner, and the range of slopes left for each axis.
     open: Option<(Corner, [[f64; 2]; 3])>,
     until: Option<f64>,
 }
 
-/// Time, x, y and heading.
+/// Point of a track: time and pose (x, y, heading).
 #[derive(Clone, Copy)]
 struct Corner {
     t_s: f64,
@@ -309,7 +309,7 @@ struct Corner {
 }
 
 impl TrackMaker {
-    /// Goes on to `pose` at `t_s`; before the slot of this length it rested.
+    /// Adds `pose` at `t_s`; after a gap the body has rested until one slot (of length `slot`) before.
     fn push(&mut self, t_s: f64, pose: [f64; 3], slot: f64) {
         if let Some(last) = self.last()
             && t_s - last.t_s > 1.5 * slot
@@ -319,7 +319,7 @@ impl TrackMaker {
         self.add(Corner { t_s, pose });
     }
 
-    /// Is put to `pose` at `t_s`.
+    /// Moves the body to `pose` at `t_s` in no time.
     fn jump(&mut self, t_s: f64, pose: [f64; 3]) {
         if let Some(last) = self.last() {
             self.add(Corner { t_s, pose: last.pose });
@@ -371,7 +371,7 @@ impl TrackMaker {
     }
 }
 
-/// A number with as few digits as it takes.
+/// Rounds to a multiple of 1 / `steps`, for short texts.
 fn round(number: f64, steps: f64) -> f64 {
     (number * steps).round() / steps
 }

@@ -1,4 +1,4 @@
-//! What there is to see in a run.
+//! Scene of a run in the page's protocol.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::surface::Surfaces;
 use crate::record::mcap::scene::point;
 use crate::robios::lcd;
 
-/// A run, as far as it does not change with every slot.
+/// The parts of a run that do not change with every slot, from which its [`scene`](Self::scene) is made.
 pub struct Subject<'a> {
     /// Number of the run since the window was opened, from 1.
     pub run: u32,
@@ -24,15 +24,15 @@ pub struct Subject<'a> {
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
-    /// Its scene.
+    /// Scene of the run.
     pub spec: &'a SceneSpec,
-    /// What its cameras see.
+    /// Scenery that cameras see.
     pub scenery: &'a Scenery,
     /// The robots that are in the world, in order of their ids.
     pub robots: Vec<RobotSubject>,
     /// The movable objects that are in the world, in order of their ids.
     pub objects: Vec<ObjectSubject>,
-    /// What can be added.
+    /// Types of robots and objects that can be added.
     pub workshop: protocol::Workshop,
 }
 
@@ -44,9 +44,9 @@ pub struct RobotSubject {
     pub robi: Arc<RobiSpec>,
     /// Its program; empty for none.
     pub program: String,
-    /// Where it stands.
+    /// Position in the world frame, in metres.
     pub position: DVec2,
-    /// Whether it has the display of RoBIOS-7.
+    /// The robot has the display of RoBIOS-7.
     pub has_colours: bool,
 }
 
@@ -56,12 +56,12 @@ pub struct ObjectSubject {
     pub id: ObjectId,
     /// Its type.
     pub kind: Arc<ObjectType>,
-    /// Where it stands.
+    /// Position in the world frame, in metres.
     pub position: DVec2,
 }
 
 impl Subject<'_> {
-    /// The scene as pages get it.
+    /// The scene in the page's protocol.
     pub fn scene(&self) -> protocol::Scene {
         let mut surfaces = Surfaces::default();
         let parts = self.scenery.parts().iter().filter(|part| self.has(part.place));
@@ -90,14 +90,14 @@ impl Subject<'_> {
     fn has(&self, place: Place) -> bool {
         match place {
             Place::Fixed(_) => true,
-            // Pages know of no parts of a body that move on their own.
+            // The protocol has no parts that move relative to their body.
             Place::Leg(..) => false,
             Place::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
             Place::Object(id) => self.objects.iter().any(|object| object.id == id),
         }
     }
 
-    /// Lower left and upper right corner of the floor, the walls, and what stands there.
+    /// Lower left and upper right corner of the area that floor, walls, terrain, robots and objects occupy.
     fn bounds(&self) -> [DVec2; 2] {
         let (low, high) = self.spec.world.bounds();
         let discs = self.robots.iter().map(|robot| (robot.position, 0.5 * robot.robi.diameter));
@@ -106,12 +106,12 @@ impl Subject<'_> {
         let terrain = self.spec.world.terrain.iter().filter_map(|terrain| terrain.mesh.as_ref()?.bounds());
         let terrain = terrain.flat_map(|(low, high)| [low.truncate(), high.truncate()]);
         let all = discs.chain(terrain).fold([low, high], |[low, high], point| [low.min(point), high.max(point)]);
-        // An empty scene has room to look at.
+        // An empty scene still needs an area to look at.
         if (all[1] - all[0]).min_element() > 0.0 { all } else { [all[0] - 1.0, all[1] + 1.0] }
     }
 }
 
-/// The name of a scene without folders and extension.
+/// Name of a scene's file without folders and extension.
 pub fn title(spec: &SceneSpec) -> String {
     let name = Path::new(&spec.file).file_name().unwrap_or_default().to_string_lossy().into_owned();
     let known = [".scene.toml", ".toml", ".sim"].into_iter().find_map(|extension| name.strip_suffix(extension));
@@ -147,7 +147,7 @@ fn ground_of(ground: &camera::Ground, surfaces: &mut Surfaces) -> protocol::Grou
     protocol::Ground { colour: ground.colour, floor, spots: ground.spots.iter().map(spot).collect() }
 }
 
-/// Height of a robot's body of which nothing says how high it is.
+/// Assumed height of a robot's body whose colliders give none, in metres.
 const ROBOT_HEIGHT: f64 = 0.15;
 
 fn robot_of(robot: &RobotSubject) -> protocol::Robot {

@@ -1,4 +1,4 @@
-//! Shows a run to the pages of a window, whenever it stands between two slots.
+//! Shows a run to the pages of a window between two slots.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::executive::run::Run;
 use crate::executive::scheduler::RobotEnd;
 use crate::scenery::LazyScenery;
 
-/// What is shown of a run, and what pages have got already.
+/// Shows a run to its pages; remembers what they have already received.
 pub struct Show {
     window: Arc<Window>,
     run: u32,
@@ -29,11 +29,11 @@ pub struct Show {
     spec: Arc<SceneSpec>,
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
-    /// The bodies of the scene that pages have got, and that scene.
+    /// Bodies of the scene that pages received last, and that scene.
     cast: Option<(Cast, Arc<Scene>)>,
-    /// Where bodies stood last.
+    /// Bodies when the run was shown last.
     standings: Standings,
-    /// Robots of which pages have chosen to see more.
+    /// Robots of which pages request details.
     looks: Vec<Look>,
     details: Details,
 }
@@ -45,9 +45,9 @@ struct Cast {
     objects: Vec<ObjectId>,
 }
 
-/// What a show is made of.
+/// Parts of a [`Show`].
 pub struct ShowParts {
-    /// Where it is shown.
+    /// Window that shows the run.
     pub window: Arc<Window>,
     /// Number of the run since the window was opened, from 1.
     pub run: u32,
@@ -57,48 +57,48 @@ pub struct ShowParts {
     pub slot: Time,
     /// Its scene.
     pub spec: Arc<SceneSpec>,
-    /// What its cameras see.
+    /// Scenery that its cameras see.
     pub scenery: Arc<LazyScenery>,
-    /// What happens in it.
+    /// Events and readings of the run.
     pub feed: Arc<Mutex<Feed>>,
 }
 
-/// The robots and the movable objects that are in the world, as they stand.
+/// Types and poses of the robots and movable objects in the world.
 #[derive(Clone, Debug, Default)]
 pub struct Standings {
-    /// In the order of their numbers.
+    /// Robots in the order of their numbers.
     pub robots: Vec<Standing>,
-    /// In the order of their numbers.
+    /// Objects in the order of their numbers.
     pub objects: Vec<Standing>,
 }
 
-/// How a run stands when it is shown.
+/// State of a run when it is shown.
 pub struct Moment<'a> {
     /// The run; all its robots are suspended.
     pub run: &'a Run,
     /// Its world.
     pub world: &'a World,
-    /// The time to which it has come: the start of a slot, not before that of the world's.
+    /// Simulated time that the run has reached: the start of a slot, not before that of the world's slot.
     pub now: Time,
-    /// How it stands.
+    /// State of the run.
     pub state: RunState,
-    /// The speed that was asked for.
+    /// Requested speed: simulated seconds for each second of real time; none for as fast as possible.
     pub speed: Option<f64>,
-    /// The speed that it has.
+    /// Measured speed: simulated seconds for each second of real time.
     pub rate: f64,
-    /// How its robots ended, once it is over.
+    /// Ends of its robots, once the run is over.
     pub ends: &'a [RobotEnd],
 }
 
 impl Show {
-    /// A show of which nothing has been seen.
+    /// A show of which pages have received nothing yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed } = parts;
         let (cast, standings, looks, details) = (None, Standings::default(), Vec::new(), Details::default());
         Self { window, run, seed, slot, spec, scenery, feed, cast, standings, looks, details }
     }
 
-    /// Shows the run as it stands; without pages only what has happened is kept for those to come.
+    /// Shows the run; if no page is connected, only events are kept, for later pages.
     pub fn present(&mut self, moment: Moment<'_>) {
         let Moment { run, world, now, state, speed, rate, ends } = moment;
         self.look(run);
@@ -129,12 +129,12 @@ impl Show {
         self.window.show(snapshot, details);
     }
 
-    /// Whether pages have chosen other robots since they were last shown anything, or have come.
+    /// Returns true if pages have selected other robots since the last update, or if the first page has connected.
     pub fn has_new_looks(&self) -> bool {
         self.window.looks() != self.looks || self.cast.is_none() && self.window.has_pages()
     }
 
-    /// Lets the calls of those robots be recorded whose calls a page wants to see.
+    /// Has RoBIOS calls recorded for the robots of which a page requests them.
     fn look(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {
@@ -149,7 +149,7 @@ impl Show {
         self.looks = looks;
     }
 
-    /// Shows what there is to see, if pages have not got it or bodies have come or gone.
+    /// Shows the scene if pages have not received it or if bodies were added or removed.
     fn set_scene(&mut self, run: &Run, world: &World) {
         let cast = Cast::of(world);
         if self.cast.as_ref().is_some_and(|(shown, _)| *shown == cast) {
@@ -186,12 +186,12 @@ impl Show {
         self.cast = Some((cast, Arc::new(scene)));
     }
 
-    /// The scene as pages have got it last; none before the first page.
+    /// The scene that pages received last; none before the first page.
     pub fn scene(&self) -> Option<Arc<Scene>> {
         self.cast.as_ref().map(|(_, scene)| Arc::clone(scene))
     }
 
-    /// Where bodies stood when the run was shown last.
+    /// Types and poses of the bodies when the run was shown last.
     pub fn standings(&self) -> &Standings {
         &self.standings
     }
@@ -214,7 +214,7 @@ impl Cast {
     }
 }
 
-/// The types of which more can be added, as pages offer them.
+/// Types that can be added.
 fn names(roster: &Roster) -> Workshop {
     let robots = roster.robot_types.names().map(str::to_owned).collect();
     Workshop { robots, objects: roster.object_types.names().map(str::to_owned).collect() }

@@ -1,4 +1,4 @@
-//! Where everything is at the start of a slot.
+//! State of bodies, programs and sensors at the start of a slot.
 
 use sim_core::simulation;
 use sim_core::time::Time;
@@ -14,10 +14,10 @@ use crate::robios::robot::{Ending, Robot};
 use sim_core::device::range::Sight;
 use sim_core::device::switch::Sensor;
 
-/// Most beams of a snapshot; those of the robots that are looked at come first.
+/// Most beams of a snapshot; beams of the robots that pages look at come first.
 const MOST_BEAMS: usize = 600;
 
-/// The robots of a run and how they stand.
+/// States of the robots `ids`.
 pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<RobotState> {
     let at = world.slot_start();
     let state = |id| {
@@ -29,7 +29,7 @@ pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> V
     ids.map(state).collect()
 }
 
-/// How the program of a robot stands, and why.
+/// State of a robot's program, and the reason for it.
 fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
     match &robot.ending {
         _ if !has_program => (Standing::NoProgram, String::new()),
@@ -41,7 +41,7 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
     }
 }
 
-/// How a robot moves to the end of the slot.
+/// Motion of a robot to the end of the slot.
 fn legs(world: &World, id: RobotId) -> Vec<Leg> {
     let end = world.slot_end();
     let leg = |Stretch { start, from, twist, after }: Stretch| Leg {
@@ -55,13 +55,14 @@ fn legs(world: &World, id: RobotId) -> Vec<Leg> {
     world.stretches(id).map(leg).collect()
 }
 
-/// Where the movable objects are.
+/// Poses of the movable objects `ids`.
 pub fn objects(world: &World, ids: impl Iterator<Item = ObjectId>) -> Vec<ObjectState> {
     let at = world.slot_start();
     ids.map(|id| ObjectState { id: id.0, pose: planar(&world.object_pose(id, at)) }).collect()
 }
 
-/// What the range and infrared sensors of `ids` would measure without errors, in this order as far as there is room.
+/// Noise-free beams of the range and infrared sensors of `ids`, in this order, robot by robot until `MOST_BEAMS` would be
+/// exceeded.
 pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<Beam> {
     let at = world.slot_start();
     let mut beams = Vec::new();
@@ -76,8 +77,8 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
     beams
 }
 
-/// What those sensors look at that come first among the robot's, ranges, then infrared, each with its place among all; those that
-/// are switched off see nothing.
+/// Sights of the robot's range sensors, then of its infrared sensors, each with its index in this list, which is also its index
+/// in the robot's list of sensors; sensors that are switched off are left out.
 fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, Sight)> {
     let simulation::Robot { devices, motion, .. } = &mut robot.state;
     let ranges = devices.ranges.sights(&devices.servos, motion, world, at);

@@ -1,4 +1,4 @@
-//! Surfaces and images as pages get them.
+//! Meshes and textures in the page's protocol.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,22 +12,22 @@ use sim_view::protocol;
 use super::png_url;
 use crate::record::png;
 
-/// Collects surfaces and images, each once.
+/// Collects meshes and textures, each once.
 #[derive(Default)]
 pub struct Surfaces {
-    /// Those met so far.
+    /// Meshes in the order of their first use.
     pub meshes: Vec<protocol::Mesh>,
-    /// Those met so far.
+    /// Images in the order of their first use.
     pub images: Vec<protocol::Image>,
     mesh_places: BTreeMap<*const Mesh, u32>,
     image_places: BTreeMap<*const Texture, u32>,
 }
 
-/// Least opacity of what is seen; the cameras' rule.
+/// Least opacity of a visible material, as for the simulated cameras.
 const LEAST_OPACITY: f32 = 0.5;
 
 impl Surfaces {
-    /// Place of `mesh` among the surfaces.
+    /// Index of `mesh` in [`Self::meshes`], to which its first use adds it.
     pub fn mesh(&mut self, mesh: &Arc<Mesh>) -> u32 {
         if let Some(place) = self.mesh_places.get(&Arc::as_ptr(mesh)) {
             return *place;
@@ -39,7 +39,7 @@ impl Surfaces {
         place
     }
 
-    /// Place of `texture` among the images.
+    /// Index of `texture` in [`Self::images`], to which its first use adds it.
     pub fn image(&mut self, texture: &Arc<Texture>) -> u32 {
         let images = &mut self.images;
         *self.image_places.entry(Arc::as_ptr(texture)).or_insert_with(|| {
@@ -48,7 +48,7 @@ impl Surfaces {
         })
     }
 
-    /// The surface with its triangles in the order of their materials.
+    /// Converts a mesh: triangles sorted by material, without materials less opaque than [`LEAST_OPACITY`].
     fn made(&mut self, mesh: &Mesh) -> protocol::Mesh {
         let is_smooth = mesh.triangles.iter().any(|triangle| triangle.normals.is_some());
         let has_image = mesh.materials.iter().any(|material| material.texture.is_some());
@@ -93,7 +93,7 @@ impl Surfaces {
     }
 }
 
-/// Numbers on their way to a page.
+/// Little-endian `f32` numbers to be sent as base64.
 #[derive(Default)]
 struct Floats(Vec<u8>);
 

@@ -1,4 +1,4 @@
-//! Runs of small scenes with C programs, put together from the library.
+//! Runs of small scenes with C programs through the library.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,7 +9,7 @@ use sim_host::executive::scheduler::Ended;
 use sim_host::launch::{Error, Observers, Options, Scene};
 use tempfile::TempDir;
 
-/// Drives in a circle, measures and prints for ten seconds.
+/// Drives in a circle and prints for ten seconds.
 pub const DRIVE: &str = r#"
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +29,7 @@ int main(void) {
 }
 "#;
 
-/// A scene in a folder of its own: one robot for each of these programs.
+/// A scene in its own folder, with one robot for each of these programs.
 pub fn scene(programs: &[&str]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let mut sim = "world room.wld\n".to_owned();
@@ -49,7 +49,7 @@ pub fn scene(programs: &[&str]) -> TempDir {
 /// Runs the scene in `folder` with its robots' programs on threads of this process until they end.
 ///
 /// # Errors
-/// Why it cannot.
+/// If the scene cannot be run.
 pub fn try_run(folder: &Path, interrupt: Interrupt) -> Result<Ended, Error> {
     let options = Options { default_until: Time::NEVER, ..Options::default() };
     let ready = Scene::open(folder.join("scene.sim"), options)?.load()?;
@@ -58,12 +58,12 @@ pub fn try_run(folder: &Path, interrupt: Interrupt) -> Result<Ended, Error> {
     Ok(running.finish().ended)
 }
 
-/// The same of a scene that can be run.
+/// Like [`try_run`], for a scene that can be run.
 pub fn run(folder: &Path) -> Ended {
     try_run(folder, Interrupt::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// False, and said, where there is no C compiler.
+/// Returns false and prints a notice if there is no C compiler.
 pub fn has_compiler() -> bool {
     let there = Command::new("cc").arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {

@@ -1,16 +1,16 @@
-// The simulated time that is shown.
+// The displayed simulated time.
 
 import type { Snapshot } from "./protocol";
 
-/** Within this real time an error of the clock shrinks to a third. */
+/** Time constant with which an error of the clock decays, in real time. */
 const SETTLE_MS = 120;
 
 /**
- * Goes on smoothly at the measured rate while snapshots come in jumps. A snapshot says how bodies move until its slot ends, so in a
- * run at the pace of snapshots the clock is inside that slot; in a faster run it is behind, between the last two snapshots.
- */
+* Advances smoothly at the measured rate, while snapshots arrive in steps. A snapshot describes the motion of bodies until its slot
+* ends: at the pace of snapshots the clock is inside that slot; in a faster run it lags, between the last two snapshots.
+*/
 export class Clock {
-  /** The time that is shown, in seconds. */
+  /** The displayed time, in seconds. */
   t_s = 0;
   private isNew = true;
   private isMoving = false;
@@ -27,7 +27,7 @@ export class Clock {
     this.t_s = 0;
   }
 
-  /** Shows a time at once, as a recording does. */
+  /** Jumps to a time, for recordings. */
   set(t_s: number): void {
     this.restart();
     this.t_s = t_s;
@@ -47,7 +47,7 @@ export class Clock {
     }
   }
 
-  /** Goes on to now; called once for each frame. */
+  /** Advances to now; called once per frame. */
   tick(now_ms: number): void {
     if (this.isNew) return;
     const passed_ms = Math.max(0, now_ms - this.last_ms);

@@ -1,4 +1,4 @@
-// The live source: a WebSocket to the server that has sent the page.
+// The live source: a WebSocket to the server of the page.
 
 import type { Look, Model, Source } from "./model";
 import { type Command, type Message, PROTOCOL, type Request } from "./protocol";
@@ -9,7 +9,7 @@ const WRONG_TOKEN = 4401;
 const WRONG_VERSION = 4406;
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
-/** A connection that has lasted this long counts as a good one. */
+/** A connection that lasts this long resets the waiting time. */
 const STEADY_MS = 5000;
 
 export class LiveSource implements Source {
@@ -88,7 +88,7 @@ export class LiveSource implements Source {
   }
 }
 
-/** The token in the page's address, kept for this tab and taken out of what the address bar shows. */
+/** The token in the page's address, which is stored for this tab and removed from the address bar. */
 function token(): string | null {
   const fragment = new URLSearchParams(location.hash.slice(1)).get("token");
   if (fragment !== null) {
@@ -98,7 +98,7 @@ function token(): string | null {
   return sessionStorage.getItem("token");
 }
 
-/** Loads the page of a server of another version, once for each reason. */
+/** Reloads the page for a server of another version, once for each reason. */
 function reloadOnce(why: string): boolean {
   if (sessionStorage.getItem("reloaded") === why) return false;
   sessionStorage.setItem("reloaded", why);

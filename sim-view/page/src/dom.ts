@@ -1,4 +1,4 @@
-// Making native elements.
+// Creates native elements.
 
 /** An element with properties and children; `testid` and `label` become `data-testid` and `aria-label`. */
 export function element<K extends keyof HTMLElementTagNameMap>(

@@ -1,44 +1,44 @@
-// What the page knows, in one place: sources write it, views read it and are told of changes.
+// State of the page in one place: sources write it, views read it and subscribe to changes.
 
 import { Clock } from "./clock";
 import { type Motion, SnapshotMotion } from "./motion";
 import type { Answer, Build, Command, Detail, Event, Message, Pose, Reading, Scene, Snapshot, Welcome } from "./protocol";
 
-/** How the page hears of the run. */
+/** State of the connection to the run. */
 export type Connection =
   | { is: "connecting" }
   | { is: "open" }
-  /** Lost; it is tried again at `again_ms` (of `performance.now()`). */
+  /** Lost; the next attempt is at `again_ms` (of `performance.now()`). */
   | { is: "lost"; why: string; again_ms: number }
   /** Refused for good, such as for a wrong token. */
   | { is: "refused"; why: string }
   /** There is no server: a recording plays. */
   | { is: "recorded" };
 
-/** What the page wants to see more of. */
+/** Details that the page requests. */
 export interface Look {
   robot: number | null;
   camera: boolean;
   calls: boolean;
 }
 
-/** Where a run comes from. */
+/** Source of a run. */
 export interface Source {
   /** The timeline of a recording; none for a live run. */
   readonly player: Player | null;
-  /** Has a command carried out; rejects with the reason when it is refused. */
+  /** Requests a command; rejects with the reason if it is refused. */
   act(command: Command): Promise<void>;
-  /** Says what the page wants to see more of. */
+  /** Requests details of a robot. */
   look(look: Look): void;
 }
 
-/** What can be done with a recording. */
+/** Playback control of a recording. */
 export interface Player {
   readonly duration_s: number;
   readonly isPlaying: boolean;
   /** Simulated seconds for each second of real time. */
   readonly speed: number;
-  /** All that has happened. */
+  /** All events of the recording. */
   readonly events: readonly Event[];
   play(): void;
   pause(): void;
@@ -46,7 +46,7 @@ export interface Player {
   seek(t_s: number): void;
 }
 
-/** What can be subscribed to. */
+/** Topics of subscriptions. */
 export type Topic =
   | "connection"
   | "welcome"
@@ -56,19 +56,19 @@ export type Topic =
   | "events"
   | "build"
   | "chosen"
-  /** Another selected object. */
+  /** Another robot or object is selected. */
   | "selected"
-  /** More readings in the history. */
+  /** The history has new readings. */
   | "history"
-  /** The 3D view is to bring a robot into sight. */
+  /** The 3D view must bring a robot into sight. */
   | "centre"
   /** The player of a recording was played, paused, set to another speed or has moved. */
   | "player";
 
-/** What is selected in the 3D view: a robot (then it is the chosen one) or an object. */
+/** Selection in the 3D view: a robot (which is then the chosen one) or an object. */
 export type Selection = { robot: number } | { object: number };
 
-/** One reading's values over time; a value of `null` is a gap. */
+/** Values of one reading over time; `null` is a gap. */
 export interface Curve {
   unit: string;
   times_s: number[];
@@ -88,24 +88,24 @@ export class Model {
   readonly details = new Map<number, Detail>();
   /** The last events, oldest first, without calls. */
   events: Event[] = [];
-  /** The last RoBIOS calls of robots that were looked at, oldest first. */
+  /** The last RoBIOS calls of the robots whose calls were requested, oldest first. */
   calls: Event[] = [];
-  /** How many events the page has not got or has dropped. */
+  /** Number of events that the page has missed or dropped. */
   missedEvents = 0;
   build: Build | null = null;
   /** Number of the robot whose panels are shown. */
   chosen: number | null = null;
-  /** What moves when the arrow keys are pressed in the 3D view. */
+  /** The body that the arrow keys move in the 3D view. */
   selected: Selection | null = null;
-  /** The robot that the 3D view is to bring into sight. */
+  /** The robot that the 3D view must bring into sight. */
   centred: number | null = null;
-  /** The 3D view as a PNG; none before there is one. */
+  /** Takes a PNG of the 3D view; null before there is one. */
   screenshot: (() => Promise<Blob>) | null = null;
   /** Curves of the readings of each robot, by its number and by the reading's name. */
   readonly history = new Map<number, Map<string, Curve>>();
-  /** The time that is shown: goes on smoothly between snapshots. */
+  /** The displayed time, which advances smoothly between snapshots. */
   readonly clock = new Clock();
-  /** Where bodies are at the time that is shown. */
+  /** Poses of bodies at the displayed time. */
   motion: Motion = new SnapshotMotion();
 
   private source: Source | null = null;
@@ -121,12 +121,12 @@ export class Model {
     return () => void set.delete(f);
   }
 
-  /** Tells those who have subscribed. */
+  /** Notifies the subscribers of a topic. */
   tell(topic: Topic): void {
     for (const f of this.listeners.get(topic) ?? []) f();
   }
 
-  /** Takes a source. */
+  /** Sets the source. */
   attach(source: Source): void {
     this.source = source;
     source.look(this.wanted);
@@ -138,22 +138,22 @@ export class Model {
     return this.source?.player ?? null;
   }
 
-  /** Whether commands have a chance. */
+  /** True if the page is connected and has the right to act. */
   get mayAct(): boolean {
     return this.connection.is === "open" && (this.welcome?.may_act ?? false);
   }
 
-  /** Has a command carried out; rejects with the reason when it is refused. */
+  /** Requests a command; rejects with the reason if it is refused. */
   act(command: Command): Promise<void> {
     return this.source ? this.source.act(command) : Promise.reject(new Error("not connected"));
   }
 
-  /** Says whether the chosen robot's camera image and calls are wanted. */
+  /** Requests the chosen robot's camera image and calls, or stops them. */
   look(wish: { camera?: boolean; calls?: boolean }): void {
     this.want({ ...this.wanted, ...wish });
   }
 
-  /** Shows the panels of a robot; none for no robot. */
+  /** Shows the panels of a robot; null for no robot. */
   choose(robot: number | null): void {
     if (robot === this.chosen) return;
     this.chosen = robot;
@@ -162,7 +162,7 @@ export class Model {
     this.select(robot === null ? null : { robot });
   }
 
-  /** Selects a robot, which is chosen then, or an object. */
+  /** Selects a robot, which also becomes the chosen one, or an object. */
   select(selection: Selection | null): void {
     this.selected = selection;
     if (selection && "robot" in selection) this.choose(selection.robot);
@@ -189,7 +189,7 @@ export class Model {
     this.tell("connection");
   }
 
-  /** Takes what the server says. */
+  /** Handles a message of the server. */
   receive(message: Exclude<Message, { type: "answer" } & Answer>): void {
     switch (message.type) {
       case "welcome":
@@ -218,7 +218,7 @@ export class Model {
     this.tell(message.type);
   }
 
-  /** Forgets what belongs to a time that a recording has left. */
+  /** Clears events and history: another run begins, or a recording has moved back. */
   forget(): void {
     this.events = [];
     this.calls = [];
@@ -268,7 +268,7 @@ export class Model {
   }
 }
 
-/** Drops the oldest where there are clearly more than `most`; how many. */
+/** Drops the oldest events if there are clearly more than `most`; returns their number. */
 function cut(events: Event[], most: number): number {
   const surplus = events.length - most;
   return surplus > 500 ? events.splice(0, surplus).length : 0;
@@ -283,7 +283,7 @@ function place(word: string, { x_m, y_m, phi_rad }: Pose, at_s: number): Reading
   ];
 }
 
-/** In millimetres and degrees. */
+/** Converts a reading to millimetres and degrees. */
 function asShown(reading: Reading): Reading {
   const [base, per] = reading.unit.split("/");
   const [factor, shown] = base === "m" ? [1000, "mm"] : base === "rad" ? [180 / Math.PI, "°"] : [1, base];

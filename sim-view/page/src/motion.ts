@@ -1,8 +1,8 @@
-// Where bodies are at a time: the closed form of their legs, and a straight line where nothing is known.
+// Poses of bodies at a time: closed form of their legs, linear interpolation in gaps.
 
 import type { Leg, Pose, Snapshot } from "./protocol";
 
-/** Where bodies are; each answer is written into `out`, so that no frame allocates. False where a body is not known. */
+/** Poses of bodies. Results are written to `out`, so that frames do not allocate; returns false if a body is unknown. */
 export interface Motion {
   robot(id: number, t_s: number, out: Pose): boolean;
   object(id: number, t_s: number, out: Pose): boolean;
@@ -10,11 +10,11 @@ export interface Motion {
   restart?(): void;
 }
 
-/** The pose at a time of a leg: constant rates in the body's own frame. */
+/** Pose at a time on a leg: constant rates in the body's frame. */
 export function poseOnLeg(leg: Leg, t_s: number, out: Pose): void {
   const t = Math.min(Math.max(0, t_s - leg.t_s), leg.lasts_s);
   const turn = leg.omega_rad_per_s * t;
-  // Integrals of cosine and sine of the heading over the leg; series where the turn is small.
+  // Integrals of cosine and sine of the heading over the leg; series for small turns.
   const isSmall = Math.abs(turn) < 1e-4;
   const along = isSmall ? t * (1 - (turn * turn) / 6) : Math.sin(turn) / leg.omega_rad_per_s;
   const aside = isSmall ? (t * turn) / 2 : (1 - Math.cos(turn)) / leg.omega_rad_per_s;
@@ -27,7 +27,7 @@ export function poseOnLeg(leg: Leg, t_s: number, out: Pose): void {
   out.phi_rad = leg.from.phi_rad + turn;
 }
 
-/** The pose at a time of a chain of legs. */
+/** Pose at a time on a chain of legs. */
 export function poseOnLegs(legs: readonly Leg[], t_s: number, out: Pose): boolean {
   let leg = legs[0];
   if (!leg) return false;
@@ -40,7 +40,7 @@ export function poseOnLegs(legs: readonly Leg[], t_s: number, out: Pose): boolea
   return true;
 }
 
-/** Motion by the last two snapshots. */
+/** Motion from the last two snapshots. */
 export class SnapshotMotion implements Motion {
   private latest: Snapshot | null = null;
   private previous: Snapshot | null = null;
@@ -55,7 +55,7 @@ export class SnapshotMotion implements Motion {
   }
 
   snapshot(snapshot: Snapshot): void {
-    // A snapshot of the same time replaces the one before, such as after an action.
+    // A snapshot of the same time, such as after an intervention, replaces the one before.
     if (this.latest && snapshot.t_s > this.latest.t_s) {
       this.previous = this.latest;
       [this.robots, this.robotsBefore] = [this.robotsBefore, this.robots];

@@ -1,13 +1,13 @@
-// The source that plays a recorded run.
+// Source that replays a recorded run.
 
 import type { Model, Player, Source } from "./model";
 import { type Motion, mix } from "./motion";
 import type { Detail, Life, Pose, Recording, RobotState, Snapshot, Track } from "./protocol";
 
-/** Panels are told this often while it plays. */
+/** Interval at which panels are updated during playback. */
 const TELL_MS = 100;
 
-/** Plays a recording into the model, as if it were live. */
+/** Plays a recording into the model as if it were a live run. */
 export class RecordedSource implements Source, Player {
   readonly player = this;
   isPlaying = false;
@@ -36,12 +36,12 @@ export class RecordedSource implements Source, Player {
     return this.recording.duration_s;
   }
 
-  /** What the user should know of the recording. */
+  /** Notices on the recording for the user. */
   get remarks(): readonly string[] {
     return this.recording.remarks;
   }
 
-  /** When what happened, for the timeline. */
+  /** All events, for the timeline. */
   get events(): Recording["events"] {
     return this.recording.events;
   }
@@ -93,7 +93,7 @@ export class RecordedSource implements Source, Player {
     this.tell();
   }
 
-  /** Tells the model how things are at the time that is played. */
+  /** Updates the model to the time that is played. */
   private tell(): void {
     const { model, recording } = this;
     const first = this.nextEvent;
@@ -156,7 +156,7 @@ export class RecordedSource implements Source, Player {
   }
 }
 
-/** Where bodies were. */
+/** Recorded motion of bodies. */
 class RecordedMotion implements Motion {
   private readonly end: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
 
@@ -191,7 +191,7 @@ function point(track: Track, i: number, out: Pose): void {
   out.phi_rad = track.phi_rad[i]!;
 }
 
-/** Place of the last time that is not after `t_s`, in times that rise. */
+/** Index of the last of the ascending times that is not after `t_s`. */
 function before(times_s: readonly number[], t_s: number): number {
   let [low, high] = [0, times_s.length];
   while (high - low > 1) {
@@ -206,7 +206,7 @@ function latest<T extends { t_s: number }>(items: readonly T[], t_s: number): T 
   return items.findLast((item) => item.t_s <= t_s);
 }
 
-/** The recording in the page itself; else the one that the server of a replay offers; null for a live run. */
+/** The recording in the page, or the one that the server of a replay offers; null for a live run. */
 export async function findRecording(): Promise<Recording | null> {
   const inside = document.getElementById("recording")?.textContent;
   if (inside) return JSON.parse(inside) as Recording;

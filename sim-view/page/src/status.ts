@@ -1,4 +1,4 @@
-// How the connection stands, in words.
+// State of the connection, in words.
 
 import { element } from "./dom";
 import type { Model } from "./model";

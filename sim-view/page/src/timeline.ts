@@ -1,10 +1,10 @@
-// The line of time below the 3D view: what has happened when, and for a recording where it plays.
+// The timeline below the 3D view: marks of past events and, for a recording, the time that is played.
 
 import { element } from "./dom";
 import type { Model } from "./model";
 import type { Event } from "./protocol";
 
-/** Kinds of events that are marked, each with its colour and height (shares of the line), the rarest last and on top. */
+/** Kinds of events that are marked, each with its colour; later ones, which are rarer, are taller and drawn on top. */
 const MARKS: readonly { kinds: readonly string[]; name: string; colour: string }[] = [
   { kinds: ["radio_arrived", "radio_sent"], name: "radio", colour: "--radio" },
   { kinds: ["radio_lost"], name: "message lost", colour: "--warn" },
@@ -70,7 +70,7 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
     soon();
   }
 
-  /** Draws at most four times a second. */
+  /** Requests a redraw, at most four times a second. */
   function soon(): void {
     const end_s = model.player?.duration_s;
     const t_s = model.snapshot?.t_s ?? 0;

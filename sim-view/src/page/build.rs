@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::SystemTime;
 
-/// What the page is made from, in its folder.
+/// Sources of the page, relative to its folder.
 pub(crate) const SOURCES: [&str; 6] =
     ["index.html", "package-lock.json", "package.json", "src", "tsconfig.json", "vite.config.ts"];
-/// Vite 6 needs it.
+/// Least major version of Node.js, as Vite 6 requires it.
 const NODE: u32 = 18;
 
-/// The files of the page, by their paths, as [`built`] finds or makes them.
+/// Files of the page: path and content of each.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
-/// The page that is built in `folder`; builds it first if its sources have changed since, and says so. Only one process at a
-/// time reads or builds.
+/// Returns the page built in `folder`; builds it first, and tells `say`, if its sources have changed since the last build. Only
+/// one process at a time reads or builds.
 ///
-/// If it cannot be built, an older one does where there is one, and `say` hears about it.
+/// If the build fails, an older page is used if there is one, and `say` is told.
 pub(crate) fn built(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<Files, String> {
     let io = |error: io::Error| format!("cannot build the page in `{}`: {error}", folder.display());
     let lock = File::create(folder.join(".lock")).map_err(io)?;
@@ -64,7 +64,7 @@ fn check_node() -> Result<(), String> {
     version("npm").map(drop).ok_or(format!("there is no npm: {hint}"))
 }
 
-/// Whether npm has installed what the lock file says.
+/// Returns true if npm has installed the packages of the lock file.
 fn is_installed(folder: &Path) -> bool {
     let changed = |path: &str| fs::metadata(folder.join(path)).and_then(|file| file.modified()).ok();
     let never = SystemTime::UNIX_EPOCH;
@@ -102,7 +102,7 @@ fn hash_of(folder: &Path) -> io::Result<u64> {
     Ok(hash)
 }
 
-/// All files below a folder, in order of their paths, without those whose names begin with a full stop.
+/// All files below a folder, sorted by path, without files and folders whose names begin with a full stop.
 fn files_in(folder: &Path) -> io::Result<Files> {
     let mut files = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];

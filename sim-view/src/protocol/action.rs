@@ -1,9 +1,8 @@
-//! What a hand does to a simulation.
+//! User interventions in a simulation.
 
 use serde::{Deserialize, Serialize};
 
-/// One thing that a person does to a simulation, at the start of a slot. Traces hold it in this form, so that a run can be
-/// repeated.
+/// User intervention at the start of a slot. Traces hold it in this form, so that a run can be repeated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
@@ -12,10 +11,10 @@ pub enum Action {
     Press {
         /// Number of the robot.
         robot: u32,
-        /// As in a script of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
+        /// Key in the notation of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
         key: String,
     },
-    /// Puts a robot elsewhere.
+    /// Places a robot at a pose.
     PlaceRobot {
         /// Number of the robot.
         robot: u32,
@@ -26,7 +25,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Puts a movable object elsewhere, at rest.
+    /// Places a movable object at a pose, at rest.
     PlaceObject {
         /// Number of the object.
         object: u32,
@@ -37,29 +36,29 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Sets a number of the error models.
+    /// Sets a parameter of the noise models.
     SetNoise {
         /// Number of the robot; none for all.
         robot: Option<u32>,
         /// Table and key of the noise profile, such as `psd.sigma_mm`.
         parameter: String,
-        /// In the profile's unit.
+        /// Value in the profile's unit.
         value: f64,
     },
-    /// Switches a sensor off, which then sees nothing, or on again.
+    /// Switches a sensor off, so that it detects nothing, or on again.
     SwitchSensor {
         /// Number of the robot.
         robot: u32,
         /// Name of the sensor.
         sensor: String,
-        /// Off or on.
+        /// True for on.
         on: bool,
     },
     /// Adds a robot of a type that the scene knows.
     AddRobot {
-        /// Name of the type, one of those in the scene's workshop.
+        /// Name of the type, from the scene's workshop.
         kind: String,
-        /// The program of the robot that has this number; none for one that only stands there.
+        /// Number of the robot whose program it runs; none for a robot without a program.
         program_of: Option<u32>,
         /// World coordinate to the right.
         x_m: f64,
@@ -68,14 +67,14 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Takes a robot out of the world; its program ends, its number is not used again.
+    /// Removes a robot from the world; its program ends, its number is not used again.
     RemoveRobot {
         /// Number of the robot.
         robot: u32,
     },
     /// Adds a movable object of a type that the scene knows.
     AddObject {
-        /// Name of the type, one of those in the scene's workshop.
+        /// Name of the type, from the scene's workshop.
         kind: String,
         /// World coordinate to the right.
         x_m: f64,
@@ -84,7 +83,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Takes a movable object out of the world; its number is not used again.
+    /// Removes a movable object from the world; its number is not used again.
     RemoveObject {
         /// Number of the object.
         object: u32,

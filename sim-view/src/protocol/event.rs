@@ -1,4 +1,4 @@
-//! What happens in a run.
+//! Events of a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Events {
-    /// In order.
+    /// Events in order.
     pub events: Vec<Event>,
-    /// How many before them this page has not got, since it was too slow or came too late.
+    /// Number of earlier events that the page misses because it was too slow or connected too late.
     pub missed: u32,
 }
 
-/// Something that happened.
+/// Event in a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Event {
@@ -20,13 +20,13 @@ pub struct Event {
     pub number: u32,
     /// Virtual time.
     pub t_s: f64,
-    /// Whose it is; none for the world.
+    /// Number of the robot; none for the world.
     pub robot: Option<u32>,
-    /// The name of `docs/trace.md`, such as `contact` or `radio_sent`.
+    /// Kind as in `docs/trace.md`, such as `contact` or `radio_sent`.
     pub kind: String,
-    /// In words.
+    /// Description in words.
     pub text: String,
-    /// The fields of `docs/trace.md`.
+    /// Fields as in `docs/trace.md`.
     #[cfg_attr(test, ts(type = "Record<string, unknown>"))]
     pub fields: serde_json::Value,
 }

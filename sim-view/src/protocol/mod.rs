@@ -1,8 +1,8 @@
-//! What server and page say to each other: JSON texts over a WebSocket, documented in `docs/window.md`.
+//! Protocol between server and page: JSON texts over a WebSocket, documented in `docs/window.md`.
 //!
 //! Lengths in metres, angles in radians, times in seconds, each with its unit in its name; world x to the right, y upwards, z
-//! above the floor. Colours are red, green and blue from 0 to 255. The page's types are made from these
-//! (`page/src/protocol/`) by the tests of this crate with `UPDATE_TYPES=1`.
+//! above the floor. Colours are red, green and blue from 0 to 255. The page's types (`page/src/protocol/`) are generated from
+//! these by the tests of this crate with `UPDATE_TYPES=1`.
 
 mod action;
 mod event;
@@ -28,31 +28,31 @@ pub use state::{
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol: a page of another version is told to load itself again.
+/// Version of the protocol: a page of another version is told to reload.
 pub const PROTOCOL: u32 = 1;
 
-/// What the server says.
+/// Message of the server.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Message {
     /// The first message: the answer to [`Request::Hello`].
     Welcome(Welcome),
-    /// What there is to see: after the welcome, and whenever a run starts or its bodies change.
+    /// The scene: after the welcome, and whenever a run starts or its bodies change.
     Scene(Box<Scene>),
-    /// Where everything is now. A page that is slow gets fewer.
+    /// Current state of the run. A slow page gets fewer snapshots.
     Snapshot(Snapshot),
-    /// More of the robot that the page has chosen.
+    /// Details of the robot that the page has selected.
     Detail(Box<Detail>),
-    /// What has happened since the last ones.
+    /// Events since the last message of this kind.
     Events(Events),
-    /// How the building of programs goes.
+    /// Progress of building the programs.
     Build(Build),
-    /// What became of a command of this page.
+    /// Outcome of a command of this page.
     Answer(Answer),
 }
 
-/// Who speaks to the page, and what it may do.
+/// Version of the server, and the rights of the page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Welcome {
@@ -66,28 +66,28 @@ pub struct Welcome {
     pub may_act: bool,
 }
 
-/// How the building of programs goes.
+/// Progress of building the programs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub enum Build {
-    /// Programs are being built; the run starts after it.
+    /// Programs are being built; the run starts afterwards.
     Running,
-    /// All is built.
+    /// All programs are built.
     Done,
-    /// It failed: what was run before stays as it is.
+    /// The build failed; the run before stays as it is.
     Failed {
-        /// What the compiler said.
+        /// Output of the compiler.
         output: String,
     },
 }
 
-/// What became of a command.
+/// Outcome of a command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Answer {
-    /// The page's number of the command.
+    /// Number that the page gave the command.
     pub number: u32,
-    /// Why it was refused; none when it was carried out.
+    /// Reason for the refusal; none if the command was carried out.
     pub refused: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! A run that is over, as a page plays it.
+//! A finished run that a page replays.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,72 +8,72 @@ use super::{Event, Scene, Standing};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Recording {
-    /// The world and all bodies that have ever been in it.
+    /// The world and all bodies that were in it at any time.
     pub scene: Scene,
     /// Simulated time at the end.
     pub duration_s: f64,
-    /// Why the run ended, in words.
+    /// Reason why the run ended, in words.
     pub why: String,
-    /// Digest of the run; empty where the trace is not complete.
+    /// Digest of the run; empty if the trace is not complete.
     pub digest: String,
-    /// What the user should know: that the trace is cut off, or that the scene's files have changed since.
+    /// Notices for the user: the trace is truncated, or the scene's files have changed since.
     pub remarks: Vec<String>,
     /// One for each robot of the scene, in the same order.
     pub robots: Vec<Life>,
     /// One for each movable object of the scene, in the same order.
     pub objects: Vec<Track>,
-    /// What happened, in order.
+    /// Events in order.
     pub events: Vec<Event>,
-    /// How many events are left out, of kinds that come too often to be kept.
+    /// Number of events left out because their kinds are too frequent.
     pub events_left_out: u32,
 }
 
-/// What became of a robot.
+/// History of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Life {
-    /// Where it was.
+    /// Its poses.
     pub track: Track,
-    /// How its program stood, from when on; in order of time.
+    /// States of its program, in order of time.
     pub standings: Vec<Stood>,
-    /// The texts on its display, from when on; in order of time.
+    /// Texts on its display, in order of time.
     pub lcd: Vec<Shown>,
 }
 
-/// Where a body was. Thinned: between two points it is on the straight line and turns evenly, to within 2 mm and 1 degree.
+/// Poses of a body over time, thinned: linear interpolation between two points is accurate to 2 mm and 1 degree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Track {
-    /// Times of the points, in order: two at the same time where the body was put elsewhere. Before the first point the body is
-    /// not in the world; after the last it stays there.
+    /// Times of the points, in order; two points at the same time where the body was placed elsewhere. Before the first point the
+    /// body is not in the world; after the last it stays there.
     pub t_s: Vec<f64>,
     /// World coordinates to the right, one for each time.
     pub x_m: Vec<f64>,
     /// World coordinates upwards, one for each time.
     pub y_m: Vec<f64>,
-    /// Headings, counter-clockwise from x, whole turns in them, one for each time.
+    /// Headings, counter-clockwise from x, including whole turns, one for each time.
     pub phi_rad: Vec<f64>,
-    /// When it was taken out of the world; none if it never was.
+    /// Time of its removal from the world; none if it was not removed.
     pub until_s: Option<f64>,
 }
 
-/// How a program stood.
+/// State of a program from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Stood {
-    /// From when on.
+    /// Time at which the state begins.
     pub t_s: f64,
-    /// How.
+    /// The state.
     pub standing: Standing,
-    /// Why; empty where there is nothing to say.
+    /// Reason; empty if there is none.
     pub why: String,
 }
 
-/// What a display showed.
+/// Contents of a display from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Shown {
-    /// From when on.
+    /// Time at which the contents appear.
     pub t_s: f64,
     /// Its lines of text, the menu last.
     pub lines: Vec<String>,

@@ -1,10 +1,10 @@
-//! What a page asks for.
+//! Requests of a page.
 
 use serde::{Deserialize, Serialize};
 
 use super::Action;
 
-/// What a page says.
+/// Message of a page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
@@ -13,35 +13,35 @@ pub enum Request {
     Hello {
         /// The page's version of the protocol.
         protocol: u32,
-        /// The teacher's token, where the page has one.
+        /// The teacher's token, if the page has one.
         token: Option<String>,
     },
-    /// Which robot the page wants to see more of.
+    /// Selects the robot of which the page gets details.
     Look {
         /// Number of the robot; none for no robot.
         robot: Option<u32>,
-        /// With what its camera sees.
+        /// Include pictures of its camera.
         camera: bool,
-        /// With its RoBIOS calls among the events.
+        /// Include its RoBIOS calls in the events.
         calls: bool,
     },
     /// A command; there is an [`Answer`](super::Answer) to each.
     Act {
-        /// The page's own number of the command.
+        /// Number of the command, chosen by the page.
         number: u32,
-        /// What to do.
+        /// The command.
         command: Command,
     },
 }
 
-/// What a page can have done.
+/// Command of a page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Command {
-    /// Lets the run go on.
+    /// Continues the run.
     Run {},
-    /// Stops it before the next slot.
+    /// Pauses the run before the next slot.
     Pause {},
     /// Runs one slot and pauses.
     Step {},
@@ -50,27 +50,27 @@ pub enum Command {
         /// Simulated seconds for each second of real time; none for as fast as possible.
         factor: Option<f64>,
     },
-    /// Starts the run anew, as its files say.
+    /// Restarts the run from its files.
     Restart {
-        /// With which seed.
+        /// Seed of the new run.
         seed: Seed,
     },
-    /// Does something to the simulation.
+    /// Applies a user intervention.
     Act {
-        /// What.
+        /// The intervention.
         action: Action,
     },
 }
 
-/// Seed of a run that starts anew.
+/// Seed of a restarted run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Seed {
-    /// That of the run before.
+    /// Seed of the run before.
     Same,
-    /// One that nobody has chosen.
+    /// New random seed.
     New,
-    /// This one, in decimal digits: JavaScript has no integers of 64 bits.
+    /// This seed, in decimal digits: JavaScript has no integers of 64 bits.
     Number(String),
 }

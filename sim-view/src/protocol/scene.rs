@@ -1,8 +1,8 @@
-//! What there is to see in a run, and does not change with every slot.
+//! Parts of a run that do not change with every slot.
 
 use serde::{Deserialize, Serialize};
 
-/// A run and all that is in it.
+/// A run and all bodies in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Scene {
@@ -14,13 +14,13 @@ pub struct Scene {
     pub seed: String,
     /// Length of a slot.
     pub slot_s: f64,
-    /// Lower left and upper right corner of all that stands there.
+    /// Lower left and upper right corner of the occupied area.
     pub bounds_m: [[f64; 2]; 2],
     /// Images of textures.
     pub images: Vec<Image>,
     /// Surfaces; parts that look alike share one.
     pub meshes: Vec<Mesh>,
-    /// What stands where.
+    /// Placed meshes.
     pub parts: Vec<Part>,
     /// The floor.
     pub ground: Option<Ground>,
@@ -32,7 +32,7 @@ pub struct Scene {
     pub robots: Vec<Robot>,
     /// All movable objects that are in the world, in order of their numbers.
     pub objects: Vec<Object>,
-    /// What can be added.
+    /// Types that can be added.
     pub workshop: Workshop,
 }
 
@@ -50,46 +50,46 @@ pub struct Image {
 pub struct Mesh {
     /// Three corners of each triangle, x, y and z of each in metres, `f32`: 36 bytes a triangle.
     pub positions: String,
-    /// Unit normals of the corners, `f32`, where they are smooth: else the triangles are flat.
+    /// Unit normals of the corners, `f32`, if any are smooth; none if all triangles are flat.
     pub normals: Option<String>,
     /// Texture coordinates of the corners, u to the right and v upwards, `f32`: 24 bytes a triangle.
     pub uvs: Option<String>,
-    /// The materials, each for the triangles from the end of the one before.
+    /// Materials in the order of the triangles: each applies to the next [`Material::triangles`] of them.
     pub materials: Vec<Material>,
 }
 
-/// How a range of triangles looks.
+/// Material of a range of triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Material {
     /// Number of triangles that have it.
     pub triangles: u32,
-    /// Its colour; that of the image is multiplied with it.
+    /// Colour, by which that of the image is multiplied.
     pub colour: [u8; 3],
-    /// Place of its texture in [`Scene::images`].
+    /// Index of its texture in [`Scene::images`].
     pub image: Option<u32>,
 }
 
-/// A surface that stands somewhere.
+/// Mesh placed in the world or on a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Part {
-    /// Place of its surface in [`Scene::meshes`].
+    /// Index of its mesh in [`Scene::meshes`].
     pub mesh: u32,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 
-/// Where a part stands.
+/// Place of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "on", rename_all = "snake_case")]
 pub enum Place {
-    /// Always here.
+    /// Fixed in the world.
     World {
-        /// What it is: `wall`, `object` or `terrain`.
+        /// Kind of the part: `wall`, `object` or `terrain`.
         what: String,
-        /// Its frame in that of the world.
+        /// Pose of its frame in the world frame.
         at: Point,
     },
     /// On a robot, in its frame.
@@ -118,7 +118,7 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Ground {
-    /// Around the floor.
+    /// Colour around the floor.
     pub colour: [u8; 3],
     /// The world's floor.
     pub floor: Option<Floor>,
@@ -126,15 +126,15 @@ pub struct Ground {
     pub spots: Vec<Spot>,
 }
 
-/// A rectangle with one corner in the origin.
+/// A rectangle with one corner at the origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Floor {
-    /// Along x and y.
+    /// Size along x and y.
     pub size_m: [f64; 2],
-    /// Where it has no image.
+    /// Colour if it has no image.
     pub colour: [u8; 3],
-    /// Place in [`Scene::images`] of what is stretched over it.
+    /// Index in [`Scene::images`] of the image stretched over it.
     pub image: Option<u32>,
 }
 
@@ -142,7 +142,7 @@ pub struct Floor {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Spot {
-    /// Its middle.
+    /// Its centre.
     pub centre_m: [f64; 2],
     /// Its radius.
     pub radius_m: f64,
@@ -154,13 +154,13 @@ pub struct Spot {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Light {
-    /// Unit vector towards it.
+    /// Unit vector towards the sun.
     pub towards: [f64; 3],
-    /// Share of light from everywhere.
+    /// Share of ambient light.
     pub ambient: f64,
-    /// Share of the sun.
+    /// Share of direct sunlight.
     pub diffuse: f64,
-    /// Whether things throw shadows.
+    /// Bodies throw shadows.
     pub shadows: bool,
 }
 
@@ -174,7 +174,7 @@ pub struct Sky {
     pub zenith: [u8; 3],
 }
 
-/// What is known of a robot from the start.
+/// Constant properties of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Robot {
@@ -186,7 +186,7 @@ pub struct Robot {
     pub kind: String,
     /// Its program; empty for none.
     pub program: String,
-    /// Colour by which it is told from others.
+    /// Colour that distinguishes the robot from others.
     pub colour: [u8; 3],
     /// Its extent.
     pub body: Body,
@@ -198,7 +198,7 @@ pub struct Robot {
     pub lcd: Lcd,
 }
 
-/// The cylinder around a body, in whose middle its frame has its origin.
+/// Cylinder around a body; its axis passes through the origin of the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Body {
@@ -214,9 +214,9 @@ pub struct Body {
 pub struct Sensor {
     /// Its name, unique among the robot's.
     pub name: String,
-    /// What it is.
+    /// Its kind.
     pub kind: SensorKind,
-    /// Where it sits, in the robot's frame; x of its own frame is where it looks.
+    /// Pose in the robot's frame; the sensor looks along its own x axis.
     pub mount: Option<Point>,
     /// Least and greatest distance that it measures.
     pub range_m: Option<[f64; 2]>,
@@ -247,7 +247,7 @@ pub enum SensorKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Camera {
-    /// Where it sits, in the robot's frame; x of its own frame is where it looks, z upwards.
+    /// Pose in the robot's frame; the camera looks along its own x axis, z points upwards.
     pub mount: Point,
     /// Whole horizontal angle of view.
     pub horizontal_rad: f64,
@@ -261,11 +261,11 @@ pub struct Camera {
 pub struct Lcd {
     /// Width and height.
     pub size_px: [u32; 2],
-    /// True for the display of RoBIOS-7, which has colours and feels touches.
+    /// True for the display of RoBIOS-7, which has colours and a touch screen.
     pub has_colours: bool,
 }
 
-/// What is known of a movable object from the start.
+/// Constant properties of a movable object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Object {
@@ -277,7 +277,7 @@ pub struct Object {
     pub body: Body,
 }
 
-/// What can be added to a scene.
+/// Types of bodies that can be added to a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Workshop {

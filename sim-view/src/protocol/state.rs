@@ -1,4 +1,4 @@
-//! What changes with every slot.
+//! State that changes with every slot.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,36 +10,36 @@ pub struct Snapshot {
     pub run: u32,
     /// Simulated time: the start of a slot.
     pub t_s: f64,
-    /// How the run stands.
+    /// State of the run.
     pub state: RunState,
-    /// The speed that was asked for: simulated seconds for each second of real time; none for as fast as possible.
+    /// Requested speed: simulated seconds for each second of real time; none for as fast as possible.
     pub speed: Option<f64>,
-    /// Simulated seconds for each second of real time, as they are.
+    /// Measured speed: simulated seconds for each second of real time.
     pub rate: f64,
     /// All robots that are in the world, in order of their numbers.
     pub robots: Vec<RobotState>,
     /// All movable objects that are in the world, in order of their numbers.
     pub objects: Vec<ObjectState>,
-    /// What the range sensors would measure now, without errors.
+    /// Noise-free beams of the range sensors.
     pub beams: Vec<Beam>,
 }
 
-/// How a run stands.
+/// State of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "is", rename_all = "snake_case")]
 pub enum RunState {
-    /// It goes on.
+    /// The run advances.
     Running,
-    /// It is paused.
+    /// The run is paused.
     Paused,
-    /// Nothing will happen before somebody does something, such as press a key.
+    /// Nothing will happen before a user intervention, such as a key press.
     Idle,
-    /// It is over.
+    /// The run is over.
     Ended {
-        /// Why, in words.
+        /// Reason, in words.
         why: String,
-        /// Its digest.
+        /// Digest of the run.
         digest: String,
     },
 }
@@ -50,19 +50,19 @@ pub enum RunState {
 pub struct RobotState {
     /// Its number.
     pub id: u32,
-    /// How it moves from the snapshot's time to the slot's end; the first leg holds at the snapshot's time.
+    /// Motion from the snapshot's time to the slot's end; the first leg holds at the snapshot's time.
     pub legs: Vec<Leg>,
-    /// How its program stands.
+    /// State of its program.
     pub standing: Standing,
     /// Its virtual time.
     pub now_s: f64,
-    /// What its program waits for, or why it ended; empty where there is nothing to say.
+    /// Reason why its program waits or has ended; empty if there is none.
     pub why: String,
-    /// Whether its wheels stall.
+    /// The wheels are stalled.
     pub is_stalled: bool,
 }
 
-/// How a program stands.
+/// State of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -75,21 +75,21 @@ pub enum Standing {
     NoProgram,
 }
 
-/// Motion at constant rates, in the body's own frame.
+/// Motion at constant rates, in the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Leg {
-    /// When it starts.
+    /// Start time.
     pub t_s: f64,
-    /// Where it starts: the pose of the robot's frame.
+    /// Pose of the robot's frame at the start.
     pub from: Pose,
-    /// Speed ahead.
+    /// Forward speed.
     pub v_m_per_s: f64,
     /// Speed to the left.
     pub left_m_per_s: f64,
     /// Turning speed.
     pub omega_rad_per_s: f64,
-    /// How long it lasts; then the body rests.
+    /// Duration; the body rests afterwards.
     pub lasts_s: f64,
 }
 
@@ -101,7 +101,7 @@ pub struct Pose {
     pub x_m: f64,
     /// World coordinate upwards.
     pub y_m: f64,
-    /// Heading, counter-clockwise from x; whole turns are in it.
+    /// Heading, counter-clockwise from x, including whole turns.
     pub phi_rad: f64,
 }
 
@@ -111,7 +111,7 @@ pub struct Pose {
 pub struct ObjectState {
     /// Its number.
     pub id: u32,
-    /// Where it is.
+    /// Its pose.
     pub pose: Pose,
 }
 
@@ -121,17 +121,17 @@ pub struct ObjectState {
 pub struct Beam {
     /// Number of the robot.
     pub robot: u32,
-    /// Place of the sensor in [`Robot::sensors`](super::Robot::sensors).
+    /// Index of the sensor in [`Robot::sensors`](super::Robot::sensors).
     pub sensor: u32,
-    /// Where it begins.
+    /// Origin of the beam.
     pub from_m: [f64; 3],
-    /// Where it ends: at the point that is measured, else at the end of the range.
+    /// End of the beam: the measured point, or the end of the range if there is no hit.
     pub to_m: [f64; 3],
-    /// Whether it has met something.
+    /// The beam hits something within its range.
     pub is_hit: bool,
 }
 
-/// More of one robot.
+/// Details of one robot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Detail {
@@ -141,23 +141,23 @@ pub struct Detail {
     pub robot: u32,
     /// Simulated time.
     pub t_s: f64,
-    /// Where it is.
+    /// True pose.
     pub pose: Pose,
-    /// Where it believes to be.
+    /// Pose according to its odometry.
     pub odometry: Pose,
-    /// The display; none while it shows what it showed in the detail before.
+    /// Picture of the display; none if unchanged since the detail before.
     pub lcd: Option<Picture>,
     /// The lines of text on the display, the menu last.
     pub lcd_text: Vec<String>,
-    /// What its camera sees now, without errors, if the page wants it.
+    /// Noise-free picture of its camera, if the page requests it.
     pub camera: Option<Picture>,
-    /// What its program has read last of each device, and what it commanded.
+    /// Latest readings of its devices and latest commands of its program.
     pub readings: Vec<Reading>,
     /// Its sensors, in the order of the scene.
     pub sensors: Vec<SensorState>,
-    /// Its error models.
+    /// Parameters of its noise models.
     pub noise: Vec<Parameter>,
-    /// The last scan of its laser scanner.
+    /// Scan of its laser scanner.
     pub scan: Option<Scan>,
 }
 
@@ -171,43 +171,43 @@ pub struct Picture {
     pub size_px: [u32; 2],
 }
 
-/// What was read of a device.
+/// Latest reading of a device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Reading {
-    /// Name of the device, or of what is read: `PSD_FRONT`, `odometry x`.
+    /// Name of the device or of the quantity: `PSD_FRONT`, `odometry x`.
     pub name: String,
     /// Its value; none when there was nothing to measure.
     pub value: Option<f64>,
     /// Unit of the value; empty for a count.
     pub unit: String,
-    /// When it was read.
+    /// Virtual time of the reading.
     pub at_s: f64,
 }
 
-/// Whether a sensor is on.
+/// State of a sensor.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct SensorState {
     /// Its name.
     pub name: String,
-    /// Off or on.
+    /// The sensor is switched on.
     pub is_on: bool,
 }
 
-/// A number of an error model that can be set.
+/// Parameter of a noise model that can be set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Parameter {
     /// Table and key of the noise profile, such as `psd.sigma_mm`.
     pub name: String,
-    /// What it is, in a few words.
+    /// Short description.
     pub what: String,
     /// Its value.
     pub value: f64,
     /// Least and greatest value.
     pub range: [f64; 2],
-    /// Unit of the value; empty for a share.
+    /// Unit of the value; empty for a ratio.
     pub unit: String,
 }
 
@@ -215,8 +215,8 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Scan {
-    /// Where the scanner is, in the world.
+    /// Position of the scanner in the world frame.
     pub from_m: [f64; 3],
-    /// The points that it would measure now, in the world.
+    /// Points that it would measure now, in the world frame.
     pub points_m: Vec<[f64; 3]>,
 }

@@ -1,4 +1,4 @@
-//! The page's types, made from those of the protocol.
+//! Types of the page, generated from those of the protocol.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,7 +13,7 @@ struct Types(BTreeMap<String, String>);
 
 impl TypeVisitor for Types {
     fn visit<T: TS + 'static + ?Sized>(&mut self) {
-        // Types that are not ours have no place to be written to.
+        // Types of other crates have no output path.
         if T::output_path().is_none() || self.0.contains_key(&T::ident()) {
             return;
         }
@@ -38,7 +38,7 @@ fn declarations() -> String {
     )
 }
 
-/// Comments of one line on one line, fields indented.
+/// Puts comments of one line on one line and indents fields.
 fn tidy(types: &str) -> String {
     let mut tidied = String::new();
     let mut lines = types.lines().map(str::trim_end).peekable();

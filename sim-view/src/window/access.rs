@@ -1,22 +1,22 @@
-//! Who may enter, and as what.
+//! Access control: requests that are refused, and pages that may act.
 
 use std::net::{IpAddr, SocketAddr};
 
 use axum::http::{HeaderMap, HeaderName, header};
 
-/// Who may watch and who may act.
+/// Rights of pages to watch and to act.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Whoever reaches the server may act: for the loopback address.
+    /// Every page may act: for the loopback address.
     Local,
-    /// Whoever reaches the server may watch; who has the token may act.
+    /// Every page may watch; a page with the token may act.
     Class {
         /// The teacher's token.
         token: String,
     },
 }
 
-/// A token that nobody guesses: 128 random bits in 32 hexadecimal digits.
+/// Token that cannot be guessed: 128 random bits in 32 hexadecimal digits.
 ///
 /// # Errors
 /// If the system has no random numbers.
@@ -27,7 +27,7 @@ pub fn random_token() -> Result<String, String> {
 }
 
 impl Access {
-    /// Whether a page with this token may act; none if its token is wrong.
+    /// Returns true if a page with this token may act; none if its token is wrong.
     pub(super) fn may_act(&self, given: Option<&str>) -> Option<bool> {
         match (self, given) {
             (Access::Local, _) => Some(true),
@@ -37,7 +37,7 @@ impl Access {
     }
 }
 
-/// Compares in a time that tells nothing of `secret`, not even its length.
+/// Compares in a time that depends neither on the contents nor on the length of `secret`.
 fn is_same(secret: &str, given: &str) -> bool {
     let secret = secret.as_bytes();
     let mut difference = u8::from(secret.len() != given.len() || secret.is_empty());
@@ -48,11 +48,11 @@ fn is_same(secret: &str, given: &str) -> bool {
     difference == 0
 }
 
-/// Why a request is refused before anything is done with it; none if it is not.
+/// Reason for refusing a request before it is processed; none if it is allowed.
 ///
-/// A name in `Host` may lead here by somebody else's wish (DNS rebinding), a number may not: so it has to be one of the
-/// addresses served, or `localhost`. A request that a page of another origin has made is refused; one that must come
-/// from a page (`is_socket`) has to name its origin.
+/// `Host` must be one of the served addresses or `localhost`: an attacker can point another name here (DNS rebinding), but not
+/// an address. A request made by a page of another origin is refused; a request that only a page makes (`is_socket`) must name
+/// its origin.
 pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) -> Option<String> {
     let Some(host) = text(headers, header::HOST) else {
         return Some("the request has no `Host`".into());

@@ -1,7 +1,7 @@
-//! What there is to see, kept for all pages, and what pages ask for.
+//! State shown to all pages, and the queue of their commands.
 //!
-//! Who fills it never waits for a page: each kind of message has one place, where the later takes the place of the earlier,
-//! and events a ring. Texts are made when the first page needs them, on its thread, and shared.
+//! The simulation never waits for a page: each kind of message has one place, where a later message replaces the earlier, and
+//! events a ring buffer. Texts are serialised when the first page needs them, on the server's thread, and shared.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -14,19 +14,19 @@ use tokio::sync::{mpsc, watch};
 use super::Look;
 use crate::protocol::{Answer, Build, Command, Detail, Event, Message, Picture, Scene, Snapshot};
 
-/// So many events are kept for pages that come later or are slow.
+/// Events kept for pages that connect later or are slow.
 pub(super) const EVENTS: usize = 20_000;
-/// So many events at most go into one message.
+/// Most events in one message.
 const BATCH: usize = 1_000;
-/// So many commands wait at most for the simulation.
+/// Most commands that wait for the simulation.
 pub(super) const COMMANDS: usize = 256;
 
-/// Locks; what is guarded here is whole after each statement, so that a panic elsewhere leaves nothing half done.
+/// Locks, ignoring poisoning: the guarded data is consistent after each statement.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A value and its text, which is made once.
+/// A value and its serialised text, which is made once.
 struct Shown<T> {
     value: T,
     text: OnceLock<Utf8Bytes>,
@@ -42,16 +42,16 @@ impl<T> Shown<T> {
     }
 }
 
-/// The text of a message. The protocol's types have string keys and no maps of others, so that this cannot fail.
+/// Serialised text of a message. Cannot fail: maps in the protocol's types have string keys only.
 pub(super) fn text_of(message: &impl Serialize) -> Utf8Bytes {
     serde_json::to_string(message).unwrap_or_default().into()
 }
 
-/// A detail without its display, and the display apart, since pages differ in whether they have it already.
+/// A detail without its display, and the display apart, since some pages have the display already.
 struct ShownDetail {
     detail: Detail,
     lcd: Option<Arc<Picture>>,
-    /// Counts the pictures, of all robots.
+    /// Version of the picture, counted over all robots.
     lcd_version: u64,
     lean: OnceLock<Utf8Bytes>,
     whole: OnceLock<Utf8Bytes>,
@@ -80,7 +80,7 @@ struct State {
     build: Option<(u64, Arc<Shown<Message>>)>,
     details: BTreeMap<u32, (u64, Arc<ShownDetail>)>,
     events: VecDeque<Arc<Shown<Event>>>,
-    /// How many events the ring has lost since the run began.
+    /// Number of events that the ring buffer has dropped since the run began.
     lost: u64,
 }
 
@@ -99,7 +99,7 @@ struct Inbox {
     is_woken: bool,
 }
 
-/// What server and simulation share.
+/// State shared by server and simulation.
 pub(super) struct Hub {
     state: Mutex<State>,
     /// Wakes the pages.
@@ -197,7 +197,7 @@ impl Hub {
         merged.into_values().collect()
     }
 
-    /// A number for a page that comes.
+    /// Assigns a number to a new page.
     pub(super) fn enter(&self) -> u64 {
         let mut inbox = lock(&self.inbox);
         inbox.pages += 1;
@@ -215,7 +215,7 @@ impl Hub {
         self.asked.notify_all();
     }
 
-    /// Gives a command to the simulation; gives it back if too many wait already.
+    /// Queues a command for the simulation; returns it if the queue is full.
     pub(super) fn ask(&self, asked: Asked) -> Result<(), Asked> {
         let mut inbox = lock(&self.inbox);
         if inbox.asked.len() == COMMANDS {
@@ -228,9 +228,9 @@ impl Hub {
     }
 }
 
-/// A command of a page that waits to be carried out. Dropped without an answer it is refused.
+/// Command of a page that waits to be carried out. Dropping it without an answer refuses it.
 pub struct Asked {
-    /// What is asked for.
+    /// The command.
     pub command: Command,
     pub(super) number: u32,
     pub(super) answers: Option<mpsc::UnboundedSender<Answer>>,
@@ -249,7 +249,7 @@ impl Asked {
 
     fn answer(&mut self, refused: Option<String>) {
         if let Some(answers) = self.answers.take() {
-            // A page that has gone needs no answer.
+            // A page that has disconnected needs no answer.
             let _ = answers.send(Answer { number: self.number, refused });
         }
     }
@@ -267,21 +267,21 @@ impl std::fmt::Debug for Asked {
     }
 }
 
-/// The commands of all pages, in the order in which they came.
+/// Commands of all pages, in order of arrival.
 #[derive(Clone)]
 pub struct Commands {
     pub(super) hub: Arc<Hub>,
 }
 
 impl Commands {
-    /// The next command, if one waits.
+    /// Takes the next command, if there is one.
     #[must_use]
     pub fn try_recv(&self) -> Option<Asked> {
         lock(&self.hub.inbox).asked.pop_front()
     }
 
-    /// The next command; waits for one at most for `timeout`. None, too, when [`looks`](super::Window::looks) has changed or
-    /// after [`wake`](Self::wake).
+    /// Takes the next command, waiting at most for `timeout`. Also returns `None` when [`looks`](super::Window::looks) has changed
+    /// or after [`wake`](Self::wake).
     #[must_use]
     pub fn recv_timeout(&self, timeout: Duration) -> Option<Asked> {
         let until = Instant::now() + timeout;
@@ -305,7 +305,7 @@ impl Commands {
     }
 }
 
-/// What a page has got already.
+/// Versions of the messages that a page has already received.
 #[derive(Default)]
 pub(super) struct Seen {
     run: u32,
@@ -314,21 +314,21 @@ pub(super) struct Seen {
     build: u64,
     detail: u64,
     lcd: Option<(u32, u64)>,
-    /// How many events of the run it has got or missed.
+    /// Number of events of the run that the page has received or missed.
     events: u64,
 }
 
 impl Seen {
-    /// Another robot is looked at: its detail is news, with its display.
+    /// Forgets the detail, so that it is sent again with its display: the page has selected another robot or a new run began.
     pub(super) fn forget_detail(&mut self) {
         self.detail = 0;
         self.lcd = None;
     }
 
-    /// What is new for a page that looks at `look`, in the order in which it is to be sent.
+    /// New messages for a page that looks at `look`, in the order of sending.
     pub(super) fn news(&mut self, hub: &Hub, look: Option<Look>) -> Vec<Utf8Bytes> {
         let news = self.take(&lock(&hub.state), look);
-        // Texts are made outside the lock, so that the simulation never waits for them.
+        // Texts are serialised outside the lock, so that the simulation never waits for them.
         news.into_iter().map(News::text).collect()
     }
 
@@ -375,7 +375,7 @@ impl Seen {
     }
 }
 
-/// RoBIOS calls go only to pages that want those of this robot.
+/// Returns true unless the event is a RoBIOS call that the page has not requested.
 fn is_wanted(event: &Event, look: Option<Look>) -> bool {
     event.kind != "call" || look.is_some_and(|look| look.calls && Some(look.robot) == event.robot)
 }
@@ -392,7 +392,7 @@ impl News {
             News::Message(message) => message.text(text_of),
             News::Detail(detail, with_lcd) => detail.text(with_lcd),
             News::Events(events, missed) => {
-                // As `Message::Events` is written, from texts that are there already.
+                // Format of `Message::Events`, composed of existing texts.
                 let texts: Vec<_> = events.iter().map(|event| event.text(text_of)).collect();
                 let texts: Vec<_> = texts.iter().map(Utf8Bytes::as_str).collect();
                 format!(r#"{{"type":"events","events":[{}],"missed":{missed}}}"#, texts.join(",")).into()

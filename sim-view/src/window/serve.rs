@@ -1,4 +1,4 @@
-//! Requests and connections: what is served to whom, and how much of it.
+//! HTTP server of the page: routes, downloads, and limits of connections.
 
 mod socket;
 
@@ -28,20 +28,20 @@ use super::hub::{Hub, lock};
 use super::{Access, Options};
 use crate::page::Page;
 
-/// So many pages are shown at a time.
+/// Most pages served at a time.
 const PAGES: usize = 64;
-/// So many more are told why they are not shown anything; others get an error of HTTP.
+/// Most further pages refused by a close frame with the reason; others get an HTTP error.
 const TURNED_AWAY: usize = 32;
-/// So many connections at a time that are not pages yet; the oldest gives way to a new one.
+/// Most connections that are not pages yet; a new one replaces the oldest.
 const CONNECTIONS: usize = 128;
-/// So many connections are taken in each tenth of a second.
+/// Most connections accepted in each tenth of a second.
 const ACCEPTS: u32 = 100;
-/// A request's head must have come by then.
+/// Time limit for the head of a request.
 const HEAD: Duration = Duration::from_secs(5);
-/// A connection that is no page ends by then, with all its requests.
+/// Time limit for a connection that is not a page, with all its requests.
 const REQUESTS: Duration = Duration::from_secs(300);
 
-/// Something that pages can download. Its content is made when it is asked for, on a thread of its own.
+/// Download for pages. Its content is made on request, on a blocking thread.
 #[derive(Clone)]
 pub struct Download {
     media_type: &'static str,
@@ -51,7 +51,7 @@ pub struct Download {
 type Content = dyn Fn() -> Result<Vec<u8>, String> + Send + Sync;
 
 impl Download {
-    /// A download of a media type such as `application/toml`. Where `content` fails, the page gets its message.
+    /// A download of a media type such as `application/toml`. If `content` fails, the page gets the error message.
     pub fn new(
         media_type: &'static str,
         content: impl Fn() -> Result<Vec<u8>, String> + Send + Sync + 'static,
@@ -66,7 +66,7 @@ impl fmt::Debug for Download {
     }
 }
 
-/// What all connections share.
+/// State shared by all connections.
 pub(super) struct Server {
     address: SocketAddr,
     access: Access,
@@ -75,9 +75,9 @@ pub(super) struct Server {
     page: Page,
     hub: Arc<Hub>,
     files: Mutex<BTreeMap<String, Download>>,
-    /// Open sockets, with those that are being turned away.
+    /// Number of open sockets, including those being refused.
     sockets: AtomicUsize,
-    /// Downloads that may be made at one time.
+    /// Permits for downloads that are made at the same time.
     making: Arc<Semaphore>,
     closing: watch::Sender<bool>,
 }
@@ -102,7 +102,7 @@ impl Server {
         lock(&self.files).insert(name.into(), download);
     }
 
-    /// Says goodbye to all pages; then [`serve`] returns.
+    /// Disconnects all pages; then [`serve`] returns.
     pub(super) fn close(&self) {
         self.closing.send_replace(true);
     }
@@ -138,7 +138,7 @@ async fn accept(listener: TcpListener, routes: Router) {
     let mut window = Instant::now();
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // Out of file descriptors, or the other side has gone already.
+            // Out of file descriptors, or the client has disconnected already.
             sleep(Duration::from_millis(50)).await;
             continue;
         };
@@ -159,10 +159,10 @@ async fn accept(listener: TcpListener, routes: Router) {
     }
 }
 
-/// Serves the requests of one connection. One that becomes a socket goes on in a task of its own.
+/// Serves the requests of one connection. A connection that becomes a socket continues in a separate task.
 async fn talk(stream: TcpStream, routes: Router) {
     let _ = stream.set_nodelay(true);
-    // An error is the other side's: it has gone, or speaks no HTTP and has been told.
+    // An error is the client's: it has disconnected, or has sent invalid HTTP and been told so.
     let _ = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD)
@@ -172,7 +172,7 @@ async fn talk(stream: TcpStream, routes: Router) {
         .await;
 }
 
-/// Refuses what does not come from this server's own page, and gives every answer its headers.
+/// Refuses requests that do not come from this server's page, and adds the common headers to every response.
 async fn guard(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
     const HEADERS: [(HeaderName, HeaderValue); 4] = [
         (
@@ -228,7 +228,7 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     let Some(Download { media_type, content }) = found else {
         return (StatusCode::NOT_FOUND, "there is no such file").into_response();
     };
-    // Some are large: a few at a time, also where nobody waits for them any more.
+    // Some downloads are large: only a few are made at a time, and the permit is held even if the client has disconnected.
     let Ok(permit) = Arc::clone(&server.making).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
     };
@@ -250,7 +250,7 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     response
 }
 
-/// A name that needs no quoting in a header.
+/// Replaces characters of a name that would need quoting in a header.
 fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect()
 }
@@ -275,7 +275,7 @@ async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrad
         })
 }
 
-/// One of the open sockets.
+/// Guard that counts one open socket.
 struct Place {
     server: Arc<Server>,
 }

@@ -1,4 +1,4 @@
-//! A page without a browser.
+//! Client of the page's protocol, without a browser.
 #![allow(clippy::unwrap_used, reason = "a test fails by them")]
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
@@ -15,7 +15,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Longer than anything takes here; only what fails waits for it.
+/// Timeout longer than anything takes here; only a failing test waits for it.
 pub const PATIENCE: Duration = Duration::from_secs(40);
 
 pub fn options(address: &str, access: Access) -> Options {
@@ -78,7 +78,7 @@ pub fn event(number: u32, kind: &str, robot: u32) -> Event {
     Event { number, t_s: f64::from(number), robot: Some(robot), kind: kind.into(), text, fields }
 }
 
-/// The other end of a socket.
+/// Client end of a socket.
 pub struct Client {
     socket: WebSocket<TcpStream>,
 }
@@ -103,7 +103,7 @@ impl Client {
         }
     }
 
-    /// Opens a socket and says hello; returns the welcome, too.
+    /// Opens a socket and says hello; returns the welcome as well.
     pub fn hello(window: &Window, token: Option<&str>) -> (Client, Value) {
         let mut client = Client::connect(window);
         client.say(&json!({ "type": "hello", "protocol": PROTOCOL, "token": token }));
@@ -140,7 +140,7 @@ impl Client {
         }
     }
 
-    /// The next message of this type; others are passed over.
+    /// The next message of this type; others are skipped.
     pub fn hear_type(&mut self, kind: &str) -> Value {
         loop {
             let message = self.hear();
@@ -156,7 +156,7 @@ impl Client {
         (answer["number"].as_u64().unwrap(), answer["refused"].as_str().map(String::from))
     }
 
-    /// Code and reason with which the server closes; none if it only ends the connection.
+    /// Code and reason of the server's close frame; none if it only ends the connection.
     pub fn hear_close(&mut self) -> Option<(u16, String)> {
         loop {
             if let Err(end) = self.next() {
@@ -188,18 +188,18 @@ pub fn request(window: &Window, text: &str) -> String {
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
     stream.write_all(text.as_bytes()).unwrap();
     let mut answer = Vec::new();
-    // A connection that is reset has said what it had to say.
+    // A connection that is reset has sent all it had to send.
     let _ = stream.read_to_end(&mut answer);
     String::from_utf8_lossy(&answer).into_owned()
 }
 
-/// `GET` with these lines of the head beside `Connection: close`.
+/// `GET` with these header lines beside `Connection: close`.
 pub fn get(window: &Window, path: &str, head: &[&str]) -> String {
     let head: String = head.iter().map(|line| format!("{line}\r\n")).collect();
     request(window, &format!("GET {path} HTTP/1.1\r\n{head}Connection: close\r\n\r\n"))
 }
 
-/// Waits until something holds.
+/// Waits until a condition holds.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let begin = std::time::Instant::now();
     while !holds() {

@@ -1,4 +1,4 @@
-//! Which share of messages arrives intact.
+//! Share of messages that arrive intact.
 
 use sim_core::math::{exp, ln_1p};
 use sim_core::noise::Radio;
@@ -7,12 +7,12 @@ use sim_core::time::Time;
 
 use super::*;
 
-/// Bytes of messages.
+/// Message lengths in bytes.
 const LENGTHS: [usize; 4] = [1, BYTES, 200, 1_000];
 const RATES: [f64; 8] = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
 const PACKET_LOSS: f64 = 0.05;
 const COUNT: usize = 10_000;
-/// Where a rate of 0 stands in a picture with a logarithmic axis.
+/// Position of a rate of 0 on the logarithmic axis of the picture.
 const NONE: f64 = 1e-7;
 
 pub fn measure(effort: Effort) -> Part {
@@ -54,7 +54,7 @@ fn length(bytes: usize) -> String {
     if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") }
 }
 
-/// (1 - P_p) (1 - P_b)^(8 n)
+/// Expected share of intact messages: (1 - P_p) (1 - P_b)^(8 n).
 fn expected(errors: Radio, bytes: usize) -> f64 {
     (1.0 - errors.packet_loss) * exp(8.0 * bytes as f64 * ln_1p(-errors.bit_error_rate))
 }
@@ -65,7 +65,7 @@ fn point(errors: Radio, bytes: usize, intact: usize) -> Point {
     Point { x: errors.bit_error_rate.max(NONE), measured, half, expected }
 }
 
-/// How many of [`COUNT`] messages the channel delivers intact.
+/// Number of the [`COUNT`] messages that the channel delivers intact.
 fn through_channel(errors: Radio, bytes: usize) -> usize {
     let mut channel = channel(Medium::Free, errors, 1);
     let payload = vec![0x55; bytes];
@@ -80,7 +80,7 @@ fn through_channel(errors: Radio, bytes: usize) -> usize {
     intact
 }
 
-/// The same without a channel, with a number drawn for each bit.
+/// Number of intact messages without a channel, with one random number per bit.
 fn bit_by_bit(errors: Radio, bytes: usize) -> usize {
     let payload = vec![0x55; bytes];
     let is_intact = |sequence: &u64| {

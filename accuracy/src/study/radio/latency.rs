@@ -1,4 +1,4 @@
-//! `radio-latency`: how long after its arrival a message is seen, against the length of the slot.
+//! `radio-latency`: delay from a message's arrival until it is visible, against the slot length.
 
 use sim_core::radio::{Medium, air_time};
 use sim_core::time::Time;
@@ -14,7 +14,7 @@ pub const STUDY: Study = Study {
 
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 const COUNT: usize = 5_000;
-/// So few messages that they hardly ever meet.
+/// Offered load, low enough that messages hardly ever collide.
 const LOAD: f64 = 0.01;
 const STATIONS: u32 = 5;
 
@@ -51,8 +51,8 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![picture.figure()] }
 }
 
-/// On a free medium a message is seen at its arrival, but not before the slot's end; else at the first slot's end. It is sent
-/// anywhere in a slot.
+/// Expected delay of a message sent at a random instant of a slot. On a free medium it is visible at its arrival, but not before the
+/// end of the slot in which it is sent; on others at the end of the slot in which it arrives.
 fn expected(medium: Medium, slot: Time) -> f64 {
     let (slot, air) = (slot.seconds(), air_time(BYTES, BAUD).seconds());
     match medium {
@@ -61,7 +61,7 @@ fn expected(medium: Medium, slot: Time) -> f64 {
     }
 }
 
-/// From the arrival of each of [`COUNT`] messages until it is visible, s.
+/// Delay of each of [`COUNT`] messages from its arrival until it is visible, s.
 fn measure(medium: Medium, slot: Time) -> Vec<f64> {
     let members = if medium == Medium::TokenRing { STATIONS } else { 1 };
     let fates = exchange(medium, members, slot, &traffic(medium, STATIONS, LOAD, COUNT));
@@ -82,7 +82,7 @@ mod tests {
                 assert!(lags.iter().all(|lag| (0.0..=slot.seconds()).contains(lag)));
                 let mean = lags.iter().sum::<f64>() / COUNT as f64;
                 let expected = expected(medium, slot);
-                // A uniform lag has a deviation of 0.29 slots; this is four of a mean's.
+                // A uniform delay has a standard deviation of 0.29 slots; this is four of the mean's.
                 assert!(
                     (mean - expected).abs() < 1.2 * slot.seconds() / (COUNT as f64).sqrt(),
                     "{medium:?} {slot}: {mean}"

@@ -1,4 +1,4 @@
-//! Media that stations share: ALOHA and the token ring.
+//! Shared media: ALOHA and the token ring.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use super::*;
 
 const SLOT: Time = Time::from_millis(50);
 const COUNT: usize = 50_000;
-/// Neighbours share their fate, batches hardly.
+/// Messages per batch: neighbouring messages are correlated, batches hardly.
 const BATCH: usize = 1_000;
 const OFFERED: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5];
 const STATIONS: [u32; 4] = [2, 5, 10, 20];
 const LOADS: [f64; 6] = [0.05, 0.2, 0.4, 0.6, 0.7, 0.8];
 
-/// Throughput of unslotted ALOHA: messages of many stations that begin at random, as one of them hears them.
+/// Throughput of unslotted ALOHA: messages of many stations at random instants, as received by one of them.
 ///
 /// Source of the formula: Abramson 1970, S = G exp(-2 G).
 pub fn aloha(effort: Effort) -> Part {
@@ -43,7 +43,7 @@ pub fn aloha(effort: Effort) -> Part {
     Part { rows, picture }
 }
 
-/// How long messages wait for the token.
+/// Waiting time of messages for the token.
 ///
 /// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message a visit, Poisson arrivals.
 pub fn token_ring(effort: Effort) -> Part {
@@ -74,8 +74,8 @@ pub fn token_ring(effort: Effort) -> Part {
     Part { rows, picture }
 }
 
-/// Mean wait in a ring of so many stations, s: a message is what it takes beyond a token frame, which goes from each to the next
-/// in any case.
+/// Mean wait in a ring of `stations`, s. The service time of a message is its excess over a token frame, which goes from each
+/// station to the next in any case.
 fn expected_wait(stations: u32, load: f64) -> f64 {
     let frame = air_time(0, BAUD).seconds();
     let service = air_time(BYTES, BAUD).seconds() - frame;
@@ -84,8 +84,8 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
     (rate * service * service + frame * (f64::from(stations) + busy)) / (2.0 * (1.0 - load))
 }
 
-/// Messages that come at random, `load` of them in the time that one takes: in a token ring each from one of so many `stations` at
-/// random to the next, else from each of the robots from 2 on in turn to robot 1.
+/// Messages at random instants with offered load `load` (messages in the air time of one). In a token ring each goes from a random
+/// one of `stations` to the next, else from the robots from 2 on in turn to robot 1.
 pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Sending> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;
@@ -103,7 +103,8 @@ pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Se
     (1..=count as u64).map(message).collect()
 }
 
-/// What becomes of messages, in the order in which they were sent, and when that was. Those up to `members` listen.
+/// Sends `traffic` through a channel on which the stations up to `members` listen. Returns the time of sending and the delivery of
+/// each message, in the order of sending.
 pub fn exchange(medium: Medium, members: u32, slot: Time, traffic: &[Sending]) -> Vec<(Time, Delivery)> {
     let mut channel = channel(medium, Radio::default(), members);
     let mut fates = BTreeMap::new();

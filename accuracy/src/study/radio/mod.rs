@@ -1,9 +1,9 @@
-//! `radio` and `radio-latency`: the channel against the formulas of its media, and what the length of a slot adds.
+//! `radio` and `radio-latency`: the channel against the formulas of its media, and the effect of the slot length.
 //!
-//! All messages go through `sim_core`'s own channel, most of them through stations, slot by slot. What is measured is a share: of
-//! messages, of a throughput, of a waiting time. The error is its distance from the formula, which chance alone makes about as
-//! large as the half width of the interval in the picture. Samples are as large whatever the effort, so pictures are always the
-//! same; only times are measured more often.
+//! All messages go through `sim_core`'s own channel, most of them through stations, slot by slot. The measured quantity is a share of
+//! messages, of a throughput or of a waiting time. The error is its distance from the formula, which chance alone makes about as
+//! large as half the interval in the picture. Sample sizes do not depend on the effort, so pictures are always the same; only timings
+//! are repeated more often.
 
 mod delivery;
 mod latency;
@@ -24,9 +24,9 @@ pub const STUDY: Study =
 
 const SEED: u64 = 42;
 const BAUD: u32 = 115_200;
-/// Bytes of a message of RoBIOS 6.
+/// Length of a RoBIOS 6 message in bytes.
 const BYTES: usize = 35;
-/// How many standard deviations to either side hold 99.9 %.
+/// Number of standard deviations on either side that enclose 99.9 %.
 const SIGMAS: f64 = 3.29;
 
 fn run(effort: Effort) -> Outcome {
@@ -48,17 +48,17 @@ fn parts(effort: Effort) -> [Part; 5] {
     ]
 }
 
-/// What is measured of one thing.
+/// Result of one part of the study.
 struct Part {
     rows: Vec<Row>,
     picture: Picture,
 }
 
-/// Formulas as lines, and what was measured as dots with their intervals.
+/// Formulas as lines, and measurements as dots with their intervals.
 struct Picture {
     name: &'static str,
     title: &'static str,
-    /// Of x and y.
+    /// Labels of x and y.
     labels: [&'static str; 2],
     x_scale: Scale,
     curves: Vec<(String, Vec<(f64, f64)>)>,
@@ -73,7 +73,7 @@ impl Picture {
         let dots = self.points.iter().map(|point| (point.x, point.measured)).collect();
         series.push(Series { name: "measured".to_owned(), mark: Mark::Dots, points: dots });
         let bar = |point: &Point| {
-            // A break after each.
+            // A gap after each bar.
             [(point.x, point.measured - point.half), (point.x, point.measured + point.half), (f64::NAN, f64::NAN)]
         };
         let bars = self.points.iter().flat_map(bar).collect();
@@ -84,12 +84,12 @@ impl Picture {
     }
 }
 
-/// What was measured beside what a formula says.
+/// Measured value and the formula's prediction.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     x: f64,
     measured: f64,
-    /// Half of its 99.9 % interval.
+    /// Half width of the measured value's 99.9 % interval.
     half: f64,
     expected: f64,
 }
@@ -106,7 +106,7 @@ fn row(method: &str, setting: String, point: &Point, time_ns: f64) -> Row {
     }
 }
 
-/// A channel on which the robots from 1 to `members` are on, all with the same errors.
+/// Channel on which the robots from 1 to `members` are switched on, all with the same errors.
 fn channel(medium: Medium, errors: Radio, members: u32) -> Channel {
     let model = Model { medium, baud: BAUD, ..Model::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; members as usize]);
@@ -131,17 +131,17 @@ fn ten_to(x: f64) -> f64 {
     exp(x * std::f64::consts::LN_10)
 }
 
-/// Random numbers of a part of the study.
+/// Stream of random numbers for one part of the study.
 fn stream(part: u32, setting: u64) -> Stream {
     Stream::new(SEED, RobotId(part), Purpose::Program, 0, setting)
 }
 
-/// Between two events that come at random, one in `mean` seconds.
+/// Random interval between events of a Poisson process, on average `mean` seconds.
 fn pause(stream: &mut Stream, mean: f64) -> f64 {
     -ln(1.0 - stream.unit()) * mean
 }
 
-/// Mean of these, and half of its 99.9 % interval by the spread between them; each is the mean of many.
+/// Mean of batch means, and half of its 99.9 % interval estimated from their spread.
 fn mean_of(batches: &[f64]) -> (f64, f64) {
     let count = batches.len() as f64;
     let mean = batches.iter().sum::<f64>() / count;
@@ -160,7 +160,7 @@ mod tests {
             let Picture { name, points, .. } = &picture;
             assert!(rows.len() >= points.len(), "{name}");
             for Point { x, measured, half, expected } in points.iter().copied() {
-                // Of a hundred points one may lie outside of its interval once in ten times.
+                // Of a hundred points one lies outside its interval in one of ten runs.
                 let distance = (measured - expected).abs();
                 assert!(
                     distance <= 1.3 * half + 1e-9 * expected,

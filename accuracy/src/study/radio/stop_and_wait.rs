@@ -1,4 +1,4 @@
-//! Stop and wait: a sender repeats each message until its acknowledgement comes.
+//! Stop and wait: a sender repeats each message until it is acknowledged.
 
 use sim_core::RobotId;
 use sim_core::math::{exp, ln_1p};
@@ -8,13 +8,13 @@ use sim_core::time::Time;
 
 use super::*;
 
-/// Messages that are brought over at each setting.
+/// Number of messages transferred at each setting.
 const COUNT: u64 = 2_000;
 const LOSSES: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8];
 const RATES: [f64; 6] = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// An acknowledgement: the number of the message.
+/// Length of an acknowledgement in bytes: the number of the message.
 const ACK: usize = 1;
-/// Lengths of slots.
+/// Slot lengths.
 const SLOTS: [(Time, &str); 3] =
     [(Time(1), "slot of 1 us"), (Time::from_millis(10), "slot of 10 ms"), (Time::from_millis(50), "slot of 50 ms")];
 
@@ -72,21 +72,22 @@ fn measure(
     Part { rows, picture: Picture { name, title, labels, x_scale, curves, points } }
 }
 
-/// From sending a message to seeing its acknowledgement, if neither is lost: each takes its time on the air, and is seen at a
-/// slot's end at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost: each takes its air time, and is visible
+/// at a slot's end at the earliest.
 fn round_trip(slot: Time) -> Time {
     let way = |bytes| air_time(bytes, BAUD).max(slot);
     way(BYTES) + way(ACK)
 }
 
-/// The sender waits twice as long before it sends again.
+/// Timeout of the sender: twice the round trip.
 fn patience(slot: Time) -> Time {
     round_trip(slot) + round_trip(slot)
 }
 
-/// Throughput as a share of one message a round trip, and half of the 99.9 % interval of what is measured.
+/// Expected throughput as a share of one message per round trip, and half of the 99.9 % interval of the measured one.
 ///
-/// Both ways are free of errors with probability p; the attempts that fail are geometric, and each costs the sender's patience.
+/// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
+/// one timeout.
 fn share(errors: Radio) -> (f64, f64) {
     let Radio { bit_error_rate, packet_loss } = errors;
     let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
@@ -95,8 +96,8 @@ fn share(errors: Radio) -> (f64, f64) {
     (share, share * share * SIGMAS * deviation / (COUNT as f64).sqrt())
 }
 
-/// Brings [`COUNT`] messages from robot 1 to robot 2: the time that takes, s. What is not intact is thrown away, as by a
-/// checksum that misses nothing.
+/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by
+/// a checksum that misses nothing.
 fn bring_over(errors: Radio, slot: Time) -> f64 {
     let model = Model { baud: BAUD, ..Model::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);
@@ -114,13 +115,13 @@ fn bring_over(errors: Radio, slot: Time) -> f64 {
     send(&mut stations, 0, now, &payload(number));
     let mut alarm = now + patience(slot);
     while number < COUNT {
-        // The slot ends in which somebody did something.
+        // End of the slot in which a station sent or received.
         let slot_end = now.floor_to(slot) + slot;
         let sent = stations.iter_mut().flat_map(Station::take_sent).collect();
         for delivery in channel.exchange(slot_end, sent) {
             stations[delivery.to.index()].deliver(delivery);
         }
-        // And the next thing that happens wakes a robot.
+        // The next delivery or timeout wakes a robot.
         let [first, second] = [0, 1].map(|robot: usize| stations[robot].next_visible());
         now = first.min(second).min(alarm);
         stations.iter_mut().for_each(|station| drop(station.settle(now)));

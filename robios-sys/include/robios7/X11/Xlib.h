@@ -1,4 +1,4 @@
-/* What programs use of X without a window; EyeSim's types.h includes it. */
+/* Names of X that programs without a window use; EyeSim's types.h includes it. */
 #ifndef EYESIM_XLIB_H
 #define EYESIM_XLIB_H
 

@@ -1,9 +1,9 @@
-//! Bodies of robots that have no mesh of their own.
+//! Default appearance of robots without a mesh.
 //!
-//! A hull in the robot's colour, round and of the robot's diameter, for cars and Mecanum drives a box of that diagonal, or what the
-//! file says of its shape; on it, so that its heading can be told from every side: a bright wedge that points ahead, white lamps
-//! in front and red ones behind, as on ships a green one at the right and a red one at the left; a sloping display towards the
-//! rear, the camera where it sits, and dark wheels where the drive has them. Source: our choice.
+//! The hull has the robot's colour. It is round with the robot's diameter, for cars and Mecanum drives a box of that
+//! diagonal, or the colliders of the file. Marks show its heading from every side: a bright wedge pointing ahead, white
+//! lamps in front and red ones behind, as on ships a green lamp at the right and a red one at the left; a sloping
+//! display towards the rear, the camera at its place, and dark wheels according to the drive. Source: our choice.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
 
-/// Red, green, blue of robots' bodies by their numbers, again from the first after the last: blue, green, violet, yellow, cyan,
+/// Colours of robots by id, red, green, blue, repeated cyclically: blue, green, violet, yellow, cyan,
 /// pink. None is red or orange, the colours of the objects `Can` and `Soccer`. Source: our choice.
 pub const ROBOT_COLOURS: [[u8; 3]; 6] =
     [[30, 100, 200], [40, 150, 70], [130, 80, 180], [225, 205, 60], [60, 185, 205], [215, 110, 175]];
@@ -35,23 +35,23 @@ const WHITE_LAMP: [u8; 3] = [255, 255, 255];
 const RED_LAMP: [u8; 3] = [230, 30, 30];
 const GREEN_LAMP: [u8; 3] = [30, 220, 60];
 
-/// Width of a wheel over its diameter.
+/// Ratio of a wheel's width to its diameter.
 const WHEEL_WIDTH: f64 = 0.25;
-/// Corners of a wheel, and of what is smaller.
+/// Corners of a wheel, and of smaller round parts.
 const WHEEL_SIDES: u32 = 20;
 const SMALL_SIDES: u32 = 10;
 /// Corners of a round hull.
 const HULL_SIDES: u32 = 36;
-/// Height of a round hull, and of one that is a box, over the robot's diameter.
+/// Ratios of the height of a round hull, and of a box hull, to the robot's diameter.
 const ROUND_HEIGHT: f64 = 0.4;
 const BOX_HEIGHT: f64 = 0.26;
-/// Least of it where a camera sits low.
+/// Least such ratio, for a hull under a low camera.
 const LEAST_HEIGHT: f64 = 0.15;
-/// How far the hull stays within its outline, so that lamps lie on it.
+/// Scale of the hull within its outline, so that lamps protrude.
 const INSET: f64 = 0.98;
 
-/// Middles of the wheels in the robot's frame, in metres: left before right, of a car the driven ones first, of a Mecanum drive those
-/// in front.
+/// Centres of the wheels in the robot's frame, in metres: left before right; for a car, the driven ones first; for a
+/// Mecanum drive, the front ones first.
 pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
     let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
     let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
@@ -64,7 +64,7 @@ pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
     }
 }
 
-/// The body of a robot type in a colour.
+/// Mesh of a robot type's body in a colour.
 pub fn looks(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
     let hull = Hull::of(robi);
     let mut sketch = Sketch::default();
@@ -82,17 +82,17 @@ pub fn looks(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
     sketch.finish()
 }
 
-/// The part of a body that bears all others.
+/// The main part of a body, which carries all others.
 struct Hull {
     /// Convex, counter-clockwise from above.
     outline: Vec<DVec2>,
     bottom: f64,
     top: f64,
-    /// Its middle.
+    /// Centre of the outline.
     centre: DVec2,
-    /// Half of its length and of its width.
+    /// Half length and half width.
     half: DVec2,
-    /// Half of the height of its lamps.
+    /// Half height of the lamps.
     lamp: f64,
 }
 
@@ -109,9 +109,9 @@ impl Hull {
     fn of_drive(robi: &RobiSpec) -> Self {
         let (diameter, wheel) = (robi.diameter, robi.wheel.diameter);
         let radius = 0.5 * diameter;
-        // A body with legs sits on its hips.
+        // A legged body sits on its hips.
         let belly = build::legs(robi).map_or(0.0, |legs| legs.belly);
-        // Wheels show below the hull, and beside that of a car.
+        // Wheels are visible below the hull, and for a car also beside it.
         let (outline, bottom, half, height) = match robi.drive.kind {
             DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
             DriveKind::Legged => (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT),
@@ -146,7 +146,7 @@ impl Hull {
                 corners.map(|corner| middle + corner + shift * corner.signum()).collect()
             }
         };
-        // Beyond its middle what is round leaves its outline.
+        // A rounded hull recedes from its outline away from its middle height.
         let lamp = if is_flat { 0.15 } else { 0.06 } * height;
         Self { outline, bottom, top, centre: middle, half, lamp }
     }
@@ -164,7 +164,7 @@ impl Hull {
         0.5 * (self.bottom + self.top)
     }
 
-    /// Where the outline is met in the direction `angle` from the middle.
+    /// Point of the outline in the direction `angle` from the centre.
     fn rim(&self, angle: f64) -> DVec2 {
         let way = direction(angle);
         let next = self.outline.iter().cycle().skip(1);
@@ -179,7 +179,7 @@ impl Hull {
 
     fn draw_lamps(&self, sketch: &mut Sketch) {
         let [front, right, back, left] = [0.0, -0.25 * TAU, 0.5 * TAU, 0.25 * TAU];
-        // The corner of a long hull, as seen from its middle: lamps in front and behind sit towards it.
+        // Angle of the corner of a long hull, seen from its centre; lamps in front and behind shift towards it.
         let corner = math::atan2(self.half.y, self.half.x);
         for side in [-1.0, 1.0] {
             self.lamp(sketch, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);
@@ -190,7 +190,7 @@ impl Hull {
         self.lamp(sketch, left, 0.3 * across, RED_LAMP);
     }
 
-    /// A lamp on the rim, from `half` before the direction `middle` to `half` behind it.
+    /// A lamp on the rim, over the directions `middle - half` to `middle + half`.
     fn lamp(&self, sketch: &mut Sketch, middle: f64, half: f64, colour: [u8; 3]) {
         const STEPS: i32 = 1;
         let paint = sketch.paint(colour);
@@ -209,7 +209,7 @@ impl Hull {
         }
     }
 
-    /// The wedge that points ahead, and the display.
+    /// Draws the wedge pointing ahead, and the display.
     fn draw_deck(&self, sketch: &mut Sketch) {
         let size = self.half.min_element();
         let place = |x: f64, y: f64| self.centre + self.half * DVec2::new(x, y);
@@ -234,7 +234,7 @@ impl Hull {
     }
 }
 
-/// Half sizes in the floor plane, height and middle of a part of a body's shape.
+/// Half sizes in the floor plane, height and centre of a collider.
 fn extent(collider: &Collider) -> (DVec2, f64, DVec3) {
     match *collider {
         Collider::Box { centre, size } => (0.5 * size.truncate(), size.z, centre),
@@ -255,7 +255,7 @@ fn rectangle(centre: DVec2, half: DVec2) -> Vec<DVec2> {
     [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + half * DVec2::new(x, y)).to_vec()
 }
 
-/// Wheels with their axles, and the castors of a differential drive; nothing of a robot that walks.
+/// Draws wheels with their axles, and the castors of a differential drive; nothing for a legged robot.
 fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
     let places = wheel_places(robi);
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
@@ -268,7 +268,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
             DriveKind::Omni => sketch.image(rollers(place.x > robi.axis_offset, place.y > 0.0)),
             _ => tyre,
         };
-        // The axle is the wheel's z, to the left.
+        // The axle is the wheel's z axis, pointing left.
         let at =
             |y: f64| Pose3 { position: DVec3::new(place.x, y, radius), ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
         sketch.cylinder(
@@ -285,7 +285,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
         let at = Pose3 { position: left.midpoint(right).extend(radius), ..Pose3::IDENTITY };
         sketch.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
     }
-    // What bears a hull that lies above the axles.
+    // Support of a hull above the axles.
     let axles = first.midpoint(*last);
     let (low, high) = (0.85 * radius, hull.middle());
     if hull.bottom > low {
@@ -294,7 +294,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
         sketch.cuboid(&at, size, chassis);
     }
     if robi.drive.kind == DriveKind::Differential {
-        // As far from the axle as the hull is long there; a robot whose axle is in its middle has one at either end.
+        // Castors stand away from the axle; a robot with its axle in the middle has one at either end.
         let behind = axles.x > hull.centre.x - 0.2 * hull.half.x;
         let ahead = axles.x < hull.centre.x + 0.2 * hull.half.x;
         let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half.min_element());
@@ -304,7 +304,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
             let position = DVec3::new(place.x, place.y - 0.5 * size.height, castor);
             let at = Pose3 { position, ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
             sketch.cylinder(&at, size, 1, [tyre; 2]);
-            // Its fork, up into the hull.
+            // Fork of the castor, up into the hull.
             let high = hull.middle().max(castor);
             let fork = Pose3 { position: place.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };
             sketch.cuboid(&fork, DVec3::new(0.5 * castor, 0.9 * castor, high - castor), chassis);
@@ -312,7 +312,8 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
     }
 }
 
-/// The rollers of a Mecanum wheel, which lie askew: in front at the left and behind at the right towards the front and the middle.
+/// Texture of the oblique rollers of a Mecanum wheel: at front left and back right, they point towards the front and
+/// the middle.
 fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     const SIZE: u32 = 16;
     let shade = |column: u32, row: u32| {
@@ -324,7 +325,8 @@ fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
 }
 
-/// The camera where it sits, its servos in the middle; one within the hull looks out of it.
+/// Draws the camera at its place, with its servos in the middle of their range; a camera within the hull moves to its
+/// outline.
 fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: f64) {
     let middle = |joint: &JointSpec| match joint {
         JointSpec::Fixed(angle) => *angle,
@@ -350,7 +352,7 @@ fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: 
     let front = lens.then(&Pose3 { position: 0.2 * size * DVec3::Z, ..Pose3::IDENTITY });
     let pane = Round { radius: 0.22 * size, height: 0.07 * size, sides: SMALL_SIDES };
     sketch.cylinder(&front, pane, 1, [glass, glass]);
-    // A mast from the deck, or up to it.
+    // Mast between camera and deck.
     let (low, high) = (hull.middle().min(position.z), hull.middle().max(position.z));
     let mast = Pose3 { position: behind.position.truncate().extend(0.5 * (low + high)), ..Pose3::IDENTITY };
     sketch.cuboid(&mast, DVec3::new(0.3 * size, 0.5 * size, high - low), housing);

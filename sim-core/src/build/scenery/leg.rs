@@ -1,4 +1,5 @@
-//! What cameras see of the legs of a robot: a capsule for each thigh and shank, a box for each foot, a disc for each wheel.
+//! Default appearance of a robot's legs: a capsule for each thigh and shank, a box for each foot, a disc for each
+//! wheel.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use crate::spec::{Axis, Collider, RobiSpec};
 /// Red, green, blue of thighs, shanks and feet. Source: our choice.
 const COLOURS: [[u8; 3]; 3] = [[96, 100, 108], [150, 154, 160], [52, 54, 58]];
 
-/// The parts of all legs, in the order and frames of [`Legs::parts`](crate::drive::legged::Legs::parts).
+/// Meshes of all leg parts, in the order and frames of [`Legs::parts`](crate::drive::legged::Legs::parts).
 pub fn looks(robi: &RobiSpec) -> Vec<Arc<Mesh>> {
     let Some(legs) = build::legs(robi) else { return Vec::new() };
     legs.legs.iter().flat_map(|leg| parts(leg, legs.radius.max(1e-3))).collect()
@@ -41,7 +42,7 @@ fn parts(leg: &Leg, radius: f64) -> Vec<Arc<Mesh>> {
     [limb(leg.thigh, COLOURS[0]).finish(), shank.finish()].into_iter().chain(foot).collect()
 }
 
-/// A foot around its ankle, from the sole up to the ankle, as wide as two limbs.
+/// A foot in the ankle's frame, from the sole up to the ankle, as wide as two limbs.
 fn sole(foot: &Foot, radius: f64) -> Arc<Mesh> {
     let mut sketch = Sketch::default();
     let paint = sketch.paint(COLOURS[2]);

@@ -1,4 +1,4 @@
-//! What cameras see of a scene.
+//! Scenery for cameras, built from a scene.
 
 mod body;
 mod leg;
@@ -25,41 +25,41 @@ pub use body::{ROBOT_COLOURS, wheel_places};
 use sketch::Sketch;
 pub use visuals::{Newcomer, NoMeshes, Visuals};
 
-/// Red, green, blue of a wall without a colour of its own: nearly white, apart from the floor and from the sky. Source: our choice.
+/// Default colour of walls, red, green, blue: nearly white, distinct from floor and sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
 
-/// Radius of the spot of a marker in metres. Source: our choice; the files do not say.
+/// Radius of a marker's spot in metres. Source: our choice; the files do not say.
 pub const MARKER_RADIUS: f64 = 0.05;
 
-/// Share of the light that is not ambient which comes from the side opposite to the sun. Source: our choice.
+/// Fraction of the non-ambient light that comes from the side opposite to the sun. Source: our choice.
 const FILL: f64 = 0.35;
 
-/// Where meshes and images of a scene come from. They are asked for when something is to be seen, not before.
+/// Source of the meshes and images of a scene, queried lazily: only when they are to be displayed.
 pub trait MeshSource {
-    /// The mesh of a robot type, in the robot's frame; `None` if it names none or none that can be read.
+    /// The mesh of a robot type, in the robot's frame; `None` if it names none, or the mesh cannot be read.
     fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>>;
 
-    /// The mesh of an object type, in the object's frame; `None` if it names none or none that can be read.
+    /// The mesh of an object type, in the object's frame; `None` if it names none, or the mesh cannot be read.
     fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>>;
 
-    /// The image on the floor, stretched over all of it; `None` if the world names none or none that can be read.
+    /// The image stretched over the floor; `None` if the world names none, or the image cannot be read.
     fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>>;
 }
 
-/// Meshes of types of robots and objects, each made once. Types are told apart by their addresses, and therefore kept.
+/// Cache of meshes by type of robot or object. The keys are addresses, so the entries keep their types alive.
 #[derive(Clone, Debug, Default)]
 struct Looks {
     of_objects: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
-    /// Of robot types with a mesh of their own.
+    /// By robot type, the mesh that its file names, if any.
     of_robots: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
-    /// Of the others, by colour.
+    /// Default bodies of robot types without a mesh, by type and colour.
     bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
-    /// Parts of legs of robot types.
+    /// Leg parts, by robot type.
     legs: BTreeMap<usize, Vec<Arc<Mesh>>>,
 }
 
 impl Looks {
-    /// What cameras see of a movable object of this type.
+    /// Visible part of a movable object of this type.
     fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
         Part { mesh: self.of_type(kind, reader), label: Label::Object(id), place: Place::Object(id) }
     }
@@ -69,7 +69,7 @@ impl Looks {
         Arc::clone(&self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks).1)
     }
 
-    /// What cameras see of a robot of this type.
+    /// Visible part of a robot of this type, without legs.
     fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut dyn MeshSource) -> Part {
         let address = Arc::as_ptr(robi).addr();
         let new = || (Arc::clone(robi), reader.robot(robi));
@@ -82,7 +82,7 @@ impl Looks {
         Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
     }
 
-    /// What cameras see of the legs of a robot of this type: nothing of one on wheels.
+    /// Visible parts of the legs of a robot of this type; empty for a wheeled robot.
     fn legs(&mut self, id: RobotId, robi: &Arc<RobiSpec>) -> Vec<Part> {
         let meshes = self.legs.entry(Arc::as_ptr(robi).addr()).or_insert_with(|| leg::looks(robi));
         let part = |(number, mesh): (usize, &Arc<Mesh>)| Part {
@@ -94,15 +94,15 @@ impl Looks {
     }
 }
 
-/// All that cameras see of a scene: its ground, walls and objects, and its robots.
+/// The scenery of a scene: ground, walls, objects and robots.
 ///
 /// Meshes and textures come from `reader`. An object without a mesh is shown by its
-/// colliders, a robot without one gets a body with wheels, lamps and a nose, in a colour by its number.
+/// colliders; a robot without one gets a body with wheels, lamps and a nose, in a colour chosen by its id.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut Looks::default(), reader)
 }
 
-/// The same, with the looks of its types, which more of them can share.
+/// As [`scenery`], with a cache of meshes that later additions can share.
 fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
@@ -143,7 +143,8 @@ fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall that stands on the floor: a sheet, or a box without a lower face. Ends in one place share their corners to the bit.
+/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point share its corners to the
+/// bit.
 fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
     let mut sketch = Sketch::default();
     let paint = sketch.paint(wall.colour.unwrap_or(WALL_COLOUR));

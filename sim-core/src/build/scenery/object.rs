@@ -1,4 +1,5 @@
-//! What objects without a mesh look like: their shape in their colour; those that are built in a little more so.
+//! Default appearance of objects without a mesh: their colliders in their colour, with more detail for the built-in
+//! objects.
 
 use std::sync::Arc;
 
@@ -9,13 +10,13 @@ use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{BUILT_IN_OBJECTS, Collider, ObjectType};
 
-/// Red, green, blue of an object without a colour of its own: yellow. Source: our choice.
+/// Default colour of objects, red, green, blue: yellow. Source: our choice.
 const COLOUR: [u8; 3] = [240, 228, 66];
 
-/// The lids of the built-in can.
+/// Colour of the rims of the built-in can.
 const METAL: [u8; 3] = [200, 202, 206];
 
-/// Shape and colour of an object's type.
+/// Mesh of an object type from its colliders.
 pub fn looks(kind: &ObjectType) -> Arc<Mesh> {
     let colour = kind.colour.unwrap_or(COLOUR);
     let is_built_in = BUILT_IN_OBJECTS.contains(&kind.file.as_str());
@@ -38,7 +39,7 @@ pub fn looks(kind: &ObjectType) -> Arc<Mesh> {
     sketch.finish()
 }
 
-/// A drink can: its colour between two narrower rims of metal.
+/// A drink can: a painted cylinder between two narrower metal rims.
 fn can(sketch: &mut Sketch, centre: DVec3, size: Round, colour: [u8; 3]) {
     let at = |height: f64| Pose3 { position: centre - 0.5 * height * DVec3::Z, ..Pose3::IDENTITY };
     let (paint, metal) = (sketch.paint(colour), sketch.paint(METAL));
@@ -48,7 +49,7 @@ fn can(sketch: &mut Sketch, centre: DVec3, size: Round, colour: [u8; 3]) {
     sketch.cylinder(&at(rims.height), rims, 1, [metal; 2]);
 }
 
-/// The side of a wooden box: a frame and a brace from the lower left to the upper right, on boards.
+/// Texture of a wooden box: a frame, and a brace from the lower left to the upper right on boards.
 fn planks(colour: [u8; 3]) -> Arc<Texture> {
     const SIZE: u32 = 64;
     const FRAME: u32 = 9;
@@ -56,7 +57,7 @@ fn planks(colour: [u8; 3]) -> Arc<Texture> {
     let shade = |column: u32, row: u32| {
         let border = column.min(row).min(SIZE - 1 - column).min(SIZE - 1 - row);
         let brace = (column + row).abs_diff(SIZE - 1);
-        // In percent of the colour.
+        // Brightness in percent of the colour.
         let light: u32 = match (border, brace) {
             (FRAME, _) => 60,
             (..FRAME, _) => 100,

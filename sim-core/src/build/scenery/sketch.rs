@@ -10,21 +10,21 @@ use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture, Triangle};
 use crate::spec::{Axis, Collider};
 
-/// Sides of what is round. The outline of a circle of radius r is off by 0.43 % of r at most, half of it outwards and half
-/// inwards (see [`outer`]): a quarter of a pixel where the circle is 116 pixels wide. Source: our choice.
+/// Number of sides of a round solid. The outline of a circle of radius r is off by 0.43 % of r at most, half of it
+/// outwards and half inwards (see [`outer`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
 pub const SIDES: u32 = 24;
 
-/// A mesh that is being made.
+/// Mesh builder.
 #[derive(Debug, Default)]
 pub struct Sketch {
     mesh: Mesh,
 }
 
-/// The looks of faces of a [`Sketch`].
+/// Material of faces of a [`Sketch`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Paint(u32);
 
-/// What is round about z: its radius, its height and how many sides it has.
+/// Dimensions of a round solid about z, and its number of sides.
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
     pub radius: f64,
@@ -37,16 +37,16 @@ pub struct Round {
 struct Ring {
     radius: f64,
     z: f64,
-    /// Where the surface looks there: outwards and upwards.
+    /// Normal of the surface: outwards and upwards.
     normal: DVec2,
 }
 
-/// What a polygon of so many sides has for a radius that strays from the circle of radius 1 as far outwards as inwards.
+/// Circumradius of the regular polygon that deviates from the circle of radius 1 equally outwards and inwards.
 pub fn outer(sides: u32) -> f64 {
     2.0 / (1.0 + math::cos(PI / f64::from(sides)))
 }
 
-/// The corners of a regular polygon about the origin that stands for a circle, counter-clockwise.
+/// Corners, counter-clockwise, of the regular polygon about the origin that approximates a circle.
 pub fn circle(radius: f64, sides: u32) -> Vec<DVec2> {
     let radius = radius * outer(sides);
     (0..sides).map(|side| radius * direction(TAU * f64::from(side) / f64::from(sides))).collect()
@@ -64,12 +64,12 @@ impl Sketch {
         Arc::new(self.mesh)
     }
 
-    /// Faces of one colour: red, green, blue.
+    /// Material of one colour: red, green, blue.
     pub fn paint(&mut self, colour: [u8; 3]) -> Paint {
         self.material(colour, None)
     }
 
-    /// Faces that show an image.
+    /// Material that shows an image.
     pub fn image(&mut self, texture: Arc<Texture>) -> Paint {
         self.material([255; 3], Some(texture))
     }
@@ -90,7 +90,7 @@ impl Sketch {
         self.mesh.positions.len() as u32 - 1
     }
 
-    /// A face with corners counter-clockwise from outside; none where they lie on a line.
+    /// Adds a face with corners counter-clockwise from outside, unless they are collinear.
     fn triangle(&mut self, corners: [u32; 3], normals: Option<[Vec3; 3]>, uv: Option<[Vec2; 3]>, paint: Paint) {
         let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);
         if (b - a).cross(c - a).try_normalize().is_some() {
@@ -98,7 +98,7 @@ impl Sketch {
         }
     }
 
-    /// A flat convex face, its corners counter-clockwise from outside.
+    /// Adds a flat convex face with corners counter-clockwise from outside.
     pub fn polygon(&mut self, corners: &[DVec3], paint: Paint) {
         let places: Vec<u32> = corners.iter().map(|corner| self.place(*corner)).collect();
         for pair in places[1..].windows(2) {
@@ -106,7 +106,8 @@ impl Sketch {
         }
     }
 
-    /// A flat face of four corners, counter-clockwise from outside and from the lower left corner of the paint's image on.
+    /// Adds a flat face of four corners, counter-clockwise from outside, starting at the lower left corner of the
+    /// paint's image.
     pub fn panel(&mut self, corners: [DVec3; 4], paint: Paint) {
         let [a, b, c, d] = corners.map(|corner| self.place(corner));
         let uv = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
@@ -114,8 +115,8 @@ impl Sketch {
         self.triangle([a, c, d], None, Some([uv[0], uv[2], uv[3]]), paint);
     }
 
-    /// An upright solid over a convex `outline`, counter-clockwise from above; its upper face lies where `top` says for each
-    /// corner. Its sides are `side`s, its upper face is `lid`; it has none below.
+    /// Adds an upright solid over a convex `outline`, counter-clockwise from above; `top` gives the height of its upper
+    /// face at each corner. Its sides are painted with `side`, its upper face with `lid`; it has no lower face.
     pub fn column(&mut self, outline: &[DVec2], bottom: f64, top: impl Fn(DVec2) -> f64, side: Paint, lid: Paint) {
         let next = outline.iter().cycle().skip(1);
         for (a, b) in outline.iter().zip(next) {
@@ -126,11 +127,11 @@ impl Sketch {
         self.polygon(&lid_corners, lid);
     }
 
-    /// A box in the frame `at`, whose origin is its middle.
+    /// Adds a box in the frame `at`, whose origin is its centre.
     pub fn cuboid(&mut self, at: &Pose3, size: DVec3, paint: Paint) {
         let half = 0.5 * size;
         let corner = |x: f64, y: f64, z: f64| at.transform_point(half * DVec3::new(x, y, z));
-        // Each face from its lower left corner on, as one sees it who stands before it.
+        // Each face starts at its lower left corner, as seen from outside.
         let sides = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)];
         for (place, (x, y)) in sides.iter().enumerate() {
             let (u, v) = sides[(place + 1) % 4];
@@ -141,8 +142,8 @@ impl Sketch {
         self.panel(lid(-1.0, -1.0), paint);
     }
 
-    /// A cylinder about z in the frame `at`, from z = 0 to `height`, smooth around, with a flat face at either end. Where its
-    /// paint has an image, that is laid around it `turns` times.
+    /// Adds a cylinder about z in the frame `at`, from z = 0 to `height`, with smooth sides and a flat face at either
+    /// end. An image of its paint is repeated `turns` times around it.
     pub fn cylinder(&mut self, at: &Pose3, size: Round, turns: u32, paint: [Paint; 2]) {
         let [side, ends] = paint;
         let Round { radius, height, sides } = size;
@@ -155,14 +156,14 @@ impl Sketch {
         self.polygon(&lower, ends);
     }
 
-    /// A cylinder of this `length` between two half spheres, about z in the frame `at`, whose origin is its middle; a sphere for
-    /// no length.
+    /// Adds a cylinder of this `length` between two half spheres, about z in the frame `at`, whose origin is its
+    /// centre; with length 0, a sphere.
     pub fn capsule(&mut self, at: &Pose3, radius: f64, length: f64, paint: Paint) {
         let ring = |angle: f64, shift: f64| {
-            // At the poles exactly, so that the faces beyond them have no area.
+            // Exact at the poles, so that the faces beyond them have no area.
             let normal = if angle.abs() < 0.25 * TAU { direction(angle) } else { DVec2::Y * angle.signum() };
             let place = radius * outer(SIDES) * normal;
-            // `revolve` strays outwards by itself.
+            // `revolve` applies `outer` to the radius itself.
             Ring { radius: radius * normal.x, z: place.y + shift, normal }
         };
         let half = SIDES / 4;
@@ -174,7 +175,7 @@ impl Sketch {
         self.revolve(at, &rings, (SIDES, 1), paint);
     }
 
-    /// The surface between rings about z in the frame `at`, from below to above.
+    /// Adds the surface between rings about z in the frame `at`, from the lowest to the highest.
     fn revolve(&mut self, at: &Pose3, rings: &[Ring], (sides, turns): (u32, u32), paint: Paint) {
         let ways: Vec<DVec2> = circle(1.0, sides);
         let first = self.mesh.positions.len() as u32;
@@ -207,7 +208,7 @@ impl Sketch {
         }
     }
 
-    /// A part of a body's shape.
+    /// Adds the solid of a collider.
     pub fn collider(&mut self, collider: &Collider, paint: Paint) {
         let upright = |centre: DVec3| Pose3 { position: centre, ..Pose3::IDENTITY };
         match *collider {
@@ -234,7 +235,7 @@ impl Sketch {
 mod tests {
     use super::*;
 
-    /// Volume within a closed mesh whose faces are counter-clockwise from outside.
+    /// Volume inside a closed mesh whose faces are counter-clockwise from outside.
     fn volume(mesh: &Mesh) -> f64 {
         mesh.triangles.iter().map(|face| mesh.corners(face)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
     }

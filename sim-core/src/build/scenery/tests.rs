@@ -1,4 +1,4 @@
-//! The light of sceneries, and images on the sides of bodies.
+//! Light of sceneries, and images on the sides of bodies.
 
 use super::*;
 use crate::camera::{Camera, Lens, Picture, View};
@@ -16,7 +16,7 @@ fn the_light_gives_walls_in_the_four_directions_and_the_floor_five_shades() {
     };
     let mut shares = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(share);
     shares.sort_by(f64::total_cmp);
-    // Six levels of 255 are told apart side by side.
+    // A difference of six levels of 255 is visible side by side.
     assert!(shares.windows(2).all(|pair| pair[1] - pair[0] > 6.0 / 255.0), "{shares:?}");
     assert!(shares[4] <= 1.0 && shares[0] > 0.5, "{shares:?}");
 }
@@ -26,7 +26,7 @@ const GREEN: [u8; 3] = [0, 255, 0];
 const BLUE: [u8; 3] = [0, 0, 255];
 const YELLOW: [u8; 3] = [255, 255, 0];
 
-/// An image of four fields: red and green above, blue and yellow below.
+/// Pixels of four quadrants: red and green above, blue and yellow below.
 fn fields() -> Vec<[u8; 4]> {
     let field = |pixel: usize| {
         let [red, green, blue] = [[RED, GREEN], [BLUE, YELLOW]][pixel / 64 / 32][pixel % 64 / 32];
@@ -35,7 +35,7 @@ fn fields() -> Vec<[u8; 4]> {
     (0..64 * 64).map(field).collect()
 }
 
-/// What is seen of a scenery without things that move.
+/// View of a scenery without moving parts.
 fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u8; 3]> {
     let pose = View::looking(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
@@ -43,7 +43,7 @@ fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u
     Camera::default().colour(&scenery.still(&world, Time::ZERO), &view, None, 1)
 }
 
-/// A mesh alone in the world.
+/// Scenery with a single mesh.
 fn alone(mesh: Arc<Mesh>) -> Scenery {
     let place = Place::Fixed(Pose3::IDENTITY);
     let part = Part { mesh, label: Label::Fixed(0), place };

@@ -1,4 +1,4 @@
-//! What cameras see of a scene and of whoever comes into it later.
+//! Scenery of a scene and of the entities spawned later.
 
 use std::sync::Arc;
 
@@ -8,18 +8,19 @@ use crate::scene::{Mesh, Texture};
 use crate::spec::{ObjectType, RobiSpec, SceneSpec, WorldSpec};
 use crate::{ObjectId, RobotId};
 
-/// The scenery of a scene, to which robots and movable objects can be added. A copy shares all meshes and images.
+/// The scenery of a scene, to which spawned robots and movable objects can be added. A clone shares all meshes and
+/// images.
 #[derive(Clone, Debug)]
 pub struct Visuals {
     scenery: Arc<Scenery>,
     looks: Looks,
 }
 
-/// No meshes and images at all: things look as their colliders are.
+/// A mesh source without meshes and images: objects appear as their colliders.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoMeshes;
 
-/// Somebody who has come into a run.
+/// An entity spawned during a run.
 #[derive(Clone, Debug)]
 pub enum Newcomer {
     /// A robot.
@@ -29,23 +30,23 @@ pub enum Newcomer {
 }
 
 impl Visuals {
-    /// What cameras see of `scene`, whose meshes and images come from `reader`.
+    /// The scenery of `scene`, with meshes and images from `reader`.
     pub fn new(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Self {
         let mut looks = Looks::default();
         Self { scenery: Arc::new(scenery_with(scene, &mut looks, reader)), looks }
     }
 
-    /// Nothing but this scenery.
+    /// Wraps an existing scenery.
     pub fn of(scenery: Scenery) -> Self {
         Self { scenery: Arc::new(scenery), looks: Looks::default() }
     }
 
-    /// All that can be seen.
+    /// The current scenery.
     pub fn scenery(&self) -> &Arc<Scenery> {
         &self.scenery
     }
 
-    /// These can be seen from now on, too; `reader` is asked for the meshes of types that are new.
+    /// Adds spawned entities to the scenery; the meshes of new types come from `reader`.
     pub fn add(&mut self, newcomers: impl IntoIterator<Item = Newcomer>, reader: &mut dyn MeshSource) {
         let mut parts = Vec::new();
         for newcomer in newcomers {

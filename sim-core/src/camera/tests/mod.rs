@@ -45,7 +45,7 @@ fn image(random: &mut Random, width: u32, height: u32, is_opaque: bool) -> Arc<T
     Arc::new(Texture::new(width, height, pixels.collect()).expect("as many pixels"))
 }
 
-/// A box with images on its faces, its normals at the corners those of a ball if it `is_round`.
+/// A box with images on its faces; if it `is_round`, its normals at the corners are those of a ball.
 fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Material>) -> Arc<Mesh> {
     let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
     let corner = |corner: usize| DVec3::new(sign(corner, 0), sign(corner, 1), sign(corner, 2));
@@ -66,7 +66,7 @@ fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Mater
     Arc::new(Mesh { positions: (0..8).map(|number| corner(number) * half).collect(), triangles, materials })
 }
 
-/// A ball of `rows` times twice as many squares; closed.
+/// A closed ball of `rows` times `2 rows` quadrilaterals.
 fn ball(rows: u32) -> Arc<Mesh> {
     let columns = 2 * rows;
     let mut positions = vec![DVec3::Z];
@@ -100,7 +100,7 @@ fn ball(rows: u32) -> Arc<Mesh> {
     Arc::new(Mesh { positions, triangles, materials: vec![Material::default()] })
 }
 
-/// Boxes and loose triangles in a heap, some across each other, over a painted floor.
+/// A random heap of boxes and loose triangles, some intersecting, over a painted floor.
 fn heap(seed: u64) -> Scenery {
     let mut random = Random::new(seed);
     let random = &mut random;
@@ -165,7 +165,7 @@ fn view(random: &mut Random, lens: Lens, size: [u32; 2]) -> View {
     View::new(pose(random, position), lens, size).expect("a view")
 }
 
-/// Whether all pixels around one show the same as it does.
+/// Returns true if all neighbours of a pixel show the same face.
 fn is_within(shown: &Picture<Shown>, column: u32, row: u32) -> bool {
     let [width, height] = shown.size();
     let rows = row.saturating_sub(1)..(row + 2).min(height);
@@ -201,7 +201,7 @@ fn pictures_are_those_of_every_face_on_every_pixel() {
                     if is_within(&slow.shown, column, row) {
                         let what = (seed, lens, column, row, slow.shown.pixel(column, row));
                         assert!(is_as_far, "{far} m, not {near}: {what:?}");
-                        // Half a level of rounding, half a level of the fast way's own.
+                        // Half a colour level of rounding, and half a level of error of the renderer.
                         if apart > 1.0 {
                             off += 1;
                             eprintln!("{expected:?}, not {found:?}: {what:?}");
@@ -214,11 +214,11 @@ fn pictures_are_those_of_every_face_on_every_pixel() {
         }
     }
     assert_eq!(off, 0, "of {compared} pixels");
-    // On silhouettes, where the ray passes within rounding of an edge.
+    // Differences on silhouettes, where the ray passes within rounding of an edge.
     assert!(differing <= compared / 2000, "{differing} of {compared}");
 }
 
-/// From the scalar one to the widest at hand.
+/// All available SIMD levels, from scalar to the widest.
 fn levels() -> Vec<Level> {
     let mut levels = vec![Level::fallback(), Level::baseline(), Level::new()];
     #[cfg(target_arch = "x86_64")]
@@ -263,7 +263,7 @@ fn a_closed_surface_has_no_holes() {
     let mut random = Random::new(5);
     let mut camera = Camera::default();
     for number in 0..3000 {
-        // Corners and edges lie exactly on rays where the camera stands on an axis.
+        // With the camera on an axis, corners and edges lie exactly on rays.
         let position = match number % 4 {
             0 => DVec3::ZERO,
             1 => DVec3::new(0.5, 0.0, 0.0),
@@ -281,7 +281,7 @@ fn a_closed_surface_has_no_holes() {
     }
 }
 
-/// The colour that one lane finds.
+/// The colour sampled in one lane.
 #[inline(always)]
 fn sampled<S: Simd>(simd: S, pyramid: &Pyramid, place: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
     let all = |value: f64| S::f32s::splat(simd, value as f32);

@@ -1,4 +1,4 @@
-//! The slow way to a picture, for comparison: every face on every pixel, in `f64`.
+//! Reference renderer: tests every face on every pixel, in `f64`.
 
 use glam::{DVec2, DVec3};
 
@@ -9,7 +9,7 @@ use crate::math;
 use crate::pose::Pose3;
 use crate::scene::Texture;
 
-/// What a pixel shows.
+/// Surface shown by a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
     Sky,
@@ -18,7 +18,7 @@ pub enum Shown {
     Face(usize, usize),
 }
 
-/// A picture with what its pixels show.
+/// A rendered picture with its depths and the surface shown by each pixel.
 pub struct Reference {
     pub shown: Picture<Shown>,
     pub depth: Picture<f64>,
@@ -28,11 +28,11 @@ pub struct Reference {
 struct Meeting {
     shown: Shown,
     distance: f64,
-    /// Shares of the corners.
+    /// Barycentric coordinates.
     shares: [f64; 3],
 }
 
-/// Of two faces in one plane, the first is seen.
+/// Relative margin by which a face must be nearer to cover an earlier one: of coplanar faces, the first is seen.
 const COPLANAR: f64 = 1e-7;
 
 pub fn render(still: &Still, view: &View, by: Option<RobotId>) -> Reference {
@@ -61,7 +61,7 @@ pub fn render(still: &Still, view: &View, by: Option<RobotId>) -> Reference {
     }
 }
 
-/// The ray through a place, world frame, of the length that the lens gives it.
+/// The ray through a position of the image, in the world frame, not normalised.
 fn direction(view: &View, at: DVec2) -> Option<DVec3> {
     view.ray(at).map(|ray| view.world_from_camera().rotation * ray)
 }
@@ -100,7 +100,7 @@ fn meet(still: &Still, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
     best
 }
 
-/// Where the ray meets the plane of a triangle: how far, and the shares of the corners there. `None` behind the eye.
+/// Intersection of the ray with the plane of a triangle: distance and barycentric coordinates. `None` behind the eye.
 fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64; 3])> {
     let normal = (b - a).cross(c - a);
     let distance = normal.dot(a - eye) / normal.dot(ray);
@@ -112,7 +112,7 @@ fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64;
 fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meeting) -> [f64; 3] {
     let scenery = still.scenery();
     let eye = view.world_from_camera().position;
-    // Places on the surface half a pixel to the sides, by how the ray changes.
+    // Points on the surface half a pixel to the sides, extrapolated from the change of the ray.
     let neighbours = |step: DVec2| {
         let [before, behind] = [-0.5, 0.5].map(|half| view.continued_ray(at + half * step).1);
         1e-4 * (view.world_from_camera().rotation * (behind - before))
@@ -183,7 +183,7 @@ fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meetin
     }
 }
 
-/// Whether no face but `own` is between the sun and a place.
+/// Returns true if no face but `own` lies between the sun and a place.
 fn is_in_sun(still: &Still, place: DVec3, own: Shown) -> bool {
     let light = still.scenery().light();
     let covers = |number: usize, triangle: usize| {
@@ -212,7 +212,7 @@ fn over([red, green, blue, opacity]: [f64; 4], under: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|channel| under[channel] + opacity / 255.0 * (upper[channel] - under[channel]))
 }
 
-/// The filter of [`Pyramid`], from its definition.
+/// The filter of [`Pyramid`], implemented from its definition.
 pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> [f64; 4] {
     let (width, height) = image.size();
     let texels = DVec2::new(f64::from(width), f64::from(height));
@@ -234,7 +234,7 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
     sum.map(|channel| channel / 2.0)
 }
 
-/// The image and its smaller versions.
+/// The image and its smaller mip levels.
 fn smaller(image: &Texture) -> Vec<Texture> {
     let mut levels = vec![image.clone()];
     while let Some(last) = levels.last().filter(|last| last.size() != (1, 1)) {

@@ -1,4 +1,4 @@
-//! Natural walking: joint angles of people over the gait cycle, and what follows from them for a leg of any lengths.
+//! Natural walking: human joint angles over the gait cycle, and the stride that they give a leg of any proportions.
 
 use std::f64::consts::PI;
 
@@ -10,27 +10,27 @@ use super::{
 };
 use crate::math;
 
-/// Samples of one cycle.
+/// Number of samples of one cycle.
 const SAMPLES: usize = 50;
-/// Share of the cycle after which the toe leaves the ground.
+/// Phase of toe-off, as a fraction of the cycle since heel strike.
 pub(super) const TOE_OFF: f64 = 0.6;
-/// From when on the foot is flat after the heel has struck, and from when on it rolls over the toe, as shares of the cycle:
-/// within a degree and a half of the source in between. Our choice.
+/// Phases between which the foot is flat, from the end of heel strike to heel-off: within
+/// a degree and a half of the source in between. Our choice.
 const FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
-/// The heel rises as in the source from here on.
+/// Phase from which the heel rises as in the source.
 const RISEN: f64 = 0.42;
-/// From this share of the cycle on the hip sinks to where the other leg, almost straight, takes it over. Our choice.
+/// Phase from which the hip sinks to the height at which the other leg, almost straight, takes over. Our choice.
 const SINKING: f64 = 0.4;
-/// Intervals at which the way of a foot through the air is known.
+/// Number of intervals of the tabulated swing path.
 const INTERVALS: usize = 40;
 
-/// Angles in degrees from heel strike on, every 2 % of the gait cycle: thigh from the vertical, forwards positive; flexion of
-/// the knee; toes up from the right angle to the shank. Children who walk as fast as they like.
+/// Angles in degrees every 2 % of the gait cycle since heel strike: thigh from the vertical, forwards positive; knee
+/// flexion; ankle dorsiflexion (toes up) from the right angle to the shank. Children at free walking speed.
 ///
 /// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing children", J.
 /// Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee flexion,
-/// dorsiflexion. The ends of the cycle, which differ by up to 0.3 degrees there, are averaged.
+/// dorsiflexion. The ends of the cycle, which differ there by up to 0.3 degrees, are averaged.
 const THIGH: [f64; SAMPLES] = [
     23.6, 23.7, 23.7, 23.5, 23.0, 21.9, 20.3, 18.4, 16.2, 13.9, 11.5, 9.1, 6.7, 4.3, 2.0, -0.3, -2.5, -4.7, -6.8, -8.9,
     -10.8, -12.6, -14.2, -15.5, -16.6, -17.3, -17.6, -17.4, -16.3, -14.4, -11.7, -8.3, -4.4, -0.5, 3.4, 7.0, 10.3,
@@ -47,15 +47,15 @@ const ANKLE: [f64; SAMPLES] = [
     -0.3, 1.1, 2.1, 2.5, 2.4, 1.8, 1.0, 0.1, -0.6, -1.1, -1.4,
 ];
 
-/// Angles of thigh (from the vertical, forwards positive), knee (flexion) and ankle (toes up), rad, at `phase`: the share of the
-/// gait cycle since the heel has struck.
+/// Angles of thigh (from the vertical, forwards positive), knee (flexion) and ankle (toes up), rad, at `phase`: the
+/// fraction of the gait cycle since heel strike.
 ///
-/// Between the samples of the source, 2 % apart, a cubic with a continuous slope.
+/// Cubic interpolation with continuous slope between the samples of the source, 2 % apart.
 pub fn natural_angles(phase: f64) -> [f64; 3] {
     [&THIGH, &KNEE, &ANKLE].map(|degrees| periodic(degrees, phase) / 180.0 * PI)
 }
 
-/// Angle of the foot above the level, toes up, rad, at `phase`: that of the source, but exactly 0 while the foot is flat.
+/// Pitch of the foot, toes up, rad, at `phase`: that of the source, but exactly 0 while the foot is flat.
 pub(super) fn natural_pitch(phase: f64) -> f64 {
     let phase = phase - phase.floor();
     let weight =
@@ -67,16 +67,16 @@ pub(super) fn natural_pitch(phase: f64) -> f64 {
     (thigh - knee + ankle) * weight
 }
 
-/// What the curves make of a leg of given lengths.
+/// Stride, hip height and swing path of a leg of given lengths that follows the natural angles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Natural {
     /// Length of a stride, m.
     pub stride: f64,
-    /// From the hip ahead to where the foot stands in the middle of its time on the ground, m.
+    /// Distance of the foothold ahead of the hip in the middle of stance, m.
     pub ahead: f64,
     /// Height of the hip at each sample of half a cycle, m.
     heights: [f64; SAMPLES / 2],
-    /// In the air, from toe-off to heel strike: how far it has come as a share of its way, and how high, m.
+    /// Swing path from toe-off to heel strike: x is the fraction of the horizontal way, y the height, m.
     way: [DVec2; INTERVALS + 1],
 }
 
@@ -112,12 +112,12 @@ impl Natural {
         Some(natural)
     }
 
-    /// Height of the hip above the ground at `phase` of one leg, m: the other leg is half a cycle apart.
+    /// Height of the hip above the ground, m, at `phase` of one leg; the other leg is half a cycle apart.
     pub fn height(&self, phase: f64) -> f64 {
         periodic(&self.heights, 2.0 * phase)
     }
 
-    /// How far a foot has come, as a share of its way, and how high it is, m, at this share of its time in the air.
+    /// Swing path at a fraction of the swing time: x is the fraction of the horizontal way, y the height, m.
     pub fn way(&self, share: f64) -> DVec2 {
         let place = share.clamp(0.0, 1.0) * INTERVALS as f64;
         let index = (place as usize).min(INTERVALS - 1);
@@ -126,7 +126,7 @@ impl Natural {
     }
 }
 
-/// Where the place `ahead` on the sole is from the hip in the plane of the leg, ahead and up, m, at `phase`.
+/// Position relative to the hip, in the plane of the leg (ahead, up), m, of the point `ahead` on the sole at `phase`.
 fn met(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
     let [thigh, knee, _] = natural_angles(phase);
     let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));
@@ -136,7 +136,7 @@ fn met(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
     ankle + DVec2::new(ahead * cos + foot.height * sin, ahead * sin - foot.height * cos)
 }
 
-/// Value of samples that repeat, `cycles` after the first.
+/// Interpolated value of periodic samples, `cycles` after the first.
 fn periodic<const N: usize>(samples: &[f64; N], cycles: f64) -> f64 {
     let place = (cycles - cycles.floor()) * N as f64;
     let index = (place as usize).min(N - 1);
@@ -144,7 +144,7 @@ fn periodic<const N: usize>(samples: &[f64; N], cycles: f64) -> f64 {
     cubic([at(0), at(1), at(2), at(3)], place - index as f64).x
 }
 
-/// Between the second and the third of four values, with the slopes of the chords beside them (Catmull and Rom).
+/// Catmull-Rom interpolation between the second and the third of four values.
 fn cubic([a, b, c, d]: [DVec2; 4], share: f64) -> DVec2 {
     b + (c - a + (2.0 * a - 5.0 * b + 4.0 * c - d + (3.0 * (b - c) + d - a) * share) * share) * (0.5 * share)
 }

@@ -1,9 +1,9 @@
-//! In which order and how long the feet are in the air.
+//! Gaits: order and timing of the swing phases.
 
 use super::curve::{HEEL_OFF, TOE_OFF};
 use crate::time::Time;
 
-/// Instants in one period at which something about the feet is decided.
+/// Decision instants per gait period.
 pub(super) const GRID: i64 = 48;
 
 /// A gait: the order and the timing of the feet.
@@ -11,69 +11,69 @@ pub(super) const GRID: i64 = 48;
 pub struct Gait {
     /// Its name.
     pub name: String,
-    /// From one lift-off of a foot to the next of the same foot.
+    /// Time from one lift-off of a foot to its next.
     pub period: Time,
-    /// Share of the period that a foot is on the ground, above 0 and below 1.
+    /// Duty factor: fraction of the period for which a foot is on the ground, above 0 and below 1.
     pub duty: f64,
-    /// When in the period each leg lifts off, as a share of it, 0 to 1; taken to the nearest 48th.
+    /// Phase of the lift-off of each leg, as a fraction of the period, 0 to 1; rounded to the nearest 48th.
     pub offsets: Vec<f64>,
-    /// Legs with feet move as people's do: see [`natural_angles`](super::natural_angles).
+    /// Legs with feet follow human joint angles: see [`natural_angles`](super::natural_angles).
     pub is_natural: bool,
 }
 
 impl Gait {
-    /// At which instants of the grid a leg lifts off: those with this remainder.
+    /// Index of the lift-off of a leg on the grid of decision instants, modulo [`GRID`].
     pub(super) fn slot(&self, leg: usize) -> i64 {
         let offset = self.offsets.get(leg).copied().unwrap_or(0.0);
         ((offset * GRID as f64).round() as i64).rem_euclid(GRID)
     }
 
-    /// How many instants of the grid before its lift-off a foot begins to roll over its toe in a natural gait.
+    /// Duration of the toe roll-off before lift-off in a natural gait, in decision instants.
     pub(super) fn rolling(&self) -> i64 {
         ((TOE_OFF - HEEL_OFF) / TOE_OFF * self.duty * GRID as f64).round() as i64
     }
 
-    /// How long a foot is in the air in a cycle of length `period`.
+    /// Duration of the swing phase in a cycle of length `period`.
     pub(super) fn swing(&self, period: Time) -> Time {
         Time(((1.0 - self.duty) * period.0 as f64).round() as i64).max(Time(1))
     }
 }
 
-/// The clock of a walk: instants of decision, 48 a period, counted from 0.
+/// The clock of a walk: decision instants, 48 per period, counted from 0.
 ///
-/// The first cycle of a walk from rest takes half the time, so that no foot has to stay behind for more than half of a
+/// The first cycle of a walk from rest takes half the time, so that no foot trails by more than half a
 /// stride. Our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clock {
-    /// From when on it counts: the first instant of its own comes after that.
+    /// Start of validity: the clock's first decision instant comes after it.
     pub opened: Time,
-    /// Instant 0, not after `opened`.
+    /// Time of instant 0; at most one instant after `opened`.
     since: Time,
-    /// Length of the first cycle, and of the others.
+    /// Length of the first cycle; `period` is that of the others.
     first: Time,
     period: Time,
     pub gait: usize,
 }
 
 impl Clock {
-    /// A walk that begins at `at`: the first foot to lift off does so soon.
+    /// Clock of a walk that begins at `at`; the first lift-off follows soon.
     pub fn starting(at: Time, gait: &Gait, index: usize) -> Self {
         let first = Time(gait.period.0 / 2).max(Time(GRID));
         let slots = (0..gait.offsets.len()).map(|leg| gait.slot(leg));
         let ahead = slots.min().unwrap_or(0) - 1;
         let clock = Self { opened: at, since: at, first, period: gait.period, gait: index };
-        // `ahead` may be -1, an instant before the clock's 0.
+        // `ahead` may be -1, an instant before instant 0 of the clock.
         Self { since: at - (clock.instant(ahead) - at), ..clock }
     }
 
-    /// This clock going on in another gait at `at`, at the same share of the period.
+    /// Clock of another gait that continues this one from `at` on, at the same phase.
     pub fn changed(&self, at: Time, gait: &Gait, index: usize) -> Self {
         let share = self.cycles(at) - self.cycles(at).floor();
         let since = at - Time((share * gait.period.0 as f64).round() as i64);
         Self { opened: at, since, first: gait.period, period: gait.period, gait: index }
     }
 
-    /// Instant `index` of its grid.
+    /// Time of decision instant `index`.
     pub fn instant(&self, index: i64) -> Time {
         if index <= GRID {
             self.since + Time((index * self.first.0).div_euclid(GRID))
@@ -82,7 +82,7 @@ impl Clock {
         }
     }
 
-    /// The first instant of its grid after `at`, and after it was opened.
+    /// Index of the first decision instant after `at` and after `opened`.
     pub fn next_after(&self, at: Time) -> i64 {
         let at = at.max(self.opened);
         let mut index = ((self.cycles(at) * GRID as f64).floor() as i64 - 1).max(0);
@@ -92,18 +92,18 @@ impl Clock {
         index
     }
 
-    /// The first instant after `at` at which a leg with this slot lifts off.
+    /// The first instant after `at` at which a leg with this lift-off index lifts off.
     pub fn next_slot(&self, at: Time, slot: i64) -> Time {
         let index = self.next_after(at);
         self.instant(index + (slot - index).rem_euclid(GRID))
     }
 
-    /// Length of the cycle with instant `index`.
+    /// Length of the cycle that contains instant `index`.
     pub fn period_at(&self, index: i64) -> Time {
         if index < GRID { self.first } else { self.period }
     }
 
-    /// Cycles that have gone by since instant 0.
+    /// Number of cycles since instant 0.
     pub fn cycles(&self, at: Time) -> f64 {
         let since = at - self.since;
         if since <= self.first {

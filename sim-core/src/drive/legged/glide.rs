@@ -1,19 +1,20 @@
-//! A value that goes smoothly from one goal to the next.
+//! A value that moves smoothly from one target to the next.
 
 use crate::time::Time;
 
-/// From 0 to 1 as `share` does, with slope and curvature 0 at both ends; 0 and 1 beyond.
+/// Quintic smoothstep: rises from 0 to 1 with `share`, with slope and curvature 0 at both ends; constant beyond.
 pub(super) fn smooth(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 
-/// The share of a span that has gone by at `at`; 1 for a span without length.
+/// Elapsed fraction of a span at `at`; 1 for a span of length 0.
 pub(super) fn share(at: Time, start: Time, span: Time) -> f64 {
     if span <= Time::ZERO { 1.0 } else { (at - start).seconds() / span.seconds() }
 }
 
-/// A number as a function of time: the sum of smooth steps, so that a new goal bends its way and does not break it.
+/// A number as a function of time: a sum of smooth steps, so that a new target keeps its slope and curvature
+/// continuous.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Glide {
     base: f64,
@@ -25,12 +26,12 @@ impl Glide {
         self.steps.iter().fold(self.base, |sum, (start, span, by)| sum + by * smooth(share(at, *start, *span)))
     }
 
-    /// Where it goes in the end.
+    /// Final value.
     pub fn goal(&self) -> f64 {
         self.steps.iter().fold(self.base, |sum, (_, _, by)| sum + by)
     }
 
-    /// From `start` on it goes to `goal` within `span`.
+    /// Adds a step that starts at `start` and reaches `goal` within `span`.
     pub fn aim(&mut self, start: Time, span: Time, goal: f64) {
         let by = goal - self.goal();
         if by != 0.0 {
@@ -38,12 +39,12 @@ impl Glide {
         }
     }
 
-    /// Whether it stays where it is from `at` on.
+    /// Returns true if the value is constant from `at` on.
     pub fn is_still(&self, at: Time) -> bool {
         self.steps.iter().all(|(start, span, _)| *start + *span <= at)
     }
 
-    /// Forgets how it was before `at`. What it is from then on stays the same to the bit: sums are taken from the front.
+    /// Drops the history before `at`. Values from `at` on keep their bits, because the sum starts with the oldest step.
     pub fn forget(&mut self, at: Time) {
         let done = self.steps.iter().take_while(|(start, span, _)| *start + *span <= at).count();
         self.base = self.steps.drain(..done).fold(self.base, |sum, (_, _, by)| sum + by);

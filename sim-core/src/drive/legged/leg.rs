@@ -1,4 +1,4 @@
-//! One leg: its parts, where its joints put them, and the angles that put its sole on a point.
+//! One leg: its parts, forward kinematics as links, and inverse kinematics in closed form.
 
 use std::f64::consts::PI;
 
@@ -9,43 +9,44 @@ use crate::{
     pose::{Link, Pose3},
 };
 
-/// How far a leg stretches, as a share of thigh and shank in one line: the knee stays bent by 7.2 degrees, or a
-/// millimetre of height would turn it by any angle. Our choice.
+/// Limit of a leg's extension, as a fraction of thigh plus shank: the knee stays bent by 7.2 degrees. Near a straight
+/// knee, a millimetre of height would turn it by an arbitrarily large angle. Our choice.
 const STRETCH: f64 = 0.998;
 
-/// How low the hip goes in a walk, as a share of its height while the robot stands. Our choice.
+/// Least height of the hip while walking, as a fraction of its height while standing. Our choice.
 pub(super) const LOWEST_HIP: f64 = 5.0 / 6.0;
 
 /// Greatest flexion of a knee, rad: 150 degrees. Our choice.
 const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
 
-/// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and a foot or none.
+/// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and optionally a foot.
 ///
 /// Its joints are, in this order, `yaw` about z and `roll` about x in the hip (right-handed), `pitch` of the thigh
-/// (positive forwards) in the hip too, `knee` (flexion positive) and with a foot `ankle` (toes up positive). At angles of
-/// 0 it hangs straight down and the foot is level. Without a foot it stands on the tip of its shank.
+/// (positive forwards), also in the hip, `knee` (flexion positive) and, with a foot, `ankle` (toes up positive). At
+/// angles of 0 the leg hangs straight down and the foot is level. Without a foot the leg stands on the tip of its
+/// shank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
     /// Its name, `LEFT`: its links are `LEFT.thigh`, `LEFT.shank` and `LEFT.foot`.
     pub name: String,
-    /// The hip in the robot's frame while the robot stands, m; z is its height above the ground then.
+    /// Position of the hip in the robot's frame while the robot stands, m; z is then its height above the ground.
     pub hip: DVec3,
     /// Length from hip to knee, m.
     pub thigh: f64,
     /// Length from knee to ankle, or to the tip of the leg, m.
     pub shank: f64,
-    /// Its foot, if it has one.
+    /// Its foot; `None` for a leg that ends in a tip or a wheel.
     pub foot: Option<Foot>,
-    /// Radius of the wheel on which it rolls instead of stepping, m.
+    /// Radius of the wheel on which the leg rolls instead of stepping, m.
     pub wheel: Option<f64>,
 }
 
-/// A flat foot, as long as from its heel to its toe and without width.
+/// A flat foot from heel to toe, without width.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Foot {
-    /// From the ankle back to the heel, m.
+    /// Distance from the ankle back to the heel, m.
     pub heel: f64,
-    /// From the ankle ahead to the toe on which it rolls off, m.
+    /// Distance from the ankle ahead to the toe on which the foot rolls off, m.
     pub toe: f64,
     /// Height of the ankle above the sole, m.
     pub height: f64,
@@ -54,30 +55,30 @@ pub struct Foot {
 /// Angles of the joints of a leg, rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Joints {
-    /// About z.
+    /// Rotation of the hip about z.
     pub yaw: f64,
-    /// About x: positive swings the leg to the left.
+    /// Rotation of the hip about x: positive swings the leg to the left.
     pub roll: f64,
-    /// Of the thigh: positive swings it forwards.
+    /// Rotation of the thigh: positive swings it forwards.
     pub pitch: f64,
-    /// Flexion.
+    /// Flexion of the knee.
     pub knee: f64,
-    /// Toes up; 0 without a foot.
+    /// Dorsiflexion of the ankle (toes up); 0 without a foot.
     pub ankle: f64,
 }
 
-/// How a sole meets a point: which place of the sole, and how far its toes are up.
+/// Contact of a sole: the position of the contact point on it, and the pitch of the foot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sole {
-    /// Place on the sole, m ahead of the ankle.
+    /// Position of the contact point on the sole, m ahead of the ankle.
     pub ahead: f64,
-    /// Angle of the foot above the level in the plane of the leg, toes up, rad.
+    /// Pitch of the foot in the plane of the leg, toes up, rad.
     pub pitch: f64,
 }
 
-/// Parts of a leg that bear sensors, in the order of their links.
+/// Names of the parts of a leg that can carry sensors, in the order of their links.
 const PARTS: [&str; 3] = ["thigh", "shank", "foot"];
-/// Links of the hip before the thigh: yaw and roll.
+/// Number of hip links before the thigh: yaw and roll.
 const HIP_LINKS: usize = 2;
 
 impl Leg {
@@ -86,19 +87,20 @@ impl Leg {
         if self.foot.is_some() { 5 } else { 4 }
     }
 
-    /// Number of its links, one a joint.
+    /// Number of its links, one per joint.
     pub fn link_count(&self) -> usize {
         self.joint_count()
     }
 
-    /// Names of the parts that bear sensors, `thigh`, `shank` and with a foot `foot`, and their places among its links.
+    /// Names of the parts that can carry sensors, `thigh`, `shank` and, with a foot, `foot`, with their indices among
+    /// the leg's links.
     pub fn parts(&self) -> impl Iterator<Item = (&'static str, usize)> {
         PARTS.into_iter().zip(HIP_LINKS..self.link_count())
     }
 
-    /// Its links, one a joint, where `first_link` links stand before them in the robot's list and `first_joint` angles
-    /// before theirs. The frames of thigh, shank and foot have their origins in hip, knee and ankle, and axes parallel to
-    /// the robot's (x forward, y left, z up) while all angles are 0.
+    /// Its links, one per joint, for a robot whose lists already hold `first_link` links and `first_joint`
+    /// angles. The frames of thigh, shank and foot have their origins in hip, knee and ankle, and axes parallel to
+    /// the robot's (x forward, y left, z up) at joint angles of 0.
     pub fn links(&self, first_link: usize, first_joint: usize) -> Vec<Link> {
         let at = |position| Pose3 { position, ..Pose3::IDENTITY };
         let down = |length: f64| at(DVec3::new(0.0, 0.0, -length));
@@ -118,7 +120,7 @@ impl Leg {
         joints.into_iter().enumerate().take(self.link_count()).map(link).collect()
     }
 
-    /// The heights of the hip at which it can stand with its foot below, the least and the greatest, m.
+    /// Least and greatest height of the hip at which the leg can stand with its foot below the hip, m.
     pub fn standing_heights(&self) -> (f64, f64) {
         let height = self.ankle_above(Sole::default()).y;
         (height + self.least_reach(), height + self.reach())
@@ -135,15 +137,16 @@ impl Leg {
         (thigh * thigh + shank * shank + 2.0 * thigh * shank * math::cos(MAX_KNEE)).max(0.0).sqrt()
     }
 
-    /// From the point of the sole that is met to the ankle, ahead and up in the plane of the leg, m.
+    /// Vector from the contact point of the sole to the ankle, ahead and up in the plane of the leg, m.
     fn ankle_above(&self, sole: Sole) -> DVec2 {
         let height = self.foot.map(|foot| foot.height).or(self.wheel).unwrap_or(0.0);
         let (sin, cos) = math::sin_cos(sole.pitch);
         DVec2::new(-sole.ahead * cos - height * sin, -sole.ahead * sin + height * cos)
     }
 
-    /// The greatest height of the hip above a point that it reaches with its sole, the point lying `offset` from the hip in
-    /// the plane, ahead and left of a leg that is turned as the sole is; `None` for a point that is too far away for any.
+    /// Greatest height of the hip above a contact point within reach of the sole. The point lies `offset` ahead and
+    /// left of the hip, in the frame of a leg with the yaw of its sole. `None` for a point that is out of reach at any
+    /// height.
     pub fn greatest_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
         let above = self.ankle_above(sole);
         let root = |square: f64| (square >= 0.0).then(|| square.sqrt());
@@ -152,10 +155,11 @@ impl Leg {
         root(depth * depth - offset.y * offset.y).filter(|_| depth > 0.0)
     }
 
-    /// The angles that put the sole on a point, `hip_to_point` in the robot's axes, with the foot turned by `yaw` to the
-    /// robot; the nearest ones for a point out of reach.
+    /// Joint angles that place the sole on a point, `hip_to_point` in the robot's axes, with the foot at `yaw` relative
+    /// to the robot; for a point out of reach, those of the nearest reachable one.
     ///
-    /// Yaw given, roll turns the plane of the leg through the point, and two links reach the ankle in it: closed form.
+    /// Closed form: yaw is given, roll turns the plane of the leg through the point, and two links reach the ankle in
+    /// that plane.
     pub fn joints(&self, hip_to_point: DVec3, yaw: f64, sole: Sole) -> Joints {
         let (sin, cos) = math::sin_cos(yaw);
         let ahead = cos * hip_to_point.x + sin * hip_to_point.y;
@@ -175,7 +179,7 @@ impl Leg {
 }
 
 impl Joints {
-    /// In the order of the joints.
+    /// The angles in the order of the joints.
     pub fn to_array(self) -> [f64; 5] {
         [self.yaw, self.roll, self.pitch, self.knee, self.ankle]
     }
@@ -192,7 +196,7 @@ mod tests {
 
     const FOOT: Foot = Foot { heel: 0.05, toe: 0.15, height: 0.08 };
 
-    /// Where the place `ahead` on the sole is, in the robot's frame.
+    /// Position of the point `ahead` on the sole in the robot's frame.
     fn met(leg: &Leg, joints: Joints, ahead: f64) -> DVec3 {
         let links = leg.links(0, 0);
         let (index, point) = match leg.foot {
@@ -211,7 +215,7 @@ mod tests {
         // A straight leg to the left, level.
         let joints = Joints { roll: PI / 2.0, ..Joints::default() };
         assert!((met(&leg, joints, 0.0) - DVec3::new(0.1, 1.1, 0.8)).length() < 1e-15);
-        // Turned to the left, ahead is left.
+        // With the hip turned to the left, ahead is left.
         let joints = Joints { yaw: PI / 2.0, pitch: PI / 2.0, ..Joints::default() };
         assert!((met(&leg, joints, 0.0) - DVec3::new(0.1, 1.1, 0.8)).length() < 1e-15);
     }

@@ -1,4 +1,4 @@
-//! The parts of legs as capsules.
+//! Thighs and shanks as capsules.
 
 use glam::DVec3;
 
@@ -8,10 +8,10 @@ use crate::{
     scene::Capsule,
 };
 
-/// So many radii of a limb above its lower end the ground may be as near as it likes: see [`Limb::bare`].
+/// Length of [`Limb::bare`] in radii of a limb.
 const BARE_RADII: f64 = 3.0;
 
-/// A part of a legged robot that should touch nothing; legs are counted from 0.
+/// A part of a legged robot whose contacts are reported; legs are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Touching {
     /// The body: an upright cylinder of the robot's diameter above its underside.
@@ -25,16 +25,17 @@ pub enum Touching {
 /// A thigh or a shank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limb {
-    /// Which.
+    /// The part.
     pub part: Touching,
-    /// Its shape in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
+    /// Capsule in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
     pub capsule: Capsule,
-    /// Length at its lower end that is near the ground because a foot stands there, m; 0 for a thigh.
+    /// Length at its lower end that may be near the ground because a foot stands there, m; 0 for a thigh.
     pub bare: f64,
 }
 
 impl Legs {
-    /// Frames of thigh, shank and with a foot the foot, leg by leg, in the robot's frame, which is `stance.lift` above the floor.
+    /// Poses of the thigh, the shank and, if present, the foot of each leg in the robot's frame, which is `stance.lift`
+    /// above the floor.
     pub fn parts(&self, stance: &Stance) -> Vec<Pose3> {
         let links = self.links(0, 0);
         let mut first = 0;
@@ -46,7 +47,7 @@ impl Legs {
         poses
     }
 
-    /// Thighs and shanks, leg by leg, of a robot at `world_from_robot` that holds itself like this.
+    /// Thighs and shanks, leg by leg, of a robot at `world_from_robot` with this stance.
     pub fn limbs(&self, stance: &Stance, world_from_robot: &Pose) -> Vec<Limb> {
         let links = self.links(0, 0);
         let world_from_body = Pose3::from_planar(world_from_robot, stance.lift);

@@ -1,8 +1,8 @@
-//! The chain of footfalls of a walk.
+//! The sequence of footholds of a walk.
 //!
-//! Everything about the feet is decided at instants of the gait's own clock, 48 a period, from pose and twist just before
-//! them: so it depends neither on slots nor on who asks when. What was decided before the present slot stands; what lies
-//! ahead is decided anew whenever the plan of the motion changes.
+//! All decisions about the feet are made at instants of the gait's own clock, 48 per period, from pose and twist just
+//! before the instant: so they depend neither on slots nor on the times of queries. Decisions before the present slot
+//! are final; those ahead are repeated whenever the plan of the motion changes.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,45 +24,46 @@ use crate::{
     time::Time,
 };
 
-/// A foot nearer to its place than this (m, and rad) stays where it is when the robot stands. Our choice.
+/// Tolerance (m, and rad) within which a foot of a standing robot counts as at its place and is not lifted. Our choice.
 const AT_PLACE: f64 = 5e-3;
-/// A change of its goal by less does not turn a foot in the air from its way, m and rad. Our choice.
+/// Least change of its goal (m, and rad) that redirects a foot in the air. Our choice.
 const SAME_GOAL: f64 = 1e-3;
-/// A foot keeps its goal for this last share of its way. Our choice.
+/// Last fraction of the swing in which a foot keeps its goal. Our choice.
 const KEPT: f64 = 0.25;
-/// A foot that the body has turned away from by more than this is taken up before its turn, rad: 60 degrees. Our choice.
+/// Angle between body and standing foot beyond which the foot is lifted before its turn, rad: 60 degrees. Our choice.
 const MOST_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
-/// A foot in the air turns from its goal by this many excursions at most, times the share of its way that is left. Our choice.
+/// Greatest change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
+/// swing. Our choice.
 const MOST_TURNED: f64 = 1.6;
-/// The greatest share of the natural curves. Our choice.
+/// Greatest scale of the natural curves. Our choice.
 const MOST_LEVEL: f64 = 1.2;
-/// A change of that share by less is none. Our choice.
+/// Changes of that scale below this are ignored. Our choice.
 const SAME_LEVEL: f64 = 0.02;
-/// Places that are tried for a foot between its goal and the body.
+/// Number of places tried for a foot between its goal and the body.
 const TRIED_PLACES: i32 = 16;
-/// Places between two footholds at which the ground is asked for its height.
+/// Number of intervals between two footholds at whose ends the height of the ground is sampled.
 const ASKED_PLACES: i32 = 8;
-/// Height of a step up or down that a leg takes, as a share of its hip's height. Our choice.
+/// Greatest step up or down, as a fraction of the hip's height. Our choice.
 const TALLEST_STEP: f64 = 0.4;
-/// Steps of a leg that are remembered at most, until somebody asks for footfalls.
+/// Maximum number of steps kept per leg until footfalls are taken.
 const REMEMBERED: usize = 64;
 
-/// One piece of the body's motion, from its start on until the next.
+/// One piece of the body's motion, in force from its start until the next.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::drive) struct Course {
     pub piece: Piece,
-    /// From the robot's centre to its axle along x, m.
+    /// Offset from the robot's centre to its axle along x, m.
     pub axis_offset: f64,
-    /// The robot was put here.
+    /// The robot was placed here.
     pub is_placed: bool,
 }
 
-/// The planned motion of the body, as far as its legs follow it.
+/// The planned motion of the body, which the legs follow.
 pub(in crate::drive) trait Plan {
     /// Number of its changes so far.
     fn revision(&self) -> u64;
 
-    /// The pieces of motion since the one in force just before `from`, until `to`.
+    /// The pieces of motion from the one in force just before `from`, up to `to`.
     fn courses(&mut self, from: Time, to: Time) -> Vec<Course>;
 }
 
@@ -82,12 +83,12 @@ impl Course {
     }
 }
 
-/// What the legs are told.
+/// Commanded settings of the legs.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::drive) struct LegOrders {
     pub gait: usize,
     pub step_height: f64,
-    /// For each leg the shift of its coming foothold in the robot's frame and its additional lift.
+    /// By leg, the shift of the next foothold in the robot's frame and the additional lift.
     pub corrections: Vec<(DVec2, f64)>,
 }
 
@@ -96,60 +97,60 @@ pub(in crate::drive) struct LegOrders {
 pub(in crate::drive) struct Walk {
     legs: Arc<Legs>,
     ground: Arc<Ground>,
-    /// By leg what natural walking makes of it.
+    /// By leg, its natural gait; `None` for a leg without a foot.
     natural: Vec<Option<Natural>>,
-    /// In ascending order, the first from the start of all times.
+    /// Settings with their start times, in ascending order; the first holds since the start of all times.
     orders: VecDeque<(Time, LegOrders)>,
-    /// Counts the commands.
+    /// Number of commands that changed the settings.
     revision: u64,
-    /// What was decided before the present slot.
+    /// Final decisions, for instants before the present slot.
     firm: Steps,
-    /// What is decided beyond, for these revisions of the motion and of the orders.
+    /// Tentative decisions beyond, valid for these revisions of the motion and of the settings.
     ahead: Option<((u64, u64), Steps)>,
-    /// Footfalls before this have been asked for.
+    /// Time up to which footfalls have been taken.
     taken: Time,
 }
 
-/// Where a foot stands: the point under the ankle of a level foot, or the tip.
+/// Place of a standing foot: the point under the ankle of a level foot, or the tip of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Foothold {
     point: DVec3,
     heading: f64,
 }
 
-/// One step of a foot: off the ground, through the air, and then standing until the next.
+/// One step of a foot: lift-off, swing, and stance until the next step.
 #[derive(Clone, Debug)]
 struct Step {
-    /// From when on it rolls over its toe; `lift_off` for one that does not.
+    /// Start of the roll-off over the toe; equal to `lift_off` without one.
     heel_off: Time,
-    /// How long rolling off takes, if it is not cut short.
+    /// Planned duration of the roll-off, which may be cut short.
     roll: Time,
     lift_off: Time,
     touch_down: Time,
-    /// How long it is to stand then.
+    /// Planned duration of the stance after touch-down.
     stand: Time,
     from: Foothold,
-    /// Angle of the foot at `heel_off`.
+    /// Pitch of the foot at `heel_off`.
     from_pitch: f64,
-    /// The share of the natural angles of a foot that it follows.
+    /// Scale of the natural pitch of the foot.
     level: f64,
-    /// Where it goes, and what it clears on its way: each from an instant on, the first from lift-off.
+    /// Goal and clearance height, each with the instant from which it is in force; the first from lift-off.
     goals: Vec<(Time, Foothold, f64)>,
-    /// The robot was put there.
+    /// The robot was placed there.
     is_placed: bool,
 }
 
-/// All feet from some instant in the past until `until`.
+/// Steps of all feet from some instant in the past up to `until`.
 #[derive(Clone, Debug)]
 struct Steps {
     until: Time,
-    /// Clocks with the share of the gait's natural bob that the body follows; the last one counts now.
+    /// Clocks, each with the scale of the gait's natural bob of the body; the last clock is current.
     clocks: Vec<(Clock, Glide)>,
     is_walking: bool,
     feet: Vec<VecDeque<Step>>,
 }
 
-/// What the decisions depend on besides the motion.
+/// Inputs of the decisions other than the motion.
 struct Around<'a> {
     legs: &'a Legs,
     ground: &'a Ground,
@@ -157,7 +158,7 @@ struct Around<'a> {
     orders: &'a VecDeque<(Time, LegOrders)>,
 }
 
-/// The robot at an instant of decision, as it was just before.
+/// State of the robot just before a decision instant.
 struct Present {
     at: Time,
     pose: Pose,
@@ -247,7 +248,7 @@ impl Walk {
         footfalls
     }
 
-    /// What happened before `end`, the end of the present slot, stands.
+    /// Makes the decisions before `end`, the end of the present slot, final.
     pub fn commit(&mut self, plan: &mut impl Plan, end: Time) {
         let last = end - Time(1);
         if last <= self.firm.until {
@@ -272,7 +273,7 @@ impl Walk {
         }
     }
 
-    /// Decides all until `at`: for good, or for the present plan.
+    /// Makes all decisions up to `at`: final ones, or tentative ones for the present plan.
     fn decide(&mut self, plan: &mut impl Plan, at: Time, is_firm: bool) {
         let key = (plan.revision(), self.revision);
         let mut steps = match self.ahead.take() {
@@ -299,7 +300,8 @@ fn orders_at(orders: &VecDeque<(Time, LegOrders)>, at: Time) -> &LegOrders {
 }
 
 impl Steps {
-    /// Decides all after `until` up to `to`. `courses`: the motion's pieces since the one in force just before `until`.
+    /// Makes all decisions after `until` up to `to`. `courses` are the motion's pieces from the one in force just
+    /// before `until`.
     fn extend(&mut self, around: &Around, courses: &[Course], to: Time) {
         loop {
             let opening =
@@ -323,7 +325,7 @@ impl Steps {
         self.until = to;
     }
 
-    /// The clock that counts, while the robot walks.
+    /// The current clock, while the robot walks.
     fn clock(&self) -> Option<&Clock> {
         self.clocks.last().map(|(clock, _)| clock).filter(|_| self.is_walking)
     }
@@ -332,7 +334,7 @@ impl Steps {
         self.clock().map_or(Time::NEVER, |clock| clock.instant(index))
     }
 
-    /// A piece of motion begins.
+    /// Handles the start of a piece of motion.
     fn open(&mut self, around: &Around, course: &Course) {
         let at = course.start();
         if course.is_placed || self.feet.iter().all(VecDeque::is_empty) {
@@ -382,7 +384,7 @@ impl Steps {
         self.clocks.push((clock.changed(at, gait, index), level));
     }
 
-    /// An instant of decision.
+    /// Handles a decision instant.
     fn tick(&mut self, around: &Around, present: &Present, index: i64) {
         let Some(clock) = self.clock().copied() else { return };
         let is_moving = !present.twist.is_zero();
@@ -398,7 +400,7 @@ impl Steps {
         }
     }
 
-    /// The same for one foot; true if it stands at its place.
+    /// Handles a decision instant for one foot; returns true if the foot stands at its place.
     fn tick_foot(&mut self, around: &Around, present: &Present, clock: &Clock, index: i64, number: usize) -> bool {
         let at = present.at;
         let leg = &around.legs.legs[number];
@@ -407,7 +409,7 @@ impl Steps {
         let soon = (clock.instant(index + 2) - at).seconds();
         let last = self.feet[number].back().expect("a foot stands somewhere");
         if at <= last.lift_off && last.heel_off < at {
-            // It rolls off, and its goal is not yet needed; cut short where the leg would not reach.
+            // The foot rolls off, and its goal is still open; the roll-off is cut short if the leg would not reach.
             let is_cut = at < last.lift_off && self.is_left_behind(around, number, present, soon);
             let touch_down = if is_cut { at + (last.touch_down - last.lift_off) } else { last.touch_down };
             let goal = self.goal(around, present, number, clock, touch_down);
@@ -460,7 +462,7 @@ impl Steps {
         !is_lifted && !is_displaced
     }
 
-    /// The share of the natural curves that a leg follows: its forward speed over that of the source.
+    /// Scale of the natural curves for a leg: its forward speed over that of the source.
     fn level(&self, around: &Around, present: &Present, gait: &Gait, number: usize) -> f64 {
         let Some(natural) = around.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
         let Twist { vx, omega, .. } = present.twist;
@@ -468,7 +470,7 @@ impl Steps {
         (speed * gait.period.seconds() / natural.stride).clamp(0.0, MOST_LEVEL)
     }
 
-    /// The body goes up and down as much as it is fast.
+    /// Adapts the bob of the body to its speed.
     fn follow_speed(&mut self, around: &Around, present: &Present) {
         let Some((clock, level)) = self.clocks.last() else { return };
         let gait = &around.legs.gaits[clock.gait];
@@ -480,7 +482,7 @@ impl Steps {
         }
     }
 
-    /// Whether a foot on the ground comes to the end of its leg's reach, or of its turn, within `soon` seconds.
+    /// Returns true if a standing foot reaches the limit of its leg's reach or turn within `soon` seconds.
     fn is_left_behind(&self, around: &Around, number: usize, present: &Present, soon: f64) -> bool {
         let leg = &around.legs.legs[number];
         let foot = step_at(&self.feet[number], present.at).foot(present.at, leg, None);
@@ -496,13 +498,13 @@ impl Steps {
         then < lowest && then <= now || yaw_then > MOST_TWISTED && yaw_then > yaw_now
     }
 
-    /// Where a foot shall come down: under the body in the middle of its time on the ground, if the body goes on as now.
+    /// Goal of a foot: its place under the body in the middle of its stance, extrapolated with the present twist.
     fn goal(&self, around: &Around, present: &Present, number: usize, clock: &Clock, touch_down: Time) -> Foothold {
         let leg = &around.legs.legs[number];
         let (shift, _) = orders_at(around.orders, present.at).corrections[number];
         let gait = &around.legs.gaits[clock.gait];
         let slot = gait.slot(number);
-        // A natural gait does not stand in the middle under the hip.
+        // In a natural gait, the middle of the stance is not under the hip.
         let ahead = around.natural[number].as_ref().map_or(0.0, |natural| natural.ahead);
         let shift = shift + DVec2::new(ahead * self.level(around, present, gait, number), 0.0);
         let seconds = (touch_down - present.at).seconds();
@@ -516,7 +518,7 @@ impl Steps {
         let base = self.base(present.at, around.legs);
         let tallest = TALLEST_STEP * leg.hip.z;
         let heading = at_middle.heading.remainder();
-        // Towards the body, until a place is not too high or too deep.
+        // Moves towards the body until the step is neither too high nor too deep.
         for tried in 0..=TRIED_PLACES {
             let place = nearest + wanted * (1.0 - f64::from(tried) / f64::from(TRIED_PLACES));
             let height = around.ground.height(place);
@@ -537,7 +539,7 @@ impl Steps {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// What natural walking adds to the height of the body at `at`.
+    /// Contribution of natural walking to the height of the body at `at`.
     fn bob(&self, legs: &Legs, natural: &[Option<Natural>], at: Time) -> f64 {
         let Some((leg, Some(natural))) = legs.legs.first().zip(natural.first()) else { return 0.0 };
         let of_clock = |(clock, level): &(Clock, Glide)| {
@@ -546,7 +548,7 @@ impl Steps {
                 return 0.0;
             }
             let gait = &legs.gaits[clock.gait];
-            // Since the heel of the first leg has struck.
+            // Phase since heel strike of the first leg.
             let phase = clock.cycles(at) - gait.slot(0) as f64 / GRID as f64 + gait.duty;
             level * (natural.height(phase) - leg.hip.z)
         };
@@ -564,7 +566,7 @@ impl Steps {
         footfalls
     }
 
-    /// Forgets how it was before `past`.
+    /// Drops the history before `past`.
     fn forget(&mut self, past: Time) {
         for steps in &mut self.feet {
             while steps.len() > REMEMBERED || steps.len() > 1 && steps[1].heel_off <= past {
@@ -598,7 +600,7 @@ impl Steps {
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
             let most = foot.point.z + leg.greatest_height(offset, foot.sole).unwrap_or(0.0) - leg.hip.z;
-            // A foot in the air follows the body, not the body the foot.
+            // A foot in the air limits the body only near lift-off and touch-down.
             let weight = if foot.is_down { 1.0 } else { step_at(steps, at).nearness(at) };
             lift = lift.min(free + (most - free).min(0.0) * weight);
         }
@@ -613,7 +615,7 @@ impl Steps {
 }
 
 impl Step {
-    /// Where it stands in the end, as far as is known.
+    /// Foothold at the end of the step, as currently known.
     fn standing(&self) -> Foothold {
         self.goals.last().expect("a step has a goal").1
     }
@@ -626,7 +628,7 @@ impl Step {
         }
     }
 
-    /// Its goal and what it clears, each on its way to the last.
+    /// Goal and clearance height at `at`, blended from each to the next.
     fn goal_at(&self, at: Time) -> (Foothold, f64) {
         let (_, mut goal, mut apex) = self.goals[0];
         for pair in self.goals.windows(2) {
@@ -639,20 +641,20 @@ impl Step {
         (goal, apex)
     }
 
-    /// What it adds to the height of the body.
+    /// Contribution of the foot to the mean height of the footholds.
     fn base(&self, at: Time) -> f64 {
         let part = smooth(share(at, self.lift_off, self.touch_down - self.lift_off));
         let (goal, _) = self.goal_at(at);
         self.from.point.z + (goal.point.z - self.from.point.z) * part
     }
 
-    /// How near it is to the ground in time: 1 at lift-off and touch-down, 0 in the middle.
+    /// Closeness in time to the ground contact: 1 at lift-off and touch-down, 0 in mid-swing.
     fn nearness(&self, at: Time) -> f64 {
         let part = share(at, self.lift_off, self.touch_down - self.lift_off);
         1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
     }
 
-    /// Where a foot can be turned to that goes to its last goal, by `most` metres at most.
+    /// The foothold nearest to `goal` that is at most `most` metres from the last goal.
     fn turnable(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
         let turn = (goal.point - last.point).truncate();
@@ -665,7 +667,7 @@ impl Step {
         Foothold { point: place.extend(height), heading: goal.heading }
     }
 
-    /// Angle of the foot at `at`, toes up, rad.
+    /// Pitch of the foot at `at`, toes up, rad.
     fn pitch(&self, at: Time, leg: &Leg) -> f64 {
         if leg.foot.is_none() || self.level == 0.0 && self.from_pitch == 0.0 {
             return 0.0;
@@ -682,7 +684,7 @@ impl Step {
         natural(part) + (self.pitch_at_lift_off() - natural(0.0)) * (1.0 - smooth(2.0 * part))
     }
 
-    /// Angle of a foot that rolls off, rad.
+    /// Pitch of a foot during roll-off, rad.
     fn rolled(&self, at: Time) -> f64 {
         let part = share(at, self.heel_off, self.roll);
         self.level * natural_pitch(HEEL_OFF + (TOE_OFF - HEEL_OFF) * part)
@@ -695,7 +697,7 @@ impl Step {
     fn foot(&self, at: Time, leg: &Leg, natural: Option<&Natural>) -> FootState {
         let pitch = self.pitch(at, leg);
         let shape = leg.foot.unwrap_or(Foot { heel: 0.0, toe: 0.0, height: 0.0 });
-        // On heel, toe or the whole sole.
+        // Contact with heel, toe or the whole sole.
         let end = |pitch: f64| match pitch {
             up if up > 0.0 => -shape.heel,
             down if down < 0.0 => shape.toe,
@@ -713,7 +715,7 @@ impl Step {
         }
         let (goal, apex) = self.goal_at(at);
         let part = share(at, self.lift_off, self.touch_down - self.lift_off);
-        // It leaves the ground with its toe and comes down on its heel.
+        // The toe leaves the ground last, and the heel lands first.
         let leaving = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
         let ahead = leaving - (leaving + shape.heel) * smooth(part);
         let (start, target) = (self.from.ahead(leaving), goal.ahead(-shape.heel));
@@ -722,7 +724,7 @@ impl Step {
         let place = start.truncate().lerp(target.truncate(), gone);
         let end = if part < 0.5 { start.z } else { target.z };
         let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part)) + self.level * way.y;
-        // Neither heel nor toe goes below the line between the footholds.
+        // Heel and toe stay above the line between the footholds.
         let sin = math::sin(pitch);
         let deepest = ((-shape.heel - ahead) * sin).min((shape.toe - ahead) * sin);
         let height = height.max(start.z + (target.z - start.z) * smooth(part) - deepest);
@@ -737,7 +739,7 @@ impl Step {
 }
 
 impl Foothold {
-    /// The point of the ground on which the place `ahead` of the ankle on a level sole stands.
+    /// The ground point below the position `ahead` of the ankle on a level sole.
     fn ahead(&self, ahead: f64) -> DVec3 {
         let (sin, cos) = math::sin_cos(self.heading);
         self.point + DVec3::new(cos, sin, 0.0) * ahead
@@ -750,14 +752,14 @@ fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
     known.expect("a foot stands somewhere")
 }
 
-/// The robot just before `at`.
+/// State of the robot just before `at`.
 fn present(courses: &[Course], at: Time) -> Present {
     let before = courses.iter().rev().find(|course| course.start() < at).or(courses.first());
     let course = before.expect("a motion has a piece");
     Present { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }
 }
 
-/// What a foot clears on its way: the ground in between, and what is told.
+/// Clearance height of a swing: highest ground in between, plus step height and lift.
 fn apex(around: &Around, at: Time, leg: usize, from: &Foothold, goal: &Foothold) -> f64 {
     let orders = orders_at(around.orders, at);
     let between = |index: i32| {
@@ -766,12 +768,12 @@ fn apex(around: &Around, at: Time, leg: usize, from: &Foothold, goal: &Foothold)
     };
     let (_, lift) = orders.corrections[leg];
     let highest = (1..ASKED_PLACES).map(between).fold(from.point.z.max(goal.point.z), f64::max);
-    // Where the ground in between is higher than the leg can go over, it goes through.
+    // A foot passes through ground that is higher than the leg can step over.
     let most = from.point.z.max(goal.point.z) + TALLEST_STEP * around.legs.legs[leg].hip.z;
     highest.min(most) + orders.step_height + lift
 }
 
-/// Whether a foot is away from its place by more than a tolerance, m and rad.
+/// Returns true if a foot is away from its place by more than a tolerance, m and rad.
 fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool {
     let place = pose.transform_point(leg.hip.truncate());
     (foothold.point.truncate() - place).length() > tolerance || twisted(foothold, pose).abs() > tolerance
@@ -782,7 +784,8 @@ fn twisted(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
 }
 
-/// From the hip of a body at `lift` to the point of a foot, in the robot's axes, and the foot's angle to the body.
+/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes; and the foot's
+/// yaw to the body.
 fn hip_to_point(leg: &Leg, foot: &FootState, pose: &Pose, lift: f64) -> (DVec3, f64) {
     let point = pose.inverse_transform_point(foot.point.truncate()).extend(foot.point.z - lift);
     let yaw = Heading::default().turned(foot.heading - pose.heading.remainder()).remainder();

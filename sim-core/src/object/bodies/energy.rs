@@ -1,13 +1,13 @@
-//! That no step raises the energy: what the solver added is taken away again, island by island.
+//! Energy limit of a step: energy that the solver added is removed, island by island.
 //!
-//! Motion relative to the rigid motion with the island's momentum and angular momentum is scaled; so momentum is kept. An
-//! island that touches what cannot be moved hands its momentum to that, and is scaled as a whole.
+//! Motion relative to the rigid motion with the island's momentum and angular momentum is scaled, so that momentum is conserved. An
+//! island that touches an immovable body passes its momentum to that body, and is scaled as a whole.
 
 use glam::DVec2;
 
 use super::Velocity;
 
-/// A body in an island of bodies that act on each other.
+/// A body in an island of touching bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     pub mass: f64,
@@ -23,7 +23,7 @@ impl Member {
     }
 }
 
-/// Scales the velocities of an island so that its energy is at most `limit`; `is_held` when it touches what cannot move.
+/// Scales the velocities of an island so that its energy is at most `limit`; `is_held` if it touches an immovable body.
 pub(super) fn limit(members: &mut [Member], limit: f64, is_held: bool) {
     let energy: f64 = members.iter().map(Member::energy).sum();
     if energy <= limit {
@@ -41,7 +41,7 @@ pub(super) fn limit(members: &mut [Member], limit: f64, is_held: bool) {
         relative += Member { velocity: rest, ..*member }.energy();
     }
     let factor = if relative > 0.0 { ((limit - shared).max(0.0) / relative).sqrt().min(1.0) } else { 0.0 };
-    // Of the motion in common only rounding has to be taken, or what the change of the arms in a step has added.
+    // The common motion can exceed the limit only by rounding, or because the arms changed during the step.
     let shared_factor = if shared > limit { (limit / shared).sqrt() } else { 1.0 };
     for member in members {
         let rigid = common.at(member.centre);
@@ -53,7 +53,7 @@ pub(super) fn limit(members: &mut [Member], limit: f64, is_held: bool) {
     }
 }
 
-/// A motion of all bodies as one.
+/// Rigid motion of all bodies of an island together.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rigid {
     centre: DVec2,
@@ -62,7 +62,7 @@ struct Rigid {
 }
 
 impl Rigid {
-    /// The motion with the momentum and angular momentum of all.
+    /// Rigid motion with the total momentum and angular momentum of `members`.
     fn of(members: &[Member]) -> Self {
         let mass: f64 = members.iter().map(|member| member.mass).sum();
         let centre = members.iter().map(|member| member.centre * member.mass).sum::<DVec2>() / mass;

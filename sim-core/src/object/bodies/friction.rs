@@ -1,4 +1,4 @@
-//! What the floor takes from a moving object in one step of the rigid bodies.
+//! Floor friction on a moving object during one step of the rigid bodies.
 
 use glam::DVec2;
 
@@ -7,7 +7,7 @@ use crate::object::floor::{ARM, Velocity};
 impl Velocity {
     pub const ZERO: Self = Self { linear: DVec2::ZERO, omega: 0.0 };
 
-    /// What is left when friction takes `speed`, m/s, from a body that slides without turning; exactly nothing in the end.
+    /// Velocity after friction that would slow a sliding body without rotation by `speed`, m/s; exactly zero at the end.
     pub fn slowed(self, speed: f64, gyration_squared: f64) -> Self {
         let sliding = self.sliding(gyration_squared);
         if sliding <= speed {
@@ -18,8 +18,8 @@ impl Velocity {
     }
 }
 
-/// What friction takes before a step so that it is gone through at its mean speed, and what after it, m/s: together
-/// `whole`, the most that it takes in a step. So constant deceleration is exact, and so is its end within a step.
+/// Parts of the loss of speed `whole` that friction removes before and after a step, m/s, such that the object moves at its mean
+/// speed during the step. So constant deceleration is exact, and so is its end within a step.
 pub(super) fn split(sliding: f64, whole: f64) -> (f64, f64) {
     let before =
         if sliding >= whole { 0.5 * whole } else { sliding - sliding * sliding / (2.0 * whole).max(f64::MIN_POSITIVE) };

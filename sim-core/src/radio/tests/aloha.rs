@@ -7,10 +7,10 @@ use crate::noise::{Purpose, Stream};
 const ALOHA: Model =
     Model { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 
-/// Share of the messages of an offered load `g` that robot 1 hears, and the half width of its 99.9 % interval: messages begin at
-/// random, as many as `g` in the time of one, each from another robot.
+/// Share of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval. Messages begin at
+/// random, on average `g` in the duration of one, each from another robot.
 ///
-/// Neighbours share their fate, so the spread is that between batches, each longer than anything that two share.
+/// Outcomes of neighbouring messages are correlated, so the variance is estimated between batches longer than any correlation.
 fn heard(g: f64, slot: Time) -> (f64, f64) {
     const BATCHES: usize = 200;
     const BATCH: usize = 500;
@@ -50,7 +50,7 @@ fn throughput_is_that_of_the_formula() {
         let expected = exp(-2.0 * g);
         assert!((share - expected).abs() < half, "S = {} +- {}, not {} at G = {g}", g * share, g * half, g * expected);
         assert!(half < 0.03 * expected.max(0.2), "the interval says something: {half}");
-        // An interval that would take anything is none: slotted ALOHA is far off.
+        // The test has power: slotted ALOHA lies outside the interval.
         assert!((share - exp(-g)).abs() > half, "at G = {g}");
     }
 }
@@ -61,7 +61,7 @@ fn the_length_of_a_slot_changes_no_collision() {
     assert_eq!(shares, [shares[0]; 3]);
 }
 
-/// Robots 1 and 3 do not hear each other; 2 hears both.
+/// Robots 1 and 3 are out of each other's reach; 2 receives both.
 #[test]
 fn a_hidden_terminal_disturbs_only_where_it_is_heard() {
     let mut channel = channel(ALOHA, Vec::new(), 4);
@@ -70,7 +70,7 @@ fn a_hidden_terminal_disturbs_only_where_it_is_heard() {
         out_of_reach,
         ..sending(from, 1, Address::One(to), b"hello".to_vec(), Time(at))
     };
-    // 1 to 2 and 3 to 4 overlap: 2 hears both and so neither; 4 does not hear 1.
+    // 1 to 2 and 3 to 4 overlap: both reach 2, which receives neither; 1 does not reach 4.
     let sendings = vec![message(1, 2, 0, vec![far(3), far(4)]), message(3, 4, 500, vec![far(1)])];
     let fates = channel.exchange(Time::from_millis(50), sendings);
     let of = |robot: u32| fates.iter().find(|fate| fate.to == RobotId(robot)).map(|fate| fate.outcome.is_ok());
@@ -83,7 +83,7 @@ fn who_sends_hears_nothing_meanwhile() {
     let outcome = |begins: i64| {
         let mut channel = channel(ALOHA, Vec::new(), 3);
         let air = air_time(5, BAUD);
-        // 2 sends to 3 from which it is heard by nobody else: 1 to 2 is lost to 2's own transmission alone.
+        // 2 sends to 3 and reaches no other robot: the message from 1 to 2 is lost only because 2 itself is sending.
         let own = Sending {
             out_of_reach: vec![(RobotId(1), Loss::Sight)],
             ..sending(2, 1, Address::One(3), b"12345".to_vec(), Time(10_000))
@@ -114,7 +114,7 @@ fn what_only_touches_does_not_overlap() {
     assert_eq!(outcomes(-1), [Err(Loss::Collision), Err(Loss::Collision)]);
 }
 
-/// A message that ended before another one was decided had met it all the same.
+/// A message that ended before another was decided still collides with it.
 #[test]
 fn collisions_are_remembered_across_slots() {
     let model = Model { latency: Time::from_millis(500), ..ALOHA };

@@ -4,7 +4,7 @@ use super::*;
 
 const MEDIA: [Medium; 3] = [Medium::Free, Medium::Aloha, Medium::TokenRing];
 
-/// Robots 1 and 2, both on, by their stations.
+/// Robots 1 and 2, both on, with their stations.
 struct Pair {
     channel: Channel,
     stations: [Station; 2],
@@ -24,7 +24,7 @@ impl Pair {
         self.stations[0].send(at, Address::One(2), payload, Vec::new()).expect("there is room").sequence
     }
 
-    /// The slot ends; what the channel has decided.
+    /// Ends the slot; returns the channel's deliveries.
     fn end_slot(&mut self, slot_end: Time) -> Vec<Delivery> {
         let mut sendings = Vec::new();
         for station in &mut self.stations {
@@ -38,7 +38,7 @@ impl Pair {
         fates
     }
 
-    /// Runs the slots that are due, until nothing is.
+    /// Runs the due slots until none is left.
     fn run(&mut self, slot: Time) -> Vec<Delivery> {
         let mut fates = self.end_slot(slot);
         while self.channel.due() < Time::NEVER - slot {
@@ -102,7 +102,7 @@ fn what_has_not_begun_when_its_station_is_switched_off_is_never_sent() {
     for medium in MEDIA {
         let mut pair = Pair::new(Model { medium, ..Model::default() });
         pair.end_slot(slot);
-        // Long before the token: 4 frames after the slot's end.
+        // Long before the token arrives, 4 frames after the slot's end.
         for _ in 0..3 {
             pair.send(slot, &[0; 100]);
         }
@@ -137,7 +137,7 @@ fn a_free_medium_sends_what_it_has_taken_and_aloha_stops() {
         fates.extend(pair.run(slot + slot));
         fates.sort_by_key(|fate| fate.sequence);
         assert_eq!(outcomes(&fates), [(1, Ok(())), (2, second)]);
-        // The transmitter is busy with what goes out, also for one that comes back.
+        // The transmitter stays busy with outgoing messages even if the station is switched on again.
         pair.stations[0].switch_on(1, BAUD);
         let busy = if medium == Medium::Free { 2 } else { 1 };
         let sending = pair.stations[0].send(Time(2_000), Address::All, &[1], Vec::new()).expect("there is room");
@@ -157,7 +157,7 @@ fn who_is_switched_off_hears_nothing_of_what_was_on_its_way() {
         (pair.stations[1].switch_off(Time::from_millis(61)), pair.stations[1].next_visible()),
         (vec![], Time::NEVER)
     );
-    // What it sends to itself goes to nobody.
+    // A message of a station to itself has no receiver.
     pair.stations[0].send(Time::from_millis(70), Address::One(1), b"me", Vec::new()).expect("there is room");
     assert_eq!(outcomes(&pair.end_slot(slot + slot)), [(2, Err(Loss::Nobody))]);
 }
@@ -182,7 +182,7 @@ fn a_buffer_that_is_full_takes_nothing_more() {
     let full = Err(Loss::Overflow);
     assert_eq!(outcomes(&settled), [(1, Ok(())), (2, full), (3, Ok(())), (4, full)]);
     assert_eq!(station.waiting(), 2);
-    // The same for what is to be sent; room comes as transmissions end.
+    // Likewise for the outgoing buffer, which has room again as transmissions end.
     let baud = Model::default().baud;
     pair.send(Time::ZERO, &[0; BUFFER]);
     let end = air_time(BUFFER, baud);

@@ -9,14 +9,14 @@ const MILLION: usize = 1_000_000;
 /// Bits of a message.
 const BITS: usize = 256;
 
-/// What a channel did to messages of [`BITS`] bits.
+/// Result of messages of [`BITS`] bits through a channel.
 struct Sample {
-    /// Which bits of each message that arrived are wrong, in order.
+    /// Positions of the bit errors of each message that arrived, in order.
     messages: Vec<Vec<u16>>,
     lost: u64,
 }
 
-/// So many messages of zeros from robot 2 to robot 1.
+/// Sends `count` messages of zeros from robot 2 to robot 1.
 fn sample(errors: Radio, count: usize) -> Sample {
     let mut channel = channel(Model::default(), vec![errors], 2);
     let mut messages = Vec::new();
@@ -52,7 +52,7 @@ fn wrong_bits(arrived: &Arrived) -> Vec<u16> {
     wrong
 }
 
-/// p-values of a sample being what a channel with `p` makes, each with what it looks at.
+/// p-values of a sample under the hypothesis of independent bit errors with probability `p`, each with the name of its test.
 fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     let bits = (messages.len() * BITS) as u64;
     let all = || messages.iter().flatten();
@@ -63,7 +63,7 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     all().for_each(|bit| positions[usize::from(*bit)] += 1.0);
     found.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
 
-    // Messages follow each other without a gap: then gaps between errors are geometric throughout.
+    // The messages are joined without a gap: the gaps between errors are geometric throughout.
     let places = messages
         .iter()
         .enumerate()
@@ -99,7 +99,7 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     found
 }
 
-/// One in a thousand of good samples has a p-value below it.
+/// Significance level: one in a thousand good samples has a lower p-value.
 const LEAST: f64 = 0.001;
 
 #[test]
@@ -142,7 +142,7 @@ fn the_same_tests_catch_biased_generators() {
         (0..20_000).map(|_| message()).collect()
     };
     let is_before = |bit: u16, wrong: &[u16], by: u16| bit >= by && wrong.contains(&(bit - by));
-    // None of them but the first is known by its rate over all.
+    // Only the first differs in the overall rate.
     let higher_rate = make(&mut |_, _, _| 1.05 * P);
     let first_of_byte = make(&mut |bit, _, _| if bit % 8 == 0 { 1.7 * P } else { 0.9 * P });
     let towards_the_end = make(&mut |bit, _, _| P * (0.85 + 0.3 * f64::from(bit) / (BITS as f64 - 1.0)));
@@ -156,7 +156,7 @@ fn the_same_tests_catch_biased_generators() {
         }
         rate
     });
-    // Gaps of a sum of two dice: the rate is right, the gaps are not.
+    // Gaps are the sum of two dice: the rate is right, the distribution of the gaps is not.
     let regular: Vec<Vec<u16>> = {
         let mut places = vec![Vec::new(); 20_000];
         let (mut place, mut dice) = (0, Random::new(8));
@@ -180,7 +180,7 @@ fn the_same_tests_catch_biased_generators() {
     catches(&echo, "bits 8 apart");
     catches(&fading, "one message after another");
     catches(&regular, "gaps");
-    // And a plain generator, bit by bit, passes them all.
+    // A plain generator, bit by bit, passes all tests.
     for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
         assert!(value > LEAST, "{what}: {value}");
     }
@@ -193,7 +193,7 @@ fn receivers_senders_and_messages_draw_independently() {
     let mut channel = channel(Model::default(), vec![errors; 4], 4);
     let mut heard = vec![[None; 5]; COUNT as usize];
     for message in 0..COUNT {
-        // Robots 1 and 2 send to everybody: 3 and 4 hear both, under the same numbers.
+        // Robots 1 and 2 send to all: 3 and 4 receive both, with the same message numbers.
         let of = |from| sending(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
         for delivery in channel.exchange(Time::ZERO, vec![of(1), of(2)]) {
             let place = match (delivery.from.0, delivery.to.0) {

@@ -10,7 +10,7 @@ mod schedules;
 use super::*;
 use crate::noise::Radio;
 
-/// A message to the robot of this number as its sender hands it over; its address is its own number.
+/// A message from robot `from`, whose address is its own number.
 fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> Sending {
     Sending {
         from: RobotId(from),
@@ -27,7 +27,7 @@ fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) 
 
 const BAUD: u32 = 115_200;
 
-/// A channel whose members are the robots from 1 to `members`, each with its number as its address.
+/// A channel with the members 1 to `members`, each with its number as its address.
 fn channel(model: Model, errors: Vec<Radio>, members: u32) -> Channel {
     let mut channel = Channel::new(model, 42, errors);
     for robot in 1..=members {

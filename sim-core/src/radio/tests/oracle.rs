@@ -1,4 +1,4 @@
-//! The rules of the channel once more, microsecond by microsecond: slow, and without a line of the channel's own.
+//! Oracle for stations and channel: the same rules, evaluated microsecond by microsecond; slow, and shares no code with the channel.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::math::{ln, ln_1p};
 use crate::noise::{Purpose, Stream};
 
-/// What a program does with its radio.
+/// One operation of a program on its radio.
 #[derive(Clone, Debug)]
 pub enum Deed {
     On {
@@ -22,22 +22,22 @@ pub enum Deed {
     Read,
 }
 
-/// A run: who does what when.
+/// A run as a list of operations with times and robots.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     pub model: Model,
     pub slot: Time,
     pub seed: u64,
-    /// Of each robot.
+    /// Noise model of each robot.
     pub errors: Vec<Radio>,
-    /// Whom each robot cannot reach.
+    /// Robots that each robot cannot reach.
     pub out_of_reach: Vec<Vec<(RobotId, Loss)>>,
-    /// In order of time; those of one robot at different instants.
+    /// In order of time; operations of one robot are at different instants.
     pub deeds: Vec<(Time, RobotId, Deed)>,
     pub end: Time,
 }
 
-/// What became of messages, and what was read: (when, by whom, from whom, which).
+/// Outcomes of the messages, and the messages read: (time, reader, sender, number).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Story {
     /// In order of (visible, receiver, arrives, sender, sequence).
@@ -55,7 +55,7 @@ struct Sent {
     baud: u32,
     at: Time,
     begins: Option<Time>,
-    /// Where something else was on the air meanwhile.
+    /// Receivers at which another transmission was on the air at the same time.
     disturbed: BTreeSet<RobotId>,
     is_decided: bool,
 }
@@ -64,20 +64,20 @@ struct Oracle<'a> {
     schedule: &'a Schedule,
     now: Time,
     sent: Vec<Sent>,
-    /// By robot: address and speed.
+    /// Address and speed by robot.
     on: BTreeMap<RobotId, (u32, u32)>,
-    /// By robot: which messages wait to be sent.
+    /// Messages that wait to be sent, by robot.
     queues: Vec<VecDeque<usize>>,
     ring: Vec<(RobotId, u32)>,
     token: Option<(RobotId, Time, f64)>,
     tokens: u64,
     story: Story,
-    /// By robot: what is decided and not yet visible, and what waits to be read.
+    /// Messages decided but not yet visible, and messages waiting to be read, by robot.
     coming: Vec<Vec<Delivery>>,
     inbox: Vec<Vec<Delivery>>,
 }
 
-/// Tells the story of a schedule.
+/// Computes the outcome of a schedule.
 pub fn tell(schedule: &Schedule) -> Story {
     let robots = schedule.errors.len();
     let mut oracle = Oracle {
@@ -126,7 +126,7 @@ impl Oracle<'_> {
         Some(sent.begins? + Self::duration(sent.payload.len(), sent.baud))
     }
 
-    /// What is visible now goes to its receivers.
+    /// Moves messages that are visible now to their receivers.
     fn show(&mut self) {
         for (coming, inbox) in self.coming.iter_mut().zip(&mut self.inbox) {
             let is_due = |it: &mut Delivery| it.visible <= self.now;
@@ -188,7 +188,7 @@ impl Oracle<'_> {
         let is_kept = |place: &usize| self.schedule.model.medium == Medium::Free && self.sent[*place].at < slot_start;
         let queue = std::mem::take(&mut self.queues[robot.index()]);
         self.queues[robot.index()] = queue.iter().copied().filter(is_kept).collect();
-        // As if it had begun when the transmitter would have been free.
+        // The arrival is that of a transmission that begins as soon as the transmitter is free.
         let mut free = self.sent.iter().filter(|sent| sent.from == robot).filter_map(Self::ends).max();
         for place in queue {
             let is_kept = self.queues[robot.index()].contains(&place);
@@ -220,7 +220,7 @@ impl Oracle<'_> {
         });
     }
 
-    /// Who may begins to send.
+    /// Starts transmissions of stations that may send.
     fn transmit(&mut self) {
         if self.schedule.model.medium == Medium::TokenRing {
             return self.turn();
@@ -234,7 +234,7 @@ impl Oracle<'_> {
         }
     }
 
-    /// Who has the token sends a message or hands it on.
+    /// Lets the holder of the token send a message or pass the token on.
     fn turn(&mut self) {
         let Some((owner, at, life)) = self.token else { return };
         if at != self.now {
@@ -260,10 +260,10 @@ impl Oracle<'_> {
         }
     }
 
-    /// Nothing is heard from `silent` on: `maker` makes a new token.
+    /// Creates a token at `maker` after silence that began at `silent`.
     fn make_token(&mut self, maker: RobotId, silent: Time) {
         let (_, baud) = *self.ring.iter().find(|(robot, _)| *robot == maker).expect("it is in the ring");
-        // Two frames of silence, a poll, an answer of each of the others.
+        // Two frames of silence, a poll, an answer from each of the others.
         let frames = 2 + 1 + (self.ring.len() as i64 - 1);
         let mut stream = Stream::new(self.schedule.seed, RobotId(0), Purpose::Token, 0, self.tokens);
         self.tokens += 1;
@@ -271,7 +271,7 @@ impl Oracle<'_> {
         self.token = Some((maker, at, -ln(1.0 - stream.unit())));
     }
 
-    /// Notes what is heard together.
+    /// Records overlapping transmissions at each receiver.
     fn listen(&mut self) {
         let is_on_air = |sent: &Sent| {
             sent.begins.is_some_and(|begins| begins <= self.now) && Self::ends(sent).is_some_and(|ends| ends > self.now)
@@ -292,7 +292,7 @@ impl Oracle<'_> {
         }
     }
 
-    /// `now` is the end of a slot.
+    /// Processes the end of a slot at `now`.
     fn end_slot(&mut self) {
         let Schedule { model, .. } = *self.schedule;
         let owner = self.token.map(|(owner, at, _)| (owner, at));
@@ -306,7 +306,7 @@ impl Oracle<'_> {
             }
             _ => {}
         }
-        // A free medium takes what is sent; its transmitters go on without anybody's help.
+        // A free medium takes every message at once; its transmitters then work through them independently.
         let mut free = vec![Time::ZERO; self.queues.len()];
         for place in 0..self.sent.len() {
             let sent = &self.sent[place];
@@ -350,7 +350,7 @@ impl Oracle<'_> {
             } else if stream.unit() < radio.packet_loss {
                 Err(Loss::Packet)
             } else {
-                // Where the error rate is 1 every bit is wrong.
+                // At an error rate of 1 every bit is wrong.
                 let mask = if radio.bit_error_rate == 1.0 { 0xff } else { 0 };
                 let payload: Vec<u8> = sent.payload.iter().map(|byte| byte ^ mask).collect();
                 let bit_errors = if mask == 0 { 0 } else { 8 * payload.len() as u32 };

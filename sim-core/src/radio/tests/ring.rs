@@ -8,7 +8,7 @@ const RING: Model =
     Model { medium: Medium::TokenRing, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 const SLOT: Time = Time::from_millis(50);
 
-/// A ring of so many that is made at the end of the first slot.
+/// A ring of `members` stations, formed at the end of the first slot.
 fn ring(errors: Vec<Radio>, members: u32) -> Channel {
     let mut channel = channel(RING, errors, members);
     assert_eq!(channel.exchange(SLOT, Vec::new()), []);
@@ -19,7 +19,7 @@ fn frame() -> Time {
     air_time(0, BAUD)
 }
 
-/// When a ring of so many that is made at the end of the first slot begins: silence, poll, answers.
+/// Start of the token in a ring of `members` stations formed at the end of the first slot: silence, poll, answers.
 fn start(members: i64) -> Time {
     SLOT + Time((SILENCE + members) * frame().0)
 }
@@ -28,7 +28,7 @@ fn waiting(from: u32, sequence: u64, to: Address, bytes: usize, sent: Time) -> S
     Sending { begins: None, ..sending(from, sequence, to, vec![0; bytes], sent) }
 }
 
-/// Each of `count` robots has `each` messages of its own length from the start: who sends from when to when, in order.
+/// Each of `count` robots has `each` messages of its own length from the start; returns (sender, begin, end) in order.
 fn saturated(errors: Radio, count: u32, each: u64) -> Vec<(u32, Time, Time)> {
     let mut channel = ring(vec![errors; count as usize], count);
     let messages = (1..=count).flat_map(|from| (1..=each).map(move |sequence| (from, sequence)));
@@ -118,14 +118,14 @@ fn an_idle_ring_loses_its_token_as_often_however_it_is_asked() {
 
 #[test]
 fn who_leaves_with_the_token_does_not_keep_it() {
-    // A slot's end that falls into the time of each of the three in turn: each leaves with it once.
+    // The boundary falls twice into the turn of each of the three robots; robot 2 leaves, twice while it has the token.
     let mut has_left_with_it = 0;
     for passes in 0..6 {
         let mut channel = ring(Vec::new(), 3);
         let boundary = start(3) + Time(passes * frame().0 + 1);
         channel.set_member(RobotId(2), None);
         channel.exchange(boundary, Vec::new());
-        // The one that begins in the middle of which the boundary lies hands it to the next.
+        // The holder at the boundary finishes its frame and passes the token to the next.
         let owner = (passes + 1) % 3 + 1;
         let at = boundary - Time(1) + frame();
         let messages = vec![waiting(1, 1, Address::One(0), 0, boundary), waiting(3, 1, Address::One(0), 0, boundary)];
@@ -136,7 +136,7 @@ fn who_leaves_with_the_token_does_not_keep_it() {
         };
         if owner == 2 {
             has_left_with_it += 1;
-            // 3 waits, polls, and is answered by 1.
+            // 3 waits, polls, and 1 answers.
             assert_eq!(begins(3), at + Time((SILENCE + 2) * frame().0));
             assert_eq!(begins(1), begins(3) + frame());
         } else {
@@ -174,7 +174,7 @@ fn the_speed_of_each_is_that_of_its_frames() {
     let fates = channel.exchange(Time::from_millis(1_000), vec![of(1, 9_600), of(2, 115_200)]);
     let first = start + air_time(10, 9_600);
     assert_eq!(fates.iter().map(|fate| fate.arrives).collect::<Vec<_>>(), [first + air_time(10, 115_200), first]);
-    // The token is understood at every speed, messages are not.
+    // The token is received at every speed, messages are not.
     assert!(fates.iter().all(|fate| fate.outcome == Err(Loss::Baud)));
 }
 

@@ -1,16 +1,16 @@
-//! Random schedules: stations and channel against the oracle, and against the rules of time themselves.
+//! Random schedules: stations and channel against the oracle, and against the timing rules directly.
 
 use accuracy::world::Random;
 
 use super::oracle::{Deed, Schedule, Story, tell};
 use super::*;
 
-/// How the slot loop goes about a schedule.
+/// Variation of the slots and of the order in which messages are handed in.
 #[derive(Clone, Copy, Debug)]
 struct Manner {
-    /// Runs every slot, not only those in which something happens.
+    /// Runs every slot, not only those that are due.
     is_every_slot_run: bool,
-    /// Hands in what was sent from the last robot to the first.
+    /// Hands in sent messages from the last robot to the first.
     is_backwards: bool,
 }
 
@@ -89,7 +89,7 @@ fn schedule(seed: u64) -> Schedule {
         far.map(|to| (RobotId::from_index(to), if to % 2 == 0 { Loss::Range } else { Loss::Sight })).collect()
     };
     let out_of_reach = (0..robots).map(&mut far).collect();
-    // Everybody has its own address and the one speed, mostly.
+    // Mostly, each robot has its own address and all have the same speed.
     let is_odd = random.chance(0.2);
     let on = |robot: usize, random: &mut Random| Deed::On {
         address: if is_odd { random.below(3) as u32 } else { robot as u32 + 1 },
@@ -148,13 +148,13 @@ fn ten_thousand_schedules_are_as_the_oracle_tells() {
         read += found.read.len();
         check_times(&schedule, &found);
     }
-    // All that can happen does.
+    // Every kind of outcome occurs.
     let expected = ["baud", "collision", "heard", "nobody", "off", "packet", "range", "sight", "unsent"];
     assert!(causes.keys().copied().eq(expected) && causes.values().all(|count| *count > 100), "{causes:?}");
     assert!(read > 10_000, "{read}");
 }
 
-/// The rules of time, of sendings and fates alone: not before send + delay, and visible no later than design section 7 says.
+/// Checks the timing rules: no arrival before send + delay, and visible no later than design section 7 says.
 fn check_times(schedule: &Schedule, story: &Story) {
     let Schedule { model, slot, .. } = *schedule;
     let boundary = |time: Time| (time + slot - Time(1)).floor_to(slot);
@@ -180,7 +180,7 @@ fn check_times(schedule: &Schedule, story: &Story) {
         let of = |fate: &&Delivery| (fate.to, fate.from, fate.sequence) == (*reader, *from, *sequence);
         let fate = story.fates.iter().find(of).expect("it was heard");
         assert!(fate.visible <= *at && fate.outcome.is_ok());
-        // Whatever was visible, came earlier and was heard, was read before.
+        // Received messages that were visible and had arrived earlier were read before.
         let is_earlier = |it: &&Delivery| {
             (it.arrives, it.from, it.sequence) < (fate.arrives, fate.from, fate.sequence)
                 && (it.to, it.outcome.is_ok()) == (*reader, true)
@@ -257,7 +257,7 @@ fn a_listener_more_changes_nothing_for_others() {
 
 #[test]
 fn among_those_that_stay_on_the_length_of_a_slot_changes_no_arrival() {
-    // Everybody is on from here on, whatever the length of the slots.
+    // All stations are on from here on, for any slot length.
     const FIRST: Time = Time(1_000);
     for seed in 0..2_000 {
         let mut plain = schedule(seed);

@@ -1,32 +1,32 @@
-//! What the fields of events hold.
+//! Types of event fields.
 
 use crate::record::Action;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// How a robot's program stands at the end of a run.
+/// State of a robot's program at the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The program ended by itself with exit code 0.
+    /// The program ended normally with exit code 0.
     Finished,
-    /// The run's time was over while the program ran.
+    /// The run reached its time limit while the program was running.
     Running,
-    /// The program waits for something that cannot come any more.
+    /// The program waits for an event that cannot happen any more.
     Waiting,
     /// The user ended the run.
     Interrupted,
-    /// The program panicked, faulted, could not be loaded or ended with another exit code than 0.
+    /// The program panicked, faulted, could not be loaded or ended with a nonzero exit code.
     Failed,
     /// The program computed for too long without a RoBIOS call.
     Timeout,
-    /// The robot has no program: it only stands there.
+    /// The robot has no program.
     NoProgram,
-    /// The robot was taken out of the world before its program ended.
+    /// The robot was removed from the world before its program ended.
     Removed,
 }
 
 impl Outcome {
-    /// The word of the report and the trace, such as `finished`.
+    /// Name in the report and the trace, such as `finished`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Finished => "finished",
@@ -40,17 +40,17 @@ impl Outcome {
         }
     }
 
-    /// True where the program is to blame, so that the run's exit code is 1.
+    /// Returns true if the outcome is a failure of the program, so that the run's exit code is 1.
     pub fn is_failure(self) -> bool {
         matches!(self, Self::Waiting | Self::Failed | Self::Timeout)
     }
 }
 
-/// What a robot touched.
+/// Obstacle that a robot touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Obstacle {
-    /// A wall or another thing that never moves.
+    /// A wall or another immovable object.
     Wall,
     /// The robot with this number.
     Robot(u32),
@@ -60,12 +60,12 @@ pub enum Obstacle {
     Terrain,
 }
 
-/// An [`Action`] as JSON text: the text itself in the canonical form, the object in the trace.
+/// An [`Action`] as JSON text: a string in the canonical form, a JSON object in the trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub struct ActionText<'a>(pub &'a str);
 
 impl ActionText<'_> {
-    /// The action; none if the text is not one.
+    /// Parses the action; `None` if the text is not an action.
     pub fn action(self) -> Option<Action> {
         serde_json::from_str(self.0).ok()
     }
@@ -80,7 +80,7 @@ impl Serialize for ActionText<'_> {
     }
 }
 
-/// A list of numbers: the bytes of its doubles, little endian, in the canonical form, the numbers in the trace.
+/// A list of numbers: little-endian bytes of `f64` in the canonical form, JSON numbers in the trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub struct Numbers<'a>(&'a [u8]);
 

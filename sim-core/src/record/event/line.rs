@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::Event;
 
-/// Stands in place of a robot for what belongs to the world: its journal comes before those of all robots.
+/// Pseudo robot for events of the world: its journal comes before those of all robots.
 pub const WORLD: RobotId = RobotId(0);
 
 /// An event with its virtual time and its robot. Serialises to a line of the trace.
@@ -15,11 +15,11 @@ pub const WORLD: RobotId = RobotId(0);
 pub struct Record<'a> {
     /// Virtual time of the robot.
     pub time: Time,
-    /// Whose event; [`WORLD`] for that of no robot.
+    /// Robot of the event; [`WORLD`] for an event of the world.
     pub robot: RobotId,
-    /// Number of the event among its robot's, from 0; none for a note.
+    /// Number of the event, counted per robot from 0; `None` for a note.
     pub sequence: Option<u64>,
-    /// What happened.
+    /// The event.
     pub event: Event<'a>,
 }
 

@@ -20,7 +20,7 @@ impl KindSet {
         kinds.iter().fold(Self::NONE, |set, kind| set.union(kind.set()))
     }
 
-    /// What is in either set.
+    /// Union of the two sets.
     pub fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
@@ -30,19 +30,19 @@ impl KindSet {
         Self(self.0 & !kind.set().0)
     }
 
-    /// True when the sets share a kind.
+    /// Returns true if the sets have a kind in common.
     pub fn intersects(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// True when `kind` is in the set.
+    /// Returns true if `kind` is in the set.
     pub fn contains(self, kind: Kind) -> bool {
         self.intersects(kind.set())
     }
 }
 
 impl Kind {
-    /// The set that holds this kind alone.
+    /// The set that contains only this kind.
     pub fn set(self) -> KindSet {
         KindSet(1 << self as u8)
     }

@@ -1,42 +1,42 @@
-//! The binary tree by the surface area heuristic, and the cheapest ways to make wide nodes of it.
+//! Binary tree by the surface area heuristic, and the cheapest ways to collapse it into wide nodes.
 
 use std::ops::Range;
 
 use super::node::{Box3, WIDTH};
 
-/// Places on an axis at which a split is weighed, and one more.
+/// Number of bins per axis for candidate splits.
 const BINS: usize = 32;
 
-/// A binary tree over boxes, down to single ones.
+/// A binary tree over boxes, with single boxes as leaves.
 pub(super) struct Binary {
     forks: Vec<Fork>,
-    /// Places of the boxes, so that those below a fork are neighbours.
+    /// Indices of the boxes, ordered so that those below a fork are contiguous.
     order: Vec<usize>,
 }
 
 /// A subtree. Its children come later in the list.
 struct Fork {
     bounds: Box3,
-    /// In [`Binary::order`].
+    /// Its boxes in [`Binary::order`].
     range: Range<usize>,
-    /// The left child; the right one is next to it. `None` for a single box.
+    /// The left child; the right one follows it in the list. `None` for a single box.
     left: Option<usize>,
     best: Best,
 }
 
-/// What is cheapest for a subtree.
+/// The cheapest way to collapse a subtree.
 #[derive(Default)]
 struct Best {
-    /// Expected cost when it is handed on as at most 1, 2, ... 7 children.
+    /// Expected cost of the subtree as at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
-    /// How many of at most 2, 3, ... 8 children the left subtree gets; 0 when one child fewer is as good.
+    /// Share of the left subtree in at most 2, 3, ... 8 children; 0 if one child fewer is as good.
     left: [usize; WIDTH - 1],
-    /// Whether it is a block of triangles, as one child.
+    /// As one child, the subtree is cheapest as a block of triangles.
     is_block: bool,
 }
 
 impl Binary {
-    /// The tree over `boxes`, of which there is one at least; testing a block costs `block_cost` times that of a node.
+    /// The tree over `boxes`, at least one; testing a block costs `block_cost` times as much as testing a node.
     pub fn new(boxes: &[Box3], block_cost: f32) -> Self {
         let mut order: Vec<usize> = (0..boxes.len()).collect();
         let mut forks = vec![Fork::new(boxes, &order, 0..boxes.len())];
@@ -58,17 +58,17 @@ impl Binary {
         binary
     }
 
-    /// Whether a subtree is best a block of triangles.
+    /// Returns true if the subtree is cheapest as a block of triangles.
     pub fn is_block(&self, root: usize) -> bool {
         self.forks[root].best.is_block
     }
 
-    /// Places of all boxes below a subtree.
+    /// Indices of all boxes below a subtree.
     pub fn places(&self, root: usize) -> &[usize] {
         &self.order[self.forks[root].range.clone()]
     }
 
-    /// The subtrees that are to be the at most `parts` children of a wide node made of `root`.
+    /// Appends the subtrees that become the children, at most `parts`, of a wide node made of `root`.
     pub fn split(&self, root: usize, parts: usize, into: &mut Vec<usize>) {
         let Some(left) = self.forks[root].left.filter(|_| parts > 1) else {
             into.push(root);
@@ -124,10 +124,11 @@ impl Fork {
     }
 }
 
-/// Parts `order` in two where that is expected to cost least, and returns how many come first: neither none nor all.
+/// Partitions `order` where the expected cost is least, and returns the size of the first part, which is neither empty
+/// nor everything.
 ///
-/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007; halved by number where all
-/// middles fall together.
+/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007; split in half by count if all
+/// middles coincide.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
     let middles = order.iter().fold(Box3::EMPTY, |all, &place| all.union(Box3::at(boxes[place].middle())));
     let size = middles.high - middles.low;

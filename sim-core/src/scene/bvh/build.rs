@@ -1,4 +1,4 @@
-//! The wide tree: a binary one, collapsed to eight children a node where that is expected to cost least.
+//! The wide tree: a binary tree collapsed to eight children per node at the least expected cost.
 
 use glam::{DVec3, Vec3};
 
@@ -6,16 +6,16 @@ use super::binary::Binary;
 use super::frame::Frame;
 use super::node::{Block, Box3, Child, Node, PADDING, Tree, WIDTH};
 
-/// Levels of a tree, at most.
+/// Maximum depth of a tree.
 pub(super) const DEPTH: usize = 24;
 
-/// Below this level, subtrees are halved by number: 2^28 triangles then take no more levels than are left.
+/// Depth from which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
 const BALANCED_FROM: usize = 14;
 
-/// Cost of testing a block, in that of testing a node.
+/// Cost of testing a block relative to a node.
 const BLOCK_COST: f32 = 1.0;
 
-/// The tree over those of the `triangles` that are numbered in `met`.
+/// The tree over the `triangles` whose numbers are in `met`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
     let seen: Vec<[Vec3; 3]> = met
         .iter()
@@ -33,9 +33,9 @@ fn padded(corners: &[Vec3; 3]) -> Box3 {
 }
 
 struct Builder<'a> {
-    /// By number.
+    /// Indexed by triangle number.
     triangles: &'a [[DVec3; 3]],
-    /// By place: the triangle's number, its corners in the tree's coordinates and its box.
+    /// Indexed by place: the triangle's number, its corners in the tree's coordinates and its box.
     numbers: &'a [u32],
     seen: &'a [[Vec3; 3]],
     boxes: &'a [Box3],
@@ -43,7 +43,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds what is below a node of the binary tree, as one child.
+    /// Adds a subtree of the binary tree as one child.
     fn subtree(&mut self, binary: &Binary, root: usize, depth: usize) -> (Child, Box3) {
         if binary.is_block(root) {
             return self.block(binary.places(root).to_vec());
@@ -58,7 +58,7 @@ impl Builder<'_> {
         self.fill(place, &children)
     }
 
-    /// Adds triangles as one child, parted by number alone.
+    /// Adds triangles as one child, split by count alone.
     fn balanced(&mut self, mut places: Vec<usize>, depth: usize) -> (Child, Box3) {
         if places.len() <= WIDTH {
             return self.block(places);
@@ -101,10 +101,10 @@ impl Builder<'_> {
         (Child::block(self.tree.blocks.len() - 1), self.bounds(&places))
     }
 
-    /// A node at this depth, the root's being 0.
+    /// Adds an empty node at this depth; that of the root is 0.
     fn reserve(&mut self, depth: usize) -> usize {
         self.tree.depth = self.tree.depth.max(depth + 1);
-        // Boxes that no ray meets: entered at infinity.
+        // Boxes that no ray enters: their entry is at infinity.
         let planes = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
         self.tree.nodes.push(Node { planes, children: [Child::default(); WIDTH] });
         self.tree.nodes.len() - 1

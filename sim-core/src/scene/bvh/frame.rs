@@ -1,25 +1,25 @@
-//! The frame in which the tree is kept: around the mesh's middle, scaled to coordinates of at most 1.
+//! The tree's frame: centred on the mesh, scaled to coordinates of at most 1.
 
 use glam::DVec3;
 
-/// From the mesh's metres to the tree's coordinates, which lie in [-1, 1] whatever the mesh's extent: rounding of `f32` is
-/// then the same everywhere, and nothing overflows.
+/// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh: the
+/// rounding of `f32` is then the same everywhere, and nothing overflows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     /// Bounds of the mesh.
     pub low: DVec3,
     pub high: DVec3,
-    /// Greatest coordinate of the mesh, m.
+    /// Greatest absolute coordinate of the mesh, m.
     pub extent: f64,
     /// Middle of the mesh.
     pub centre: DVec3,
-    /// From there to the bounds, at least.
+    /// Half extents of the bounds around `centre`, rounded up.
     half: DVec3,
-    /// Tree's units for a metre; a power of two, so that scaling rounds nothing.
+    /// Tree units per metre; a power of two, so that scaling is exact.
     pub scale: f64,
 }
 
-/// Where a ray begins to be followed.
+/// Start of the traversal of a ray.
 pub(super) struct Entry {
     /// Metres from the ray's origin.
     pub distance: f64,
@@ -27,7 +27,7 @@ pub(super) struct Entry {
     pub origin: DVec3,
 }
 
-/// How much larger the bounds are taken when rays enter them, in the tree's units.
+/// Enlargement of the bounds when rays enter them, in tree units.
 const MARGIN: f64 = 1.0 / (1 << 20) as f64;
 
 impl Frame {
@@ -38,18 +38,18 @@ impl Frame {
         let centre = 0.5 * low + 0.5 * high;
         let half = (high - centre).max(centre - low);
         let extent = low.abs().max(high.abs()).max_element();
-        // The power of two that takes `half` to [0.5, 1).
+        // Power of two that scales `half` to [0.5, 1).
         let exponent = half.max_element().max(1e-280).to_bits() >> 52;
         Some(Self { low, high, extent, centre, half, scale: f64::from_bits((2045 - exponent) << 52) })
     }
 
-    /// A point of the mesh's frame in the tree's coordinates.
+    /// A point of the mesh's frame in tree coordinates.
     pub fn tree_from_mesh(&self, point: DVec3) -> DVec3 {
         (point - self.centre) * self.scale
     }
 
-    /// Where the ray meets the bounds: its own origin, if that is within. `None` if it passes by or ends before.
-    /// `reciprocal` is that of the direction.
+    /// Entry of the ray into the bounds: its origin if that lies within. `None` if the ray misses them or ends before
+    /// them. `reciprocal` is that of the direction.
     pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
         let offset = origin - self.centre;
         // The second term exceeds the rounding of what follows.

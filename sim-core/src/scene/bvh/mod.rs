@@ -1,8 +1,8 @@
 //! The nearest triangle along a ray, for meshes that are solid to sensors.
 //!
-//! What a ray meets is decided in `f64` by [`ray`], a function of the ray and one triangle alone. The tree (`binary`,
-//! `build`, `node`) and its traversal eight boxes at a time (`walk`) only leave triangles out, in `f32` and with margins wider than
-//! all rounding. So the answer is the same to the bit for every tree, every order and every processor.
+//! [`ray`] decides each hit in `f64`, from the ray and one triangle alone. The tree (`binary`, `build`, `node`) and its
+//! traversal eight boxes at a time (`walk`) only cull triangles, in `f32` and with margins wider than all rounding. So
+//! the result has the same bits for every tree, order and processor.
 
 mod binary;
 mod build;
@@ -25,27 +25,28 @@ use ray::Ray;
 pub struct MeshHit {
     /// Metres from the ray's origin to the triangle; not negative.
     pub distance: f64,
-    /// The triangle's number; of several at the same distance, the lowest.
+    /// The triangle's number; ties in distance go to the lowest.
     pub triangle: u32,
-    /// Unit vector at right angles to the triangle, on the side that the ray comes from. For a ray within the triangle's
+    /// Unit normal of the triangle on the side from which the ray comes. For a ray within the triangle's
     /// plane, the side from which its corners are counter-clockwise.
     pub normal: DVec3,
 }
 
-/// All triangles of a mesh in its own frame, immutable, with a tree over them for rays.
+/// All triangles of a mesh in its own frame, immutable, with a bounding volume hierarchy for rays.
 ///
-/// Any list will do: duplicates, slivers, open and crossing surfaces, none at all, of any extent and anywhere. Triangles
-/// without area, or with a coordinate that is not finite or exceeds 10^100 m, keep their number but are never met.
+/// Any list is allowed: duplicates, slivers, open and intersecting surfaces, an empty list, any extent and position.
+/// Triangles without area, or with a coordinate that is not finite or exceeds 10^100 m, keep their number but are never
+/// hit.
 ///
-/// # What a ray meets
-/// Both sides of a triangle, edges and corners included. Where triangles share corners (equal to the bit), nothing slips
-/// through between them: seen along the ray, the side of a shared edge on which the ray runs is the same number for both
-/// triangles, and its sign is never wrong, only 0 (met by both) where rounding leaves it open. A ray within a triangle's
-/// plane meets it where it enters it. A ray that starts on a triangle, nearer to it than 4 units in the last place (2^-52)
-/// of the coordinates at hand, meets it at distance 0.
+/// # Definition of a hit
+/// Both sides of a triangle can be hit, edges and corners included. Where triangles share corners (equal to the bit),
+/// no ray slips through between them: projected along the ray, the offset of a shared edge from the ray is the same
+/// number for both triangles, and its sign is never wrong, only 0 (hits both) where rounding leaves it open. A ray
+/// within a triangle's plane hits it where it enters it. A ray that starts on a triangle, nearer to it than 4 units in
+/// the last place (2^-52) of the coordinates involved, hits it at distance 0.
 ///
-/// Distances are exact within rounding (some 10^-15 of the mesh's extent, over the cosine of incidence). Rays from outside
-/// the mesh's bounds are followed from where they enter these, so the distance of the origin adds no more than its own
+/// Distances are exact within rounding (some 10^-15 of the mesh's extent, over the cosine of the incidence angle). A
+/// ray from outside the mesh's bounds is followed from its entry into them, so a distant origin adds only its own
 /// rounding.
 ///
 /// Source: Woop, Benthin and Wald, "Watertight ray/triangle intersection", 2013, in `f64`; Ylitie, Karras and Laine,
@@ -76,25 +77,25 @@ impl MeshIndex {
         Self { count: triangles.len(), frame, tree, level }
     }
 
-    /// Number of triangles, those that no ray can meet included.
+    /// Number of triangles, including those that no ray can hit.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there is no triangle.
+    /// Returns true if there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Lowest and highest corner of the box around all triangles that can be met; `None` without any.
+    /// Lowest and highest corner of the box around all triangles that a ray can hit; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.frame.map(|frame| (frame.low, frame.high))
     }
 
     /// The nearest triangle at most `range` metres from `origin` along `direction`, a vector of length 1.
     ///
-    /// What counts as meeting a triangle stands with [`MeshIndex`]. `range` may be infinite. `None` when nothing is met,
-    /// when an argument is NaN, `origin` infinite or beyond 10^100 m, `range` negative, or the length of `direction` not 1
+    /// [`MeshIndex`] defines a hit. `range` may be infinite. `None` without a hit, and for an invalid ray: an argument
+    /// is NaN, `origin` is infinite or beyond 10^100 m, `range` is negative, or the length of `direction` is not 1
     /// within 10^-6.
     pub fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
         let is_ray = is_usable(origin) && (direction.length_squared() - 1.0).abs() <= 2e-6 && range >= 0.0;
@@ -115,13 +116,13 @@ fn is_usable(point: DVec3) -> bool {
     point.abs().max_element() <= 1e100 && !point.is_nan()
 }
 
-/// Whether a triangle can be met.
+/// Returns true if a ray can hit the triangle.
 fn has_area(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|&corner| is_usable(corner)) && area_vector(corners) != DVec3::ZERO
 }
 
-/// At right angles to the triangle, towards where its corners are counter-clockwise; as long as twice the area over the
-/// square of the longest extent of an edge, so that nothing overflows.
+/// Vector normal to the triangle, on the side from which its corners are counter-clockwise; its length is twice the
+/// area over the square of the greatest coordinate extent of its edges, so that nothing overflows.
 fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (*b - *a, *c - *a);
     let extent = ab.abs().max(ac.abs()).max_element();

@@ -1,16 +1,16 @@
-//! What the tree is made of.
+//! Nodes and blocks of the tree.
 
 use glam::{DVec3, Vec3};
 
-/// Children of a node, triangles of a block.
+/// Children per node, and triangles per block.
 pub(super) const WIDTH: usize = 8;
 
-/// By how much the boxes are larger than their triangles on all sides, in the tree's units: 24 units of rounding of 1.
+/// Margin of the boxes around their triangles on all sides, in tree units: 24 units of rounding of 1.
 ///
-/// A box is entered at (bound - origin) / direction on each axis. Rounding moves it, as a place on that axis, by at most
-/// 1 unit (the bound) + 1 (the origin) + 2.1 (the reciprocal) + 4.2 (two products, or one, and the difference, of at most
-/// 2.1): 8.3 units. Hits are off by 4 units at most (see `ray`), and so are origins that are taken as on a surface. The rest
-/// is for reciprocals that are taken as [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
+/// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts this, as a position on that axis,
+/// by at most 1 unit (the bound) + 1 (the origin) + 2.1 (the reciprocal) + 4.2 (two products, or one, and the
+/// difference, of at most 2.1): 8.3 units. Hits are off by 4 units at most (see `ray`), and so are origins that count
+/// as on a surface. The rest is for reciprocals clamped to [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 
 /// The tree over a mesh's triangles.
@@ -18,13 +18,13 @@ pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub blocks: Vec<Block>,
-    /// `None` without triangles.
+    /// `None` for an empty tree.
     pub root: Option<Child>,
-    /// Nodes on the longest way down.
+    /// Number of nodes on the longest path from the root.
     pub depth: usize,
 }
 
-/// Eight boxes, coordinate by coordinate; a child that is not there has a box that no ray meets.
+/// Eight boxes, coordinate by coordinate; the box of a missing child is one that no ray enters.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
@@ -33,7 +33,7 @@ pub(super) struct Node {
     pub children: [Child; WIDTH],
 }
 
-/// A node or a block: its place in [`Tree::nodes`] or, with the highest bit set, in [`Tree::blocks`].
+/// Reference to a node or block: its index in [`Tree::nodes`] or, with the highest bit set, in [`Tree::blocks`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Child(pub u32);
 
@@ -48,7 +48,7 @@ impl Child {
         Self(u32::try_from(place).expect("fewer than 2^28 triangles") | BLOCK)
     }
 
-    /// Its place in the tree's blocks, if it is one.
+    /// Index into the tree's blocks; `None` for a node.
     #[inline(always)]
     pub fn as_block(self) -> Option<usize> {
         (self.0 & BLOCK != 0).then_some((self.0 & !BLOCK) as usize)
@@ -59,11 +59,11 @@ impl Child {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// By axis and corner, in the tree's coordinates; NaN, which no ray meets, where there are fewer than eight.
+    /// By axis and corner, in tree coordinates; unused places are NaN, which no ray hits.
     pub seen: [[[f32; WIDTH]; 3]; 3],
     /// Numbers of the triangles.
     pub numbers: [u32; WIDTH],
-    /// By triangle: its corners in the mesh's frame, m. Here, so that they are in the same page of memory.
+    /// Corners by triangle, in the mesh's frame, m; stored here for locality.
     pub corners: [[DVec3; 3]; WIDTH],
 }
 
@@ -72,7 +72,7 @@ impl Block {
         Self { seen: [[[f32::NAN; WIDTH]; 3]; 3], numbers: [u32::MAX; WIDTH], corners: [[DVec3::NAN; 3]; WIDTH] };
 }
 
-/// A box in the tree's coordinates.
+/// A box in tree coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Box3 {
     pub low: Vec3,
@@ -94,7 +94,7 @@ impl Box3 {
         0.5 * (self.low + self.high)
     }
 
-    /// Half of its surface.
+    /// Half of its surface area.
     pub fn half_area(self) -> f32 {
         let size = self.high - self.low;
         size.x * size.y + size.y * size.z + size.z * size.x

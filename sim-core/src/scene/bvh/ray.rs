@@ -1,64 +1,64 @@
-//! What a ray meets: the one place where it is decided, in `f64`.
+//! The exact test of a ray against a triangle, in `f64`; it alone decides which triangles are hit.
 
 use glam::DVec3;
 
 use super::frame::{Entry, Frame};
 
-/// A ray and the nearest triangle it is known to meet.
+/// A ray and its nearest hit so far.
 pub(super) struct Ray {
     pub origin: DVec3,
     pub direction: DVec3,
-    /// Of the direction; infinite where that is 0.
+    /// Reciprocals of the direction's components; infinite for a component of 0.
     pub reciprocal: DVec3,
-    /// The axis that it runs along most is the last.
+    /// Permutation of the axes; the last one is the dominant axis of the direction.
     axes: [usize; 3],
-    /// Metres on the first two axes for a metre on the last.
+    /// Metres on the first two axes per metre on the last.
     shear: [f64; 2],
-    /// Metres along the ray for a metre on the last axis.
+    /// Metres along the ray per metre on the last axis.
     stretch: f64,
-    /// Greatest coordinate at hand, m.
+    /// Greatest absolute coordinate of origin and mesh, m.
     extent: f64,
-    /// A metre in the tree's units.
+    /// Tree units per metre.
     scale: f64,
     nearest: Nearest,
 }
 
-/// The nearest triangle met so far.
+/// The nearest hit so far.
 pub(super) struct Nearest {
-    /// Metres along the ray; at first the range.
+    /// Metres along the ray; the range without a hit.
     pub distance: f64,
-    /// Its number; at first [`NO_TRIANGLE`].
+    /// Number of the triangle; [`NO_TRIANGLE`] without a hit.
     pub triangle: u32,
     pub place: (usize, usize),
 }
 
-/// As far behind the origin, in the tree's units, is worth a look whether the origin is on a surface.
+/// Distance behind the origin, in tree units, within which a hit may mean that the origin lies on the surface.
 const BEHIND: f64 = 1.0 / (1 << 20) as f64;
 
-/// As much, in the tree's units, the margin of the boxes leaves for the origin's rounding.
+/// Part of the boxes' margin, in tree units, reserved for the rounding of the origin.
 const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
 const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Twice the area of a triangle seen along the ray, over the square of the distance of its farthest corner from the ray:
-/// up to this, the triangle is taken as a line.
+/// Limit of twice the area of a triangle projected along the ray, over the square of the distance of its farthest
+/// corner from the ray, up to which the triangle is treated as a line.
 ///
-/// A corner's weight, three products, is off by 2^-50 of that square at most, so a hit by 2^-50 / `SLIVER` = 2^-24 of the
-/// triangle's extent; where it is taken as a line, by its width, which is 2^-25 of its extent at most. Neither exceeds 2^-22
-/// of the tree's units, which the margin of the boxes covers.
+/// A corner's weight, three products, is off by 2^-50 of that square at most, so a hit by 2^-50 / `SLIVER` = 2^-24 of
+/// the triangle's extent; for a triangle treated as a line, by its width, which is 2^-25 of its extent at most. Neither
+/// exceeds 2^-22 tree units, which the margin of the boxes covers.
 const SLIVER: f64 = 1.0 / (1 << 26) as f64;
 
-/// A corner as the ray sees it: sheared, so that the ray runs along the last axis through 0.
+/// A corner in ray coordinates: sheared, so that the ray runs along the last axis through 0.
 #[derive(Clone, Copy)]
 struct Corner {
     x: f64,
     y: f64,
-    /// On the axis that the ray runs along most.
+    /// Coordinate on the dominant axis of the ray.
     z: f64,
 }
 
 impl Corner {
-    /// Greatest distance from the ray on an axis.
+    /// Distance from the ray in the maximum norm.
     #[inline(always)]
     fn spread(&self) -> f64 {
         self.x.abs().max(self.y.abs())
@@ -90,28 +90,28 @@ impl Ray {
         }
     }
 
-    /// Places of the axes; the ray runs along the last of them most.
+    /// Permutation of the axes; the last one is the dominant axis of the direction.
     pub fn axes(&self) -> [usize; 3] {
         self.axes
     }
 
-    /// Metres on the first two axes for a metre on the last.
+    /// Metres on the first two axes per metre on the last.
     pub fn shear(&self) -> [f64; 2] {
         self.shear
     }
 
-    /// The least distance known, at first the range, m.
+    /// Distance of the nearest hit so far, m; the range without one.
     pub fn distance(&self) -> f64 {
         self.nearest.distance
     }
 
-    /// The nearest triangle met.
+    /// The nearest hit so far.
     pub fn nearest(&self) -> Option<&Nearest> {
         Some(&self.nearest).filter(|nearest| nearest.triangle != NO_TRIANGLE)
     }
 
-    /// Takes a triangle into account; of several at the same distance, the one with the lowest number is met. `place` is
-    /// where the caller finds it again.
+    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `place` lets the
+    /// caller find the triangle again.
     #[inline(always)]
     pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, place: (usize, usize)) {
         let Nearest { distance: least, triangle: first, .. } = self.nearest;
@@ -122,11 +122,11 @@ impl Ray {
         }
     }
 
-    /// Metres to where the ray, endless ahead, meets a triangle.
+    /// Distance to a triangle, m, unlimited in range; `None` for no hit.
     #[inline(always)]
     pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
         let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
-        // The sign of a difference of two products is never wrong: rounding keeps the products in order. And the products
+        // The sign of a difference of two products is never wrong, because rounding is monotonic. The products
         // of an edge are the same for both triangles that share it.
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
@@ -149,7 +149,7 @@ impl Ray {
         Corner { x: x - self.shear[0] * z, y: y - self.shear[1] * z, z }
     }
 
-    /// Whether the origin is on a triangle that the ray's line meets shortly behind it.
+    /// Returns true if the origin lies on a triangle that the ray's line hits shortly behind it.
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
@@ -157,14 +157,15 @@ impl Ray {
         distance >= -BEHIND / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 
-    /// Distance to a triangle that is next to a line as the ray sees it. `ahead` may be anywhere within it, or no number.
+    /// Distance to a triangle that projects almost to a line. `ahead`, an estimate, may be anywhere within the
+    /// triangle, or NaN.
     #[cold]
     fn through_sliver(&self, seen: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
         let edges = [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[0])];
         let [_, p, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
             let (x, y) = (to.x - from.x, to.y - from.y);
             let length = (x * x + y * y).sqrt();
-            // The line's distance from the ray.
+            // Distance of the line from the ray.
             if length > longest[0] {
                 [length, (from.x * y - from.y * x) / length, x / length, y / length]
             } else {

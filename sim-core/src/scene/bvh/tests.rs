@@ -54,7 +54,7 @@ fn cuboid(low: DVec3, high: DVec3) -> Vec<Triangle> {
     faces.iter().flat_map(|face| [[0, 1, 2], [0, 2, 3]].map(|part| part.map(|at: usize| corner(face[at])))).collect()
 }
 
-/// A sphere of radius 1: an octahedron, each face parted in four `times` times.
+/// A sphere of radius 1: an octahedron whose faces are each subdivided `times` times into four.
 fn sphere(times: u32) -> Vec<Triangle> {
     let mut faces: Vec<Triangle> = (0..8)
         .map(|octant| {
@@ -74,13 +74,13 @@ fn sphere(times: u32) -> Vec<Triangle> {
     faces
 }
 
-/// A mesh, indexed at each level of the processor.
+/// A mesh, indexed once for each available SIMD level.
 struct Levels {
     triangles: Vec<Triangle>,
     indices: Vec<MeshIndex>,
 }
 
-/// From the scalar one to the widest at hand.
+/// All available SIMD levels, from scalar to the widest.
 fn levels(triangles: &[Triangle]) -> Levels {
     let mut levels = vec![Level::fallback(), Level::baseline(), Level::new()];
     #[cfg(target_arch = "x86_64")]
@@ -96,7 +96,7 @@ fn levels(triangles: &[Triangle]) -> Levels {
     Levels { triangles: triangles.to_vec(), indices }
 }
 
-/// The nearest triangle by the index's own test, without a tree: bits of the distance, and number.
+/// The nearest triangle by the index's own exact test, without a tree: distance as bits, and number.
 fn without_tree(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<(u64, u32)> {
     let frame = levels.indices[0].frame.as_ref()?;
     let reciprocal = direction.recip();
@@ -108,7 +108,7 @@ fn without_tree(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) ->
     ray.nearest().map(|nearest| ((entry.distance + nearest.distance).min(range).to_bits(), nearest.triangle))
 }
 
-/// The answer of all levels, which is to the bit what the test of every triangle says.
+/// Result of all levels; checks that it has the bits of the exact test of every triangle.
 fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
     let expected = without_tree(levels, origin, direction, range);
     for index in &levels.indices {
@@ -118,7 +118,7 @@ fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<
     levels.indices[0].cast(origin, direction, range)
 }
 
-/// As [`cast`], and as the oracle says within `tolerance` metres.
+/// As [`cast`]; also checks the oracle's answer within `tolerance` metres.
 fn check(levels: &Levels, origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
     let hit = cast(levels, origin, direction, range);
     let nearest = |range, wider| oracle::nearest_triangle(&levels.triangles, origin, direction, range, wider);
@@ -187,7 +187,7 @@ fn nothing_is_lost_from_far_away() {
             let truth =
                 oracle::nearest_triangle(&levels.triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
             let expected = target + (30.0 - truth) * from;
-            // Of two slopes that a grazing ray meets, rounding of the origin may choose either.
+            // Of two slopes that a grazing ray hits, rounding of the origin may choose either.
             let grazing = hit.normal.dot(from) < 0.05;
             assert!(grazing || (met - expected).length() < 1e-14 * far + 1e-9, "{far}: {met} for {expected}");
         }
@@ -200,7 +200,7 @@ fn extents_of_any_size_are_the_same_mesh() {
     let mut random = Random::new(14);
     let rays: Vec<_> = (0..100).map(|_| (point(&mut random, 6.0) + 3.0, unit(&mut random))).collect();
     let one = levels(&terrain);
-    // Powers of two: everything scales without rounding.
+    // Powers of two scale without rounding.
     for scale in [1e-30, 1e-3, 1e6, 1e90_f64].map(|about| f64::from_bits(about.to_bits() >> 52 << 52)) {
         let scaled = levels(&terrain.iter().map(|corners| corners.map(|corner| corner * scale)).collect::<Vec<_>>());
         for &(origin, direction) in &rays {
@@ -326,7 +326,7 @@ fn a_ray_that_starts_on_a_surface_is_there() {
                 let direction = unit(&mut random);
                 let hit = cast(&levels, a + u * (b - a) + v * (c - a), direction, 9.0);
                 let distance = hit.map(|hit| hit.distance);
-                // Just above the surface, the way back is as long as the cosine of incidence makes it.
+                // Just above the surface, the distance back is divided by the cosine of incidence.
                 assert!(distance.is_some_and(|metres| metres < 1e-9 * reach), "{distance:?} towards {direction}")
             }
         }
@@ -368,7 +368,7 @@ fn slivers_are_met_within_themselves() {
                 let [a, b, _] = triangles[hit.triangle as usize];
                 let (met, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
                 let aside = (met - a).reject_from(along).length();
-                // As the ray runs almost along it, the place on it is open.
+                // For a ray almost along the sliver, the position of the hit along it is undetermined.
                 let grazing = direction.cross(along).length() < 1e-3;
                 assert!(grazing || aside < thickness + 1e-9, "{aside} from a sliver of {thickness}");
             }
@@ -379,7 +379,7 @@ fn slivers_are_met_within_themselves() {
 #[test]
 fn many_triangles_in_one_place_make_no_deep_tree() {
     let mut triangles = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 500];
-    // Each half as large as the one before, nested.
+    // Nested, each half as large as the one before.
     triangles.extend((0..300).map(|step| {
         let size = f64::from_bits((1023 - step) << 52);
         [DVec3::ZERO, DVec3::X * size, DVec3::new(0.0, size, size)]

@@ -1,4 +1,4 @@
-//! The way of a ray through the tree, eight boxes and eight triangles at a time.
+//! Traversal of the tree by a ray, eight boxes and eight triangles at a time.
 
 use super::build::DEPTH;
 use super::frame::Frame;
@@ -7,18 +7,18 @@ use super::ray::Ray;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 
-/// Reciprocals of a direction's components are taken as at most this: none is infinite, and over the whole mesh a ray is
-/// moved aside by less than 2^-38.
+/// Limit to which reciprocals of a direction's components are clamped: none is infinite, and over the whole mesh the
+/// ray shifts sideways by less than 2^-38.
 pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
-/// Places for children that wait, 7 for each level: in a tree as deep as most are, and in any.
+/// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
 const FEW: usize = 7 * 9;
 const MANY: usize = 7 * DEPTH;
 
-/// Farther than any way through the tree's coordinates.
+/// Upper bound of the length of any path through the tree's coordinates.
 const FARTHEST: f64 = 8.0;
 
-/// Tries `ray` on every triangle that it could meet before the nearest one.
+/// Tests `ray` against every triangle that it may hit before its nearest hit.
 pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
     if let Some(root) = tree.root {
         if 7 * tree.depth <= FEW {
@@ -29,14 +29,14 @@ pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
     }
 }
 
-/// A ray in the tree's coordinates.
+/// A ray in tree coordinates.
 struct Probe<S: Simd> {
     x: Slab<S>,
     y: Slab<S>,
     z: Slab<S>,
-    /// As [`Ray`] has them.
+    /// Axis permutation of [`Ray::axes`].
     axes: [usize; 3],
-    /// By sheared axis.
+    /// Origin, in the order of `axes`.
     origin: [f32x8<S>; 3],
     shear: [f32x8<S>; 2],
 }
@@ -46,12 +46,12 @@ struct Slab<S: Simd> {
     /// Reciprocal of the direction, and that times the origin.
     reciprocal: f32x8<S>,
     moved: f32x8<S>,
-    /// The side of boxes (low 0, high 1) at which it enters.
+    /// Side of a box (low 0, high 1) through which the ray enters.
     near: usize,
 }
 
-// What has to do with vectors is written without closures: only functions that are inlined always are compiled for the
-// processor that is dispatched to.
+// Vector code has no closures: only functions that are always inlined are compiled for the processor
+// that is dispatched to.
 impl<S: Simd> Slab<S> {
     #[inline(always)]
     fn new(simd: S, origin: f32, reciprocal: f64) -> Self {
@@ -63,7 +63,7 @@ impl<S: Simd> Slab<S> {
         }
     }
 
-    /// Distances to the planes at which the ray enters boxes.
+    /// Distances to the planes through which the ray enters the boxes.
     #[inline(always)]
     fn enter(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
         f32x8::simd_from(simd, planes[self.near & 1]).mul_sub(self.reciprocal, self.moved)
@@ -94,7 +94,7 @@ impl<S: Simd> Probe<S> {
         }
     }
 
-    /// Where the ray enters the boxes of a node, and of which boxes that is no farther than `farthest`.
+    /// Entry distances into the boxes of a node, and the bit mask of the boxes entered within `farthest`.
     #[inline(always)]
     fn boxes(&self, simd: S, node: &Node, farthest: f32) -> ([f32; WIDTH], u32) {
         let [x, y, z] = &node.planes;
@@ -108,7 +108,7 @@ impl<S: Simd> Probe<S> {
         (near.into(), near.simd_le(far).to_bitmask() as u32)
     }
 
-    /// Corners of a block's triangles as the ray sees them: sheared, so that it runs through 0.
+    /// One corner of each of a block's triangles in ray coordinates: sheared, so that the ray runs through 0.
     #[inline(always)]
     fn seen(&self, simd: S, block: &Block, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
@@ -118,11 +118,11 @@ impl<S: Simd> Probe<S> {
         (x, y)
     }
 
-    /// Which triangles of a block the ray's line might meet.
+    /// Bit mask of the triangles of a block that the ray's line may hit.
     ///
-    /// In units u of rounding of 1: a corner seen from the origin is off by 4.1 u, sheared by 17 u on each axis; with
-    /// m, the greatest of those coordinates, at most 4.2, the side of an edge is off by 4 (17 u) m + 4 m^2 u < 86 u m, and
-    /// another 2 (17 u)^2 where m is about as small as u. Taken are 128 u (m + 2^-18).
+    /// In units u of rounding of 1: a corner relative to the origin is off by 4.1 u, sheared by 17 u on each axis; with
+    /// m, the greatest of those coordinates, at most 4.2, the offset of an edge is off by 4 (17 u) m + 4 m^2 u < 86 u
+    /// m, and another 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
     #[inline(always)]
     fn triangles(&self, simd: S, block: &Block) -> u32 {
         let (ax, ay) = self.seen(simd, block, 0);
@@ -140,13 +140,13 @@ impl<S: Simd> Probe<S> {
     }
 }
 
-/// A distance in the tree's coordinates, rounded up.
+/// A distance in tree units, rounded up.
 #[inline(always)]
 fn bound(distance: f64, frame: &Frame) -> f32 {
     ((distance * frame.scale).min(FARTHEST) * (1.0 + 1e-6)) as f32
 }
 
-/// A child and the distance of its box, which as bits is in the order of numbers: not negative.
+/// A child with the entry distance of its box in the upper bits, which sort as numbers because they are not negative.
 #[inline(always)]
 fn entry(near: &[f32; WIDTH], node: &Node, lane: u32) -> u64 {
     let lane = lane as usize % WIDTH;
@@ -189,7 +189,7 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
                     met &= met - 1;
                     let farther = nearest.max(next);
                     nearest = nearest.min(next);
-                    // Sorted in, the nearest last.
+                    // Insertion sort, the nearest last.
                     let mut at = count;
                     while at > start && waiting[at - 1] < farther {
                         waiting[at] = waiting[at - 1];

@@ -1,4 +1,4 @@
-//! How far stretches and discs are from the ground.
+//! Distances of segments and discs from the ground.
 
 use glam::{DVec2, DVec3};
 
@@ -7,11 +7,11 @@ use crate::scene::Bounds;
 use crate::scene::distance::segment_to_triangle;
 
 impl HeightField {
-    /// Distance of the straight piece between two points of the world from the ground, in metres: 0 where they touch, below the
-    /// ground minus the greatest height of the ground above a point of the piece.
+    /// Distance of the segment between two points of the world from the ground, in metres: 0 if they touch; for a
+    /// segment below the ground, minus the greatest height of the ground above a point of it.
     ///
-    /// Exact up to `within`; where it is farther, any number from there on. Beyond the rectangle the height above the ground
-    /// counts instead of the distance. NaN where a coordinate is NaN.
+    /// Exact up to `within`; a greater distance gives some value of at least `within`. Beyond the rectangle the height
+    /// above the ground replaces the distance. NaN if a coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         let (gap, _) = self.least_gap(ends);
         if gap.is_nan() || gap <= 0.0 {
@@ -27,7 +27,7 @@ impl HeightField {
         let [columns, rows] = self.cells(&piece.grown(least));
         for row in rows {
             for column in columns.clone() {
-                // Boxes around cell and piece are no farther apart than what is in them.
+                // Bounding boxes of cell and segment are no farther apart than their contents.
                 let low = self.corner(column, row).truncate();
                 let high = self.corner(column + 1, row + 1).truncate();
                 let aside = (low - piece.max).max(piece.min - high).max(DVec2::ZERO);
@@ -44,16 +44,17 @@ impl HeightField {
         least
     }
 
-    /// Least height of a point of the piece above the ground, in metres, negative where it is below; and that point.
+    /// Least height of a point of the segment above the ground, in metres, negative if it is below; and that point.
     ///
-    /// Both are linear between the lines of the grid and the diagonals, so only those count. NaN where a coordinate is NaN.
+    /// Both heights are linear between the lines of the grid and the diagonals, so only crossings count. NaN if a
+    /// coordinate is NaN.
     pub fn least_gap(&self, [a, b]: [DVec3; 2]) -> (f64, DVec3) {
         if a.is_nan() || b.is_nan() {
             return (f64::NAN, a);
         }
         let along = b - a;
         let place = |share: f64| (a + share * along).truncate();
-        // With the coordinate of a crossed line exactly: both sides of a step count.
+        // The crossed coordinate is set exactly, so that both sides of a step count.
         let crossings = |axis: &[f64], from: f64, way: f64, snap: fn(DVec2, f64) -> DVec2| -> Vec<(f64, DVec2)> {
             let at = |line: &f64| ((line - from) / way, *line);
             let inside = axis.iter().map(at).filter(|(share, _)| 0.0 < *share && *share < 1.0);
@@ -76,7 +77,7 @@ impl HeightField {
             let middle = place(0.5 * (first + last));
             let [columns, rows] = self.cells(&Bounds { min: middle, max: middle });
             for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
-                // Above the diagonal of the cell positive, below it negative.
+                // Positive above the diagonal of the cell, negative below it.
                 let low = self.corner(column, row).truncate();
                 let diagonal = self.corner(column + 1, row + 1).truncate() - low;
                 let side = |share: f64| diagonal.perp_dot(place(share) - low);
@@ -90,8 +91,8 @@ impl HeightField {
         (least.0, a + least.1 * along)
     }
 
-    /// Least and greatest height of the ground in a disc, in metres, or of the corners of the cells at its border: never too
-    /// narrow.
+    /// Bounds of the height of the ground in a disc, in metres: least and greatest height at its centre and at the
+    /// corners of the cells that it touches. Never too narrow.
     pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         let middle = self.height(centre.x, centre.y);
         let (mut least, mut greatest) = (middle, middle);
@@ -118,12 +119,12 @@ mod tests {
     use crate::RobotId;
     use crate::noise::{Purpose, Stream};
 
-    /// The distance by brute force: over all triangles, by many points of the piece.
+    /// Reference by brute force: least height gap and least distance over many points of the segment and all triangles.
     fn brute(field: &HeightField, [a, b]: [DVec3; 2]) -> (f64, f64) {
         let points: Vec<DVec3> = (0..=4000).map(|step| a + f64::from(step) / 4000.0 * (b - a)).collect();
         let gap = |point: &DVec3| point.z - field.height(point.x, point.y);
         let mut gap = points.iter().map(gap).fold(f64::INFINITY, f64::min);
-        // Points do not come upon a step: there the height of its upper edge counts.
+        // The samples miss a step exactly; there, the height of its upper edge counts.
         for (axis, lines) in [(0, &field.xs), (1, &field.ys)] {
             for line in lines.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
                 let share = (line - a[axis]) / (b[axis] - a[axis]);
@@ -142,7 +143,7 @@ mod tests {
         (gap, least.fold(f64::INFINITY, f64::min))
     }
 
-    /// By projections: onto the plane where that lies inside, else onto the sides.
+    /// By projection: onto the plane if the foot lies inside the triangle, else onto the sides.
     fn nearest_on_triangle(point: DVec3, corners: [DVec3; 3]) -> DVec3 {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
@@ -178,11 +179,11 @@ mod tests {
                 let clearance = field.clearance(ends, 5.0);
                 if gap <= 0.0 {
                     below += 1;
-                    // Samples are 0.15 mm apart on slopes of up to some tens; steps are met by one of them.
+                    // Samples are 0.15 mm apart on slopes of up to some tens; steps are sampled exactly.
                     assert!(clearance <= gap + 1e-12 && clearance > gap - 0.02, "{clearance} against {gap}");
                 } else if clearance > 0.0 {
                     above += 1;
-                    // Points of the piece that were tried are 15 mm apart: the nearest one is up to 7.5 mm along it.
+                    // Samples of the segment are 15 mm apart: the nearest one is up to 7.5 mm along it.
                     assert!(
                         clearance <= distance + 1e-9 && clearance > distance - 7.6e-3,
                         "{clearance} against {distance}"

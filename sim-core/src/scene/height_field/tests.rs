@@ -3,7 +3,7 @@ use crate::RobotId;
 use crate::noise::{Purpose, Stream};
 use crate::scene::{Block, MeshIndex, Stairs, Steps, Way};
 
-/// A hilly field on an uneven grid, with coordinates that come twice.
+/// A hilly field on an uneven grid in which some coordinates occur twice.
 pub(super) fn rough(seed: u64) -> HeightField {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 99, 0);
     let mut axis = |low: f64| {
@@ -50,7 +50,7 @@ fn height_and_normal_are_what_a_vertical_ray_meets() {
     }
 }
 
-/// Whether a coordinate comes twice.
+/// Returns true if a coordinate occurs twice.
 fn is_double(axis: &[f64], value: f64) -> bool {
     axis.windows(2).any(|pair| pair == [value; 2])
 }
@@ -69,16 +69,17 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                 let right = field.corner(column + 1, row);
                 let across = field.corner(column + 1, row + 1);
                 for place in [corner, 0.5 * (corner + right), 0.5 * (corner + across)] {
-                    // Upright edges of several heights on one line are no shared edges.
+                    // Vertical edges of several heights on one line are no shared edges.
                     if is_double(&field.xs, place.x) && is_double(&field.ys, place.y) {
                         continue;
                     }
                     let hit = rays.cast(DVec3::new(place.x, place.y, 3.0), DVec3::NEG_Z, 20.0);
                     let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {place}"));
-                    // At a step the ray meets its upper edge, or passes it within rounding.
+                    // At a step, the ray hits its upper edge, or passes it within rounding.
                     let height = 3.0 - hit.distance;
                     assert!(height <= field.height(place.x, place.y) + 1e-9, "seed {seed} at {place}");
-                    // A ray may pass over a ridge within rounding: steep ones fall on the ground behind it, 0.8 m lower at most.
+                    // A ray may pass over a ridge within rounding: steep rays hit the ground behind it, at most 0.8 m
+                    // lower.
                     let Bounds { min, max } = field.bounds();
                     let inner = Bounds { min: min + 0.15, max: max - 0.15 };
                     for offset in [DVec3::new(0.3, -0.2, 3.0), DVec3::new(-0.1, 0.4, 3.0)] {

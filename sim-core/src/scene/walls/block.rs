@@ -1,6 +1,6 @@
-//! Walls by cell, four at a time in `f32`: which of them a ray may meet, cell by cell.
+//! Walls by cell, four at a time in `f32`: conservative culling along a ray.
 //!
-//! What is met is decided elsewhere, in `f64`. Here walls are only left out, with margins wider than all rounding.
+//! Culling uses margins wider than all rounding; the exact test in `ray`, in `f64`, decides which walls are hit.
 
 use std::ops::RangeInclusive;
 
@@ -12,27 +12,29 @@ use super::super::{
 };
 use super::WallId;
 
-/// Walls of a block.
+/// Number of walls in a block.
 const WIDTH: usize = 4;
 
-/// The walls of each cell of a grid. Lengths are in cells, from half a cell outside the grid's lower left corner: places
-/// rounded to whole numbers are cells, counted from 1; a ring of cells around the grid ends every walk.
+/// The walls of each cell of a grid. Lengths are in cells, counted from half a cell outside the grid's lower left
+/// corner: a position rounded to whole numbers is a cell index, from 1 on; a ring of sentinel cells around the grid
+/// ends every walk.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     corner: DVec2,
     per_cell: f64,
     columns: usize,
     rows: usize,
-    /// By cell, ring included, the place of its first block.
+    /// Index of the first block of each cell, sentinel ring included.
     first: Vec<u32>,
     blocks: Vec<Block>,
-    /// By as much `f32` may be off, with the [margin](super::Walls) of the walls: 16 units of rounding of the farthest
-    /// coordinate. A wall's end is off by 1 (its coordinate) + 1 (the direction) + 1 (the product) on each axis, 1 for
-    /// their sum and 1 for the ray's own place; of a grid of 3 by 3 cells, ring included, 5 are left for the margin.
+    /// Bound of the `f32` error, which with the [margin](super::Walls) of the walls allows for 16 units of rounding of
+    /// the farthest coordinate. A wall's end is off by 1 (its coordinate) + 1 (the direction) + 1 (the product) on each
+    /// axis, 1 for their sum and 1 for the ray's own position; for a grid of 3 by 3 cells, ring included, 5 are left
+    /// for the margin.
     slack: f32,
 }
 
-/// Up to four walls of a cell, coordinate by coordinate; those that are not there compare as false.
+/// Up to four walls of a cell, coordinate by coordinate; unused places are NaN and compare as false.
 #[derive(Clone, Debug)]
 struct Block {
     ax: Vec4,
@@ -40,14 +42,14 @@ struct Block {
     bx: Vec4,
     by: Vec4,
     walls: [u32; WIDTH],
-    /// Place of the cell's next block, or [`OUTSIDE`].
+    /// Index of the cell's next block, or [`OUTSIDE`].
     next: u32,
 }
 
-/// Place of the block of the ring, which ends walks and lists.
+/// Index of the sentinel block of the ring, which ends walks and lists.
 const OUTSIDE: u32 = 0;
 
-/// Place of the block of all cells without walls.
+/// Index of the shared block of all cells without walls.
 const NOTHING: u32 = 1;
 
 const NO_WALL: u32 = u32::MAX;
@@ -55,10 +57,10 @@ const NO_WALL: u32 = u32::MAX;
 const EMPTY: Block =
     Block { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
 
-/// Added to a place in cells, it leaves the nearest whole number in the lowest bits.
+/// Added to a position in cells, it leaves the nearest whole number in the lowest bits.
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
 
-/// Keeps 0 times infinity from being no number; too small to move anything.
+/// Prevents 0 times infinity from giving NaN; too small to change any result.
 const ANY: f64 = 1e-300;
 
 impl Blocks {
@@ -86,11 +88,11 @@ impl Blocks {
         Self { corner, per_cell, columns, rows, first, blocks, slack }
     }
 
-    /// Hands `test` each wall that the ray from `start` along `direction` may meet, about in the order of their distances,
-    /// until `test` has returned a distance before which nothing is left; a wall may come several times.
+    /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately by distance; a
+    /// wall may come several times. `test` returns the distance up to which the walk has to continue.
     ///
-    /// `start` lies within the grid, or outside it by no more than rounding. Distances, of which `farthest` is the greatest
-    /// of interest, are those from a point `passed` metres before `start`.
+    /// `start` lies within the grid, or outside it by no more than rounding. Distances, up to `farthest` at first,
+    /// count from a point `passed` metres before `start`.
     #[inline(always)]
     pub fn walk(
         &self,
@@ -107,7 +109,7 @@ impl Blocks {
             return;
         }
         let mut cell = row as usize * self.columns + column as usize;
-        // Distances to the next borders: from half a cell before the middle of the cell to half a cell after it.
+        // Distances to the next borders; a cell extends half a cell to either side of its middle.
         let from_middle = place - (biased - DVec2::splat(ROUNDING_BIAS));
         let per = DVec2::ONE / direction.abs();
         let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
@@ -140,12 +142,12 @@ impl Blocks {
                     break;
                 }
             }
-            // Not `min`, which takes care of NaN.
+            // Not `min`, which has extra code for NaN.
             let exit = if exits.x < exits.y { exits.x } else { exits.y };
             if limit <= exit {
                 return;
             }
-            // By masks: which border comes first is not to be predicted.
+            // Bit masks replace a branch that could not be predicted: either border may come first.
             let is_column = u64::from(exits.x < exits.y).wrapping_neg();
             cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
             exits.x += f64::from_bits(per.x.to_bits() & is_column);
@@ -153,7 +155,7 @@ impl Blocks {
         }
     }
 
-    /// Adds the walls in these columns and rows of the grid to `walls`, some of them several times.
+    /// Appends the walls in these columns and rows of the grid to `walls`, possibly with duplicates.
     pub fn collect(&self, (columns, rows): (RangeInclusive<usize>, RangeInclusive<usize>), walls: &mut Vec<WallId>) {
         for row in rows {
             for column in columns.clone() {
@@ -168,13 +170,13 @@ impl Blocks {
     }
 }
 
-/// How far a place is ahead of the middle along an axis on which the ray moves as the sign of `direction` says.
+/// Distance from the cell's middle on an axis, counted in the direction of motion, whose sign is that of `direction`.
 #[inline(always)]
 fn along(from_middle: f64, direction: f64) -> f64 {
     f64::from_bits(from_middle.to_bits() ^ direction.to_bits() & (1 << 63))
 }
 
-/// From a cell to the next one, `stride` places away.
+/// Index difference of the next cell in the direction of motion, wrapping.
 #[inline(always)]
 fn step(stride: usize, direction: f64) -> usize {
     if direction.is_sign_negative() { stride.wrapping_neg() } else { stride }
@@ -193,16 +195,16 @@ impl Block {
     }
 }
 
-/// A ray, in cells.
+/// A ray in units of cells.
 struct Probe {
     x: Vec4,
     y: Vec4,
-    /// Least and greatest side of the ray's line on which a point may be on it.
+    /// Least and greatest offset from the ray's line at which a point may lie on it.
     right: Vec4,
     left: Vec4,
-    /// How far along the ray's line it starts.
+    /// Coordinate of the ray's start along its line.
     start: f64,
-    /// Before that by the slack.
+    /// `start` less the slack.
     behind: Vec4,
     slack: f32,
 }
@@ -222,13 +224,14 @@ impl Probe {
         }
     }
 
-    /// Where along the ray's line nothing is of interest any more.
+    /// Coordinate along the ray's line beyond which no hit is of interest.
     #[inline(always)]
     fn end(&self, limit: f64) -> Vec4 {
         Vec4::splat((self.start + limit) as f32 + self.slack)
     }
 
-    /// Which walls have ends on both sides of the ray, or on it, and are neither behind its start nor beyond its end.
+    /// Bit mask of the walls with ends on both sides of the ray, or on it, that are neither behind its start nor beyond
+    /// its end.
     #[inline(always)]
     fn may_meet(&self, block: &Block, end: Vec4) -> u32 {
         let Self { x, y, .. } = *self;

@@ -1,27 +1,27 @@
-//! What a ray meets: the one place where it is decided, in `f64`.
+//! The exact test of a ray against a wall, in `f64`; it alone decides which walls are hit.
 
 use glam::DVec2;
 
 use super::super::{Segment, grid::ROUNDING};
 use super::{Hit, WallId};
 
-/// A ray that may meet walls.
+/// A ray prepared for tests against walls.
 #[derive(Clone, Copy)]
 pub(super) struct Ray {
     pub origin: DVec2,
     pub direction: DVec2,
-    /// No point of the walls is touched from farther away than this.
+    /// Upper bound of the distance at which the ray touches a point of a wall.
     pub doubt: f64,
-    /// Above the product of any wall's length with the distance from which an origin is on it.
+    /// Upper bound of the product of a wall's length and the distance within which an origin counts as on the wall.
     pub doubt_area: f64,
 }
 
-/// An end of a wall as the ray sees it.
+/// An end of a wall in the ray's coordinates.
 #[derive(Clone, Copy)]
 struct End {
     /// Metres along the ray.
     ahead: f64,
-    /// Metres to the left of the ray's line: the same value for all walls that share the end.
+    /// Metres to the left of the ray's line: the same value for all walls that share this end.
     side: f64,
 }
 
@@ -32,8 +32,8 @@ impl Ray {
         End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
     }
 
-    /// Distance to a wall, however far ahead; negative where it is not met.
-    // Conditions are joined by `|` where a branch would be mispredicted half of the time.
+    /// Distance to a wall on the ray's line, unlimited in range; negative for no hit.
+    // `|` joins conditions where a branch would be mispredicted half of the time.
     #[inline(always)]
     pub fn distance(self, segment: &Segment) -> f64 {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
@@ -47,7 +47,7 @@ impl Ray {
         }
     }
 
-    /// Distance to a wall of which the ray's line may touch an end, or on which the origin may lie; negative for none.
+    /// Distance to a wall whose end the ray's line may touch, or on which the origin may lie; negative for no hit.
     #[cold]
     #[inline(never)]
     fn touching(self, segment: &Segment, a: End, b: End) -> f64 {
@@ -57,7 +57,7 @@ impl Ray {
             return -1.0;
         }
         let length = (segment.b - segment.a).abs().element_sum();
-        // The part of the touching distance that depends on the origin alone.
+        // The part of the touch tolerance that depends only on the origin.
         let at_origin = ROUNDING * self.origin.abs().element_sum();
         let touches =
             |end: End, point: DVec2| end.side.abs() <= at_origin + ROUNDING * (point - self.origin).abs().element_sum();
@@ -65,7 +65,7 @@ impl Ray {
             return 0.0;
         }
         match (touches(a, segment.a), touches(b, segment.b)) {
-            // Along the wall, which lies before or behind the origin.
+            // The ray runs along the wall, which lies ahead of or behind the origin.
             (true, true) => a.ahead.min(b.ahead),
             _ if a.side * b.side < 0.0 => (a.ahead * b.side - b.ahead * a.side) / (b.side - a.side),
             (true, false) => a.ahead,
@@ -78,13 +78,13 @@ impl Ray {
 /// The nearest wall so far.
 #[derive(Clone, Copy)]
 pub(super) struct Nearest {
-    /// Its distance, or the range.
+    /// Distance of the wall, or the range without one.
     pub distance: f64,
     /// The wall, or [`NO_WALL`].
     wall: WallId,
 }
 
-/// Greater than all numbers of walls.
+/// Sentinel greater than all wall numbers.
 const NO_WALL: WallId = WallId(u32::MAX);
 
 impl Nearest {
@@ -92,7 +92,7 @@ impl Nearest {
         Self { distance: range, wall: NO_WALL }
     }
 
-    /// Takes a wall into account that is met at `distance`, if that is not negative.
+    /// Records a hit at `distance` if it is the nearest; a negative distance is no hit.
     #[inline(always)]
     pub fn offer(&mut self, wall: WallId, distance: f64, counts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)

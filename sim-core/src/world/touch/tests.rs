@@ -38,7 +38,7 @@ fn touched(ends: [[f64; 3]; 2], radius: f64) -> Vec<Thing> {
     things(&world(), &Capsule { ends: ends.map(DVec3::from), radius })
 }
 
-/// What a capsule touches; the points lie on it and on the capsule.
+/// Contacts of a capsule; checks that each point of contact lies within the capsule.
 fn things(world: &World, capsule: &Capsule) -> Vec<Thing> {
     let touched = world.touched(RobotId(1), capsule, Time::ZERO);
     for (thing, point) in &touched {
@@ -59,7 +59,7 @@ fn walls_are_touched_up_to_their_heights() {
     let aside = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
     assert_eq!(upright(1.0 - aside + 1e-6, 0.3 + aside), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0 - aside - 1e-6, 0.3 + aside), []);
-    // Through the wall, and through one without end far up.
+    // Through the wall, and through a wall of unlimited height far up.
     assert_eq!(touched([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
     assert_eq!(touched([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
 }
@@ -74,7 +74,7 @@ fn bodies_are_touched_as_brute_force_finds() {
         let centre = if unit() < 0.5 { DVec2::new(-2.0, -2.0) } else { DVec2::new(-2.0, 1.0) };
         let mut point = || DVec3::new(centre.x + 2.4 * unit() - 1.2, centre.y + 2.4 * unit() - 1.2, unit());
         let capsule = Capsule { ends: [point(), point()], radius: 0.08 };
-        // Over points of the axis, of which neighbours are at most 7 mm apart.
+        // Sampled along the axis; neighbouring points are at most 7 mm apart.
         let distance = |number: u32| {
             let (pose, figure) = &world.stage.space.fixed[number as usize];
             let mut least = f64::INFINITY;

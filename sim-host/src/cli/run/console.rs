@@ -1,4 +1,4 @@
-//! A run of the command line, step by step: read, built, started and taken to its end, with what its user sees of it.
+//! Steps of a run from the command line: open, build, start, advance, finish, with the output for the user.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,20 +28,20 @@ use crate::record::report::Input;
 use crate::record::{Log, RecordError, Recorded, Sink, Trace, Trails};
 use sim_core::RobotId;
 
-/// Reads the scene that the arguments name, and shows what is wrong with it.
+/// Opens the scene of the arguments and shows its diagnostics.
 ///
 /// # Errors
-/// Files or arguments that are wrong; [`Rejected`] for what diagnostics say.
+/// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
 pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
     let scene = Scene::open(&args.sim, args.options())?;
     tell(scene.diagnostics(), scene.inputs(), args.strict)?;
     Ok(scene)
 }
 
-/// Builds its programs, says on a terminal what takes so long, and checks what the run will write.
+/// Builds the programs of a scene, with progress on a terminal, and checks the output files of the run.
 ///
 /// # Errors
-/// Files or arguments that are wrong; [`Rejected`] for what diagnostics say.
+/// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
 pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
     let mut builder = scene.builder()?;
     if !args.quiet {
@@ -57,7 +57,7 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
     Ok(built)
 }
 
-/// Shows what is wrong with a scene, and refuses to run it if it is an error or, when `strict`, anything.
+/// Shows the diagnostics of a scene; rejects the scene if there are errors or, when `strict`, warnings.
 pub(in crate::cli) fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
     if !diagnostics.is_empty() {
         show(diagnostics, inputs)?;
@@ -75,7 +75,7 @@ fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
+/// Checks before the run that its output files overwrite no input and lie in existing folders.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let outputs =
         [("--report", &args.report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
@@ -86,7 +86,7 @@ fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A run with what its user sees of it.
+/// A run with its output for the user.
 pub struct ConsoleRun {
     running: Running,
     progress: Progress,
@@ -94,13 +94,13 @@ pub struct ConsoleRun {
 }
 
 impl ConsoleRun {
-    /// How long the run goes on between two looks at its progress.
+    /// Interval between two updates of the progress.
     const STRETCH: Duration = Duration::from_millis(50);
 
-    /// Starts `ready` with the files that the arguments ask for; nothing of its progress is shown when `is_quiet`.
+    /// Starts `ready` with the output files that the arguments ask for; shows no progress if `is_quiet`.
     ///
     /// # Errors
-    /// Files that cannot be written, and a system without room for the robots.
+    /// If a file cannot be written, or the system has no room for the robots.
     pub fn start(ready: Ready, args: &RunArgs, observers: Observers, is_quiet: bool) -> anyhow::Result<Self> {
         let is_hidden = args.verbose || args.quiet || is_quiet;
         let progress = if is_hidden { Progress::hidden() } else { Progress::new(ready.settings().until) };
@@ -128,12 +128,12 @@ impl ConsoleRun {
         Ok(Self { running, progress, trails })
     }
 
-    /// What advances the run.
+    /// Scheduler of the run.
     pub fn scheduler(&mut self) -> &mut Scheduler {
         &mut self.running.scheduler
     }
 
-    /// Takes the run to its end as `script` has it.
+    /// Advances the run to its end, following `script`.
     pub fn follow(&mut self, script: &mut Script) {
         let scheduler = &mut self.running.scheduler;
         while script.advance(scheduler, Self::STRETCH) == scheduler::Progress::Paused {
@@ -142,7 +142,7 @@ impl ConsoleRun {
         }
     }
 
-    /// Ends it, to the last line of its report.
+    /// Ends the run and completes its report.
     pub fn finish(self) -> Ran {
         let Self { running, mut progress, trails } = self;
         let finished = running.finish();
@@ -151,7 +151,7 @@ impl ConsoleRun {
     }
 }
 
-/// A run that is over, and what its plot shows.
+/// A finished run, and the trails for its plot.
 pub struct Ran {
     /// The run.
     pub finished: Finished,
@@ -162,11 +162,11 @@ impl Ran {
     /// Writes the report and the plot that the arguments ask for.
     ///
     /// # Errors
-    /// The first file that cannot be written; it keeps no other from being written.
+    /// The first error; the other files are written nevertheless.
     pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
         let Self { finished, trails } = self;
         if finished.scenery.built().is_some() {
-            // Images that cameras have seen meanwhile are inputs, too.
+            // Images that cameras have loaded during the run are inputs, too.
             let outputs = [("--report", &args.report), ("--plot", &args.plot)];
             output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
         }
@@ -181,10 +181,10 @@ impl Ran {
     }
 }
 
-/// The pace and the recorded actions that the arguments ask for.
+/// Pace and recorded interventions that the arguments ask for.
 ///
 /// # Errors
-/// A trace that cannot be read.
+/// If the trace cannot be read.
 pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
     let pace = match args.speed {
         Speed::Max => None,
@@ -194,10 +194,10 @@ pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
     Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
 }
 
-/// Which lines are shown while the run goes on.
+/// Filter of the lines shown during the run.
 ///
 /// # Errors
-/// A robot that the scene has not got.
+/// If the scene has no such robot.
 pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter> {
     let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
     Ok(Filter {
@@ -207,14 +207,14 @@ pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter
     })
 }
 
-/// What keeps the paths of the robots and movable objects of a run of `scene`.
+/// Sink that collects the paths of the robots and movable objects of `scene`.
 fn trails(scene: &SceneSpec) -> Trails {
     let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
     let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
     Trails::new(&starts, &objects)
 }
 
-/// How the robots stand while the run goes on.
+/// Numbers of robots in each state.
 fn counts(run: &Run) -> Counts {
     let mut counts = Counts::default();
     for id in run.ids_with_program() {

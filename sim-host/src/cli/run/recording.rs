@@ -1,4 +1,4 @@
-//! A recording in MCAP of a run, from its beginning.
+//! Creates the MCAP recording of a run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::record::Mcap;
 use crate::record::mcap::Beginning;
 use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
 
-/// The recording at `path` of a run that keeps its frames.
+/// Creates the recording at `path` of a run that keeps its frames.
 pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
     let (scene, settings) = (ready.scene(), ready.settings());
     let robot = |robot: &sim_core::spec::RobotSpec| RobotSubject {

@@ -1,23 +1,22 @@
-//! A robot's display as a picture, in a frame with its keys.
+//! Picture of a robot's display, optionally in a frame with its keys.
 
 use crate::robios::panel::Panel;
 use crate::robios::screen::canvas::{Canvas, Ink, Rgb};
 use crate::robios::screen::font::{Family, Font, Size, Variation};
 use crate::robios::screen::{menu, page};
 
-/// The display with `scale` pixels in each direction for a pixel of it (`None`: as many as suit it), in its frame if there is a
-/// caption.
+/// Picture of the display, enlarged by `scale` (`None`: 4 for a classic display, else 2), in its frame if there is a caption.
 pub fn picture(panel: &Panel, scale: Option<u8>, caption: Option<&Caption>) -> Canvas {
     let scale = scale.map_or(if matches!(panel, Panel::Classic(_)) { 4 } else { 2 }, usize::from);
     let display = enlarged(&panel.picture(), scale);
     caption.map_or_else(|| display.clone(), |caption| framed(&display, caption))
 }
 
-/// What stands on the frame.
+/// Text on the frame.
 pub struct Caption {
     /// Number and name of the robot.
     pub name: String,
-    /// When the picture was taken.
+    /// Time of the picture.
     pub time: String,
 }
 
@@ -27,18 +26,18 @@ const SIDE: usize = 16;
 const TOP: usize = 28;
 /// Height of the frame below the display, with the keys.
 const BOTTOM: usize = 46;
-/// The frame.
+/// Colour of the frame.
 const BODY: Rgb = [0x2b, 0x2f, 0x36];
-/// Its edges, and those of the display in it.
+/// Colour of its edges, and of the display's edges.
 const EDGE: Rgb = [0x11, 0x13, 0x16];
-/// The keys.
+/// Colour of the keys.
 const KEY: Rgb = [0x58, 0x5f, 0x69];
-/// Text on frame and keys.
+/// Colour of text on frame and keys.
 const INK: Rgb = [0xe8, 0xea, 0xed];
 
 const LABEL: Font = Font { family: Family::Helvetica, variation: Variation::Normal, size: Size::Normal };
 
-/// Each pixel as a square of `scale` x `scale`.
+/// Enlarges each pixel to a square of `scale` x `scale`.
 fn enlarged(display: &Canvas, scale: usize) -> Canvas {
     let [width, height] = display.size();
     let mut picture = Canvas::new(width * scale, height * scale, EDGE);
@@ -48,7 +47,7 @@ fn enlarged(display: &Canvas, scale: usize) -> Canvas {
     picture
 }
 
-/// The display in its frame, with the four keys below it: where they are drawn is where the display feels them.
+/// Draws the display in its frame, with the four keys below the columns where touches press them.
 fn framed(display: &Canvas, caption: &Caption) -> Canvas {
     let [width, height] = display.size();
     let (left, right) = (SIDE as i32, (SIDE + width) as i32 - 1);
@@ -76,7 +75,7 @@ fn framed(display: &Canvas, caption: &Caption) -> Canvas {
     picture
 }
 
-/// Pixels that a text on the frame is long.
+/// Width of a text on the frame, in pixels.
 fn length(text: &str) -> i32 {
     text.chars().map(|character| i32::from(LABEL.advance(character))).sum()
 }

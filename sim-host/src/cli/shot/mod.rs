@@ -1,5 +1,5 @@
-//! `eyesim shot`: runs a scene up to a time and takes a picture: of what a robot sees, of the scene from anywhere, or of a
-//! robot's display.
+//! `eyesim shot`: runs a scene up to a time and takes a picture of a robot's view, of the scene from anywhere, or of a robot's
+//! display.
 
 mod display;
 mod view;
@@ -76,14 +76,14 @@ const AFTER_HELP: &str = "What is shown: `--robot 2` what robot 2 sees, `--from 
 
 const ROBOT_HELP: &str = "Show what this robot sees";
 
-/// What the picture shows.
+/// Subject of the picture.
 enum Subject {
     Display(u32),
     View(Eye),
 }
 
 impl Subject {
-    /// Checks that the scene has what is to be shown.
+    /// Checks that the scene has the subject.
     fn check(&self, scene: &SceneSpec) -> anyhow::Result<()> {
         match self {
             Self::Display(robot) => index_of(scene, *robot).map(drop).context("--lcd"),
@@ -101,11 +101,11 @@ impl Subject {
     }
 }
 
-/// Runs the command: 0, or 1 if a program failed; the picture is taken all the same. A program that waits for a key is as it
-/// should be.
+/// Runs the command: exit code 0, or 1 if a program failed; the picture is taken in both cases. A program that waits for a key
+/// has not failed.
 ///
 /// # Errors
-/// Files or arguments that are wrong.
+/// If files or arguments are wrong.
 pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     let subject = subject(&mut args)?;
     let default = if matches!(subject, Subject::Display(_)) { "lcd.png" } else { "view.png" };
@@ -131,7 +131,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     )?;
     write_whole(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
 
-    // Who waits for a key is in the picture, not to blame.
+    // A program that waits for a key is not a failure here.
     ran.finished.report.robots.iter_mut().for_each(|robot| {
         if robot.outcome == Outcome::Waiting {
             robot.outcome = Outcome::Running;
@@ -143,7 +143,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     Ok(if is_failed { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
 
-/// What the arguments want to see; a robot that is looked through is no longer one whose calls are shown, unless these are.
+/// Subject that the arguments ask for. Without --verbose, `--robot` selects only the camera, and is removed as a filter of calls.
 fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
     let robot = if args.run.verbose { args.run.robot } else { args.run.robot.take() };
     let subject = match (args.lcd, args.from.zip(args.to), robot) {
@@ -164,7 +164,7 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
     Ok(subject)
 }
 
-/// The file of a display's picture, and what it shows.
+/// File of a display's picture, and its description.
 fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let index = index_of(&ran.finished.scene, robot).context("--lcd")?;
     let panel = &ran.finished.ended.robots[index].panel;
@@ -177,7 +177,7 @@ fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>
     Ok((Pixels::Colour(picture.pixels().as_flattened()).png(size), what))
 }
 
-/// The file of a view's picture, and what it shows.
+/// File of a view's picture, and its description.
 fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let content = match args {
         ShotArgs { depth: true, .. } => Content::Depth,
@@ -226,7 +226,7 @@ fn parse_robot(text: &str) -> Result<u32, String> {
     number.ok_or_else(|| "expected a robot's number from 1, such as `2` or `r2`".into())
 }
 
-/// A point in metres, written in millimetres.
+/// Parses a point in millimetres; the result is in metres.
 fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -237,7 +237,7 @@ fn parse_point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// An angle in radians, written in degrees.
+/// Parses an angle in degrees; the result is in radians.
 fn parse_fov(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(degrees) if (1.0..=view::MOST_FOV_DEG).contains(&degrees) => {

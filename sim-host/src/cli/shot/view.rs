@@ -1,4 +1,4 @@
-//! What a robot's camera sees, or a camera anywhere, at the end of a run.
+//! Picture of a robot's camera, or of a free camera, at the end of a run.
 
 use anyhow::Context;
 use glam::DVec3;
@@ -17,56 +17,56 @@ use crate::robios::camera::{self, NoImage};
 /// Most pixels on either side of a picture.
 pub const MOST_SIDE: u32 = 4096;
 
-/// Widest angle of a picture, in degrees.
+/// Widest field of view of a picture, in degrees.
 pub const MOST_FOV_DEG: f64 = MAX_FIELD_OF_VIEW_DEG;
 
-/// Size of a picture from anywhere.
+/// Default size of a picture of a free camera.
 const SIZE: [u32; 2] = [640, 480];
 
-/// Points at which each side of a pixel of it is looked at.
+/// Default number of samples of a free camera along each side of a pixel.
 const SAMPLES: u32 = 4;
 
-/// Who looks.
+/// Camera of a picture.
 pub enum Eye {
     /// The camera of this robot.
     Robot(u32),
-    /// A camera anywhere, and its lens.
+    /// A free camera: pose and lens.
     Point((Pose3, Lens)),
 }
 
-/// What a picture tells of each pixel.
+/// Content of a picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Its colour, looked at in so many points a side.
+    /// Colour.
     Colour {
-        /// `None`: as suits who looks.
+        /// Samples along each side of a pixel; `None` for the camera's default.
         samples: Option<u32>,
     },
-    /// How far away it is.
+    /// Distance.
     Depth,
-    /// What it is.
+    /// Label of the visible object.
     Labels,
 }
 
 /// A picture to be taken.
 pub struct Shot<'a> {
-    /// Who looks.
+    /// Its camera.
     pub eye: &'a Eye,
-    /// When; `None`: at the run's end.
+    /// Time of the picture; `None` for the run's end.
     pub at: Option<Time>,
-    /// Width and height in pixels; `None`: as suits who looks.
+    /// Width and height in pixels; `None` for the camera's default.
     pub size: Option<[u32; 2]>,
-    /// What it tells.
+    /// Content of its pixels.
     pub content: Content,
 }
 
 /// A picture that has been taken.
 pub struct Taken {
-    /// As a file.
+    /// Contents of the PNG file.
     pub file: Vec<u8>,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// When it was taken: the run may have been over before it should have been.
+    /// Time of the picture; differs from the requested time if the run ended earlier or the world does not remember that far back.
     pub time: Time,
 }
 
@@ -74,7 +74,7 @@ impl Eye {
     /// A camera at `from` that looks at `to`, with a horizontal field of view of `fov` rad.
     ///
     /// # Errors
-    /// When the two are one point.
+    /// If the two points are equal.
     pub fn looking(from: DVec3, to: DVec3, fov: Option<f64>) -> anyhow::Result<Self> {
         let pose =
             View::looking(from, to).context("--from and --to are one point: expected two, which give a direction")?;
@@ -86,11 +86,11 @@ impl Shot<'_> {
     /// Takes the picture of a run that is over.
     ///
     /// # Errors
-    /// When the robot or its camera does not exist, or no camera can look from there.
+    /// If the robot or its camera does not exist, or the view is invalid.
     pub fn take(&self, ran: &Ran) -> anyhow::Result<Taken> {
         let run = &ran.finished.ended.run;
         let world = run.world();
-        // Nothing moves after the end; of what was before, the world remembers this much.
+        // Nothing moves after the end; before it, the world remembers motion for `HISTORY`.
         let time =
             self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
         let (view, by) = match self.eye {

@@ -1,7 +1,7 @@
-//! The channel between a robot's process and the host: shared memory, one message under way, a futex that says whose turn it is.
+//! Channel between a robot's process and the host: shared memory with one message in flight, and a futex for whose turn it is.
 //!
-//! The layout is in `docs/protocol.md`. Whoever has the turn owns the message; nobody trusts the other's bytes: they are copied out and
-//! checked.
+//! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the other's bytes: they
+//! are copied out and checked.
 
 use std::fs::File;
 use std::io;
@@ -13,37 +13,37 @@ use std::time::Duration;
 
 use super::debugger;
 
-/// Bytes of a channel: two images of the largest camera and their call fit; only what is written to takes memory.
+/// Size of a channel in bytes, enough for a call with two images of the largest camera; only pages that are written take memory.
 pub const CHANNEL: usize = 32 << 20;
 
-/// Where the body of a message begins.
+/// Offset of a message's body.
 const BODY: usize = 64;
 
-/// Bytes of the longest body.
+/// Longest body in bytes.
 pub const LONGEST: usize = CHANNEL - BODY;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"EYES");
 const VERSION: u32 = 1;
 
-/// Whose turn it is.
+/// Side that may write the message next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Turn {
-    /// The child's: its program runs.
+    /// The child, while its program runs.
     Child = 0,
-    /// The host's: it answers.
+    /// The host, while it answers.
     Host = 1,
 }
 
 /// Kinds of messages; the child's are below 16.
 pub mod kind {
-    /// The child's thread is there.
+    /// The child's thread is ready.
     pub const READY: u32 = 1;
     /// The program cannot be run.
     pub const REFUSED: u32 = 2;
     /// A call of a table's function.
     pub const CALL: u32 = 3;
-    /// The function that the host has called has returned.
+    /// The function that the host called has returned.
     pub const RETURNED: u32 = 4;
     /// `main` has returned.
     pub const EXITED: u32 = 5;
@@ -51,15 +51,15 @@ pub mod kind {
     pub const FAULT: u32 = 6;
     /// Run `main`.
     pub const RUN: u32 = 16;
-    /// The call's outputs and result.
+    /// Outputs and result of the call.
     pub const OK: u32 = 17;
-    /// The program must be left.
+    /// The program must exit.
     pub const STOP: u32 = 18;
     /// Call a function of the program.
     pub const CALL_BACK: u32 = 19;
 }
 
-/// What the body of a REFUSED message begins with.
+/// Reasons for a refusal: the first word of a REFUSED message's body.
 pub mod refusal {
     /// The dynamic linker refuses the library.
     pub const LINKER: u32 = 1;
@@ -69,16 +69,16 @@ pub mod refusal {
     pub const OTHER: u32 = 3;
 }
 
-/// A message that was copied out of a channel.
+/// A message copied out of a channel.
 #[derive(Debug)]
 pub struct Message {
     /// One of [`kind`].
     pub kind: u32,
-    /// Its bytes.
+    /// Bytes of the body.
     pub body: Vec<u8>,
 }
 
-/// The first bytes of a channel.
+/// Header of a channel.
 #[repr(C)]
 struct Header {
     magic: AtomicU32,
@@ -98,24 +98,24 @@ pub struct Channel {
     memory: *mut u8,
 }
 
-// SAFETY: the header is atomic, and the body is touched by raw copies of whoever has the turn.
+// SAFETY: the header is atomic, and the body is touched only by raw copies of the side that has the turn.
 unsafe impl Send for Channel {}
 // SAFETY: as above.
 unsafe impl Sync for Channel {}
 
-/// The file in which all channels of one child lie.
+/// The file that contains all channels of one child.
 #[derive(Debug)]
 pub struct Channels {
     file: File,
 }
 
 impl Channels {
-    /// A file with channel 0, ready for a child. It has no name, and is closed by `exec` unless passed on.
+    /// Creates the file with channel 0, ready for a child. The file has no name, and `exec` closes it unless it is passed on.
     ///
     /// # Errors
-    /// When the process has no file descriptor left, or the kernel no memory.
+    /// The process has no file descriptor left, or the kernel no memory.
     pub fn new() -> io::Result<Self> {
-        // SAFETY: the name is a string that ends in 0; a descriptor that is not negative is new and owned by nobody else.
+        // SAFETY: the name is a string that ends in 0; a descriptor that is not negative is new and has no other owner.
         let file = unsafe {
             let fd = libc::memfd_create(c"eyesim".as_ptr(), libc::MFD_CLOEXEC | libc::MFD_ALLOW_SEALING);
             if fd < 0 {
@@ -125,7 +125,7 @@ impl Channels {
         };
         let channels = Self { file };
         channels.grow_to(1)?;
-        // A child that cut the file would let the host fault.
+        // A child that truncated the file would make the host fault.
         // SAFETY: the descriptor is open; the call takes no pointer.
         if unsafe { libc::fcntl(channels.file.as_raw_fd(), libc::F_ADD_SEALS, libc::F_SEAL_SHRINK) } < 0 {
             return Err(io::Error::last_os_error());
@@ -137,12 +137,12 @@ impl Channels {
         Ok(channels)
     }
 
-    /// The file of channels that a child has got as its standard input, which is `/dev/null` from now on.
+    /// Takes the file of channels that a child has got as its standard input, and replaces the standard input by `/dev/null`.
     ///
     /// # Errors
-    /// When the standard input is no such file.
+    /// The standard input is no such file.
     pub fn of_standard_input() -> io::Result<Self> {
-        // SAFETY: the descriptors are those of this process; dup gives a new one that nobody else owns.
+        // SAFETY: the descriptors are those of this process; dup returns a new one without another owner.
         let file = unsafe {
             let fd = libc::fcntl(0, libc::F_DUPFD_CLOEXEC, 3);
             if fd < 0 {
@@ -162,26 +162,26 @@ impl Channels {
         Ok(Self { file })
     }
 
-    /// Where the file is found by a process that does not get it passed on; while this process lives.
+    /// Path by which a process that does not inherit the file can open it; valid while this process lives.
     pub fn path(&self) -> PathBuf {
         debugger::file_of(self.file.as_raw_fd())
     }
 
-    /// Makes room for `count` channels; a new one must be [set up](Channel::set_up) by the host.
+    /// Extends the file to `count` channels; the host must [set up](Channel::set_up) each new one.
     ///
     /// # Errors
-    /// When the kernel refuses.
+    /// The kernel refuses.
     pub fn grow_to(&self, count: u32) -> io::Result<()> {
         self.file.set_len(u64::from(count) * CHANNEL as u64)
     }
 
-    /// Maps a channel that the file has.
+    /// Maps the channel `number`, which the file must contain.
     ///
     /// # Errors
-    /// When the kernel has no room.
+    /// The kernel has no room.
     pub fn map(&self, number: u32) -> io::Result<Channel> {
         let offset = libc::off_t::from(number) * CHANNEL as libc::off_t;
-        // SAFETY: a new mapping at a place that the kernel chooses; the file has the channel and never shrinks.
+        // SAFETY: a new mapping at an address that the kernel chooses; the file contains the channel and never shrinks.
         let memory = unsafe {
             libc::mmap(
                 ptr::null_mut(),
@@ -195,10 +195,10 @@ impl Channels {
         if memory == libc::MAP_FAILED { Err(io::Error::last_os_error()) } else { Ok(Channel { memory: memory.cast() }) }
     }
 
-    /// The file, to be passed to a child.
+    /// A duplicate of the file, to be passed to a child.
     ///
     /// # Errors
-    /// When the process has no file descriptor left.
+    /// The process has no file descriptor left.
     pub fn file(&self) -> io::Result<File> {
         self.file.try_clone()
     }
@@ -211,37 +211,37 @@ impl Channel {
         unsafe { &*self.memory.cast::<Header>() }
     }
 
-    /// Writes what a channel begins with.
+    /// Writes the magic number and the version of the protocol.
     pub fn set_up(&self) {
         self.header().magic.store(MAGIC, Ordering::Relaxed);
         self.header().version.store(VERSION, Ordering::Release);
     }
 
-    /// Whether the other side speaks this protocol.
+    /// Returns true if magic number and version are those of this protocol.
     pub fn is_known(&self) -> bool {
         let header = self.header();
         header.magic.load(Ordering::Relaxed) == MAGIC && header.version.load(Ordering::Relaxed) == VERSION
     }
 
-    /// Whose turn it is.
+    /// Side that has the turn.
     pub fn turn(&self) -> Turn {
         if self.header().turn.load(Ordering::Acquire) == Turn::Child as u32 { Turn::Child } else { Turn::Host }
     }
 
-    /// The child's thread at the channel; 0 before it is there.
+    /// Kernel's id of the child's thread that uses the channel; 0 before the thread is ready.
     pub fn thread(&self) -> u32 {
         self.header().thread.load(Ordering::Relaxed)
     }
 
-    /// Says that the calling thread of the child uses the channel.
+    /// Registers the calling thread of the child as the user of the channel.
     pub fn attach(&self) {
         // SAFETY: gettid takes no arguments and always succeeds.
         let thread = unsafe { libc::gettid() };
         self.header().thread.store(thread.unsigned_abs(), Ordering::Relaxed);
     }
 
-    /// Sends a message made of `parts` and gives the turn to the other side. To be called by whoever has the turn.
-    /// False, and nothing sent, if it is too long. Async-signal-safe.
+    /// Sends a message made of `parts` and gives the turn to the other side. The caller must have the turn.
+    /// Returns false, and sends nothing, if the message is too long. Async-signal-safe.
     pub fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
         let length: usize = parts.iter().map(|part| part.len()).sum();
         if length > LONGEST {
@@ -250,8 +250,8 @@ impl Channel {
         let header = self.header();
         let mut at = BODY;
         for part in parts {
-            // SAFETY: the body has room for all parts, as was just checked; the other side does not touch it out of turn, and
-            // a part is no memory of the channel.
+            // SAFETY: the check above proves that the body has room for all parts; the other side does not touch it out of turn, and
+            // a part is not in the channel's memory.
             unsafe { ptr::copy_nonoverlapping(part.as_ptr(), self.memory.add(at), part.len()) };
             at += part.len();
         }
@@ -263,7 +263,7 @@ impl Channel {
         true
     }
 
-    /// Copies the message out; to be called by whoever has the turn. None if its length is impossible.
+    /// Copies the message out; the caller must have the turn. `None` if its length is impossible.
     pub fn message(&self) -> Option<Message> {
         fence(Ordering::Acquire);
         let header = self.header();
@@ -272,8 +272,8 @@ impl Channel {
             return None;
         }
         let mut body = Vec::with_capacity(length);
-        // SAFETY: the mapping has as many bytes behind the header, the vector as much room; should the other side write out of
-        // turn, the copy is some bytes, which are checked like all others.
+        // SAFETY: the mapping has as many bytes behind the header, the vector as much room; if the other side writes out of turn,
+        // the copy contains arbitrary bytes, which are checked like all others.
         unsafe {
             ptr::copy_nonoverlapping(self.memory.add(BODY), body.as_mut_ptr(), length);
             body.set_len(length);
@@ -281,7 +281,7 @@ impl Channel {
         Some(Message { kind, body })
     }
 
-    /// Waits until it is the turn of `whose`, or `timeout` has passed. True when it is.
+    /// Waits until `whose` has the turn, or `timeout` has passed. Returns true if it has the turn.
     pub fn wait_for(&self, whose: Turn, timeout: Option<Duration>) -> bool {
         let other = if whose == Turn::Host { Turn::Child } else { Turn::Host };
         if self.turn() != whose {
@@ -290,30 +290,30 @@ impl Channel {
         self.turn() == whose
     }
 
-    /// In channel 0: the process of the host.
+    /// Process id of the host (channel 0 only).
     pub fn host(&self) -> u32 {
         self.header().host.load(Ordering::Relaxed)
     }
 
-    /// In channel 0: whether the child imports a module now, and the processor time that earlier imports have taken.
+    /// True if the child imports a module now, and the processor time that earlier imports have taken (channel 0 only).
     pub fn imports(&self) -> (bool, Duration) {
         let header = self.header();
         let spent_ms = header.import_ms.load(Ordering::Relaxed);
         (header.is_importing.load(Ordering::Relaxed) != 0, Duration::from_millis(spent_ms.into()))
     }
 
-    /// In channel 0: how many channels there are.
+    /// Number of channels (channel 0 only).
     pub fn count(&self) -> u32 {
         self.header().channels.load(Ordering::Acquire)
     }
 
-    /// In channel 0: tells the child that there are more.
+    /// Tells the child the new number of channels (channel 0 only).
     pub fn set_count(&self, count: u32) {
         self.header().channels.store(count, Ordering::Release);
         wake(&self.header().channels);
     }
 
-    /// In channel 0: waits until there are more than `count` channels.
+    /// Waits until there are more than `count` channels (channel 0 only).
     pub fn wait_for_more_than(&self, count: u32) {
         while self.count() <= count {
             wait(&self.header().channels, count, None);
@@ -328,7 +328,7 @@ impl Drop for Channel {
     }
 }
 
-/// Sleeps while `word` is `value`; may return at any time. Shared between processes.
+/// Sleeps while `word` is `value`, in memory shared between processes; may return at any time.
 fn wait(word: &AtomicU32, value: u32, timeout: Option<Duration>) {
     let timeout = timeout.map(|timeout| libc::timespec {
         tv_sec: timeout.as_secs() as libc::time_t,
@@ -339,7 +339,7 @@ fn wait(word: &AtomicU32, value: u32, timeout: Option<Duration>) {
     unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAIT, value, timeout) };
 }
 
-/// Wakes who sleeps on `word`; async-signal-safe.
+/// Wakes one thread that sleeps on `word`; async-signal-safe.
 fn wake(word: &AtomicU32) {
     // SAFETY: the word is mapped and aligned.
     unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAKE, 1) };

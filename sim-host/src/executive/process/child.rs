@@ -1,4 +1,4 @@
-//! A robot's process as the host sees it: started, listened to, watched, ended.
+//! Host's handle of a robot's process: start, messages, supervision, end.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -19,32 +19,32 @@ use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, OVERDUE_SIGNAL};
 use crate::executive::watchdog;
 
-/// What the name of a robot's process begins with in lists of processes.
+/// Prefix of the name of a robot's process in lists of processes.
 pub const CHILD_NAME: &str = "eyesim: ";
 
-/// How often a child that has the turn is looked at.
+/// Interval at which a child that has the turn is checked.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How long a child that was asked for its place may take to tell it.
+/// Time in which an overdue child must report its place before it is killed.
 const GRACE: Duration = Duration::from_millis(300);
 
 /// A robot's process.
 pub struct Child {
     process: Mutex<Process>,
-    /// The process, and its group.
+    /// Id of the process, and of its process group.
     pid: i32,
     channels: Channels,
     first: Channel,
-    /// Channels of tasks, and how many there are besides the first.
+    /// Channels of tasks besides the first channel.
     tasks: Mutex<Tasks>,
-    /// The last time that the watchdog asked for the program's place.
+    /// Last request of the watchdog for the program's place.
     asked: Mutex<Option<Asked>>,
     is_ending: AtomicBool,
-    /// It was found stopped by a signal, which nobody would take back.
+    /// The process was found stopped by a signal, from which it would never continue by itself.
     was_stopped: AtomicBool,
-    /// Its user looks at it in a debugger, which is the process: it has all the time of the world.
+    /// The process is a debugger with the user at it: it has no time limits.
     is_debugged: bool,
-    /// True once its `main` has returned.
+    /// `main` has returned.
     has_exited: AtomicBool,
     lost: OnceLock<Broken>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
@@ -55,7 +55,7 @@ pub struct Child {
 
 struct Process {
     handle: std::process::Child,
-    /// How it ended, once it has.
+    /// Exit status, once the process has ended.
     status: Option<ExitStatus>,
 }
 
@@ -70,9 +70,9 @@ pub struct Release {
 
 struct Asked {
     since: Instant,
-    /// In which release.
+    /// Release in which it was asked.
     release: Release,
-    /// True once the child was killed because it did not answer.
+    /// The child was killed because it did not answer.
     is_killed: bool,
 }
 
@@ -82,13 +82,13 @@ struct Tasks {
     idle: Vec<Channel>,
 }
 
-/// A process to be started.
+/// Request to start a process.
 struct Order {
     command: Command,
     answer: mpsc::SyncSender<io::Result<std::process::Child>>,
 }
 
-/// Starts a process on a thread that lasts as long as this process: the kernel ends a child with the thread that started it.
+/// Starts a process on a thread that lives as long as this process, since the kernel kills a child when the thread that started it ends.
 fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> {
     static ORDERS: Mutex<Option<mpsc::Sender<Order>>> = Mutex::new(None);
     let mut orders = ORDERS.lock();
@@ -96,7 +96,7 @@ fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> 
         let (sender, incoming) = mpsc::channel::<Order>();
         let serve = move || {
             for Order { mut command, answer } in incoming {
-                // Who asked waits for this one message.
+                // The requester waits for this one message.
                 let _ = answer.send(command.spawn());
             }
         };
@@ -111,20 +111,20 @@ fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> 
 }
 
 impl Child {
-    /// Starts `command` with a file of channels as its standard input. It ends with this process at the latest.
+    /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
     ///
     /// # Errors
-    /// When the system has no room for another process, or the command is not there.
+    /// The system has no room for another process, or the command does not exist.
     pub fn start(mut command: Command) -> io::Result<Self> {
         let channels = Channels::new()?;
         command.stdin(Stdio::from(channels.file()?)).stdout(Stdio::from(io::stderr())).process_group(0);
         Self::spawn(command, channels, false)
     }
 
-    /// Starts the program in the library `library` under a debugger, which gets the terminal.
+    /// Starts the program in `library` under a debugger, which gets the terminal.
     ///
     /// # Errors
-    /// When the debugger cannot be started.
+    /// The debugger cannot be started.
     pub fn start_debugged(debugger: &Debugger, library: &Path) -> io::Result<Self> {
         let channels = Channels::new()?;
         let command = debugger.command(library, &channels.path())?;
@@ -151,19 +151,19 @@ impl Child {
         })
     }
 
-    /// The command that runs the C or Rust program in the library `library`, for a robot called `name` in lists of processes.
+    /// The command that runs the C or Rust program in `library`, for a robot called `name` in lists of processes.
     ///
     /// # Errors
-    /// When this program does not know where it lies.
+    /// The path of this executable cannot be determined.
     pub fn command(name: &str, library: &Path) -> io::Result<Command> {
         let mut command = Command::new(std::env::current_exe()?);
         command.arg0(format!("{CHILD_NAME}{name}")).arg("child").arg(library);
         Ok(command)
     }
 
-    /// Lets this process have the files that so many children take, as far as the system allows.
+    /// Raises this process's limit of open files to the number that so many children need, as far as the system allows.
     pub fn make_room(children: usize) {
-        /// Files that are open anyhow, and those of other rooms.
+        /// Files that are open besides those of children.
         const OTHERS: usize = 256;
         let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
         // SAFETY: both calls get one valid limit; where they fail, starting a child fails later and says so.
@@ -180,12 +180,12 @@ impl Child {
         &self.first
     }
 
-    /// Whether it imports a module now, and the processor time that earlier imports have taken.
+    /// True if the child imports a module now, and the processor time that earlier imports have taken.
     pub fn imports(&self) -> (bool, Duration) {
         self.first.imports()
     }
 
-    /// The process.
+    /// Id of the process.
     pub fn pid(&self) -> i32 {
         self.pid
     }
@@ -193,13 +193,13 @@ impl Child {
     /// Waits for the child's next message on `channel`.
     ///
     /// # Errors
-    /// How the child broke, ended or was ended; the same for ever after.
+    /// [`Broken`] if the child broke, ended or was ended; every later call returns the same.
     pub fn receive(&self, channel: &Channel) -> Result<Message, Broken> {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
         while !channel.wait_for(Turn::Host, Some(LOOK)) {
-            // What it has said before it ended counts.
+            // A message sent before the child ended still counts.
             if let Some(status) = self.exit_status()
                 && !channel.wait_for(Turn::Host, Some(Duration::ZERO))
             {
@@ -216,15 +216,15 @@ impl Child {
         }
     }
 
-    /// Gives up a child whose messages make no sense.
+    /// Gives up a child that has sent a malformed message.
     pub fn malformed(&self) -> Broken {
         self.lose(self.broken("its process sent a message that makes no sense: the program wrote where it may not"))
     }
 
-    /// A channel with a thread of the child's for a task, which waits to be called back.
+    /// A channel for a task, with a thread of the child that waits to be called back.
     ///
     /// # Errors
-    /// How the child was lost; also when the kernel has no room for another channel.
+    /// [`Broken`] if the child was lost; also if the kernel has no room for another channel.
     pub fn task(&self) -> Result<Channel, Broken> {
         let mut tasks = self.tasks.lock();
         if let Some(channel) = tasks.idle.pop() {
@@ -243,17 +243,17 @@ impl Child {
         }
     }
 
-    /// Gives a task's channel back, whose thread waits to be called back again.
+    /// Returns the channel of a task, whose thread waits to be called back again.
     pub fn give_back(&self, channel: Channel) {
         self.tasks.lock().idle.push(channel);
     }
 
-    /// Its user looks at it in a debugger.
+    /// Returns true if the process runs under a debugger.
     pub fn is_debugged(&self) -> bool {
         self.is_debugged
     }
 
-    /// True once the process has been found stopped, by SIGSTOP or another signal: it would never go on.
+    /// Returns true once the process was found stopped, by SIGSTOP or another signal, from which it would never continue.
     pub fn is_stopped(&self) -> bool {
         if !self.is_debugged && watchdog::is_stopped(self.pid) {
             self.was_stopped.store(true, Ordering::Release);
@@ -261,7 +261,7 @@ impl Child {
         self.was_stopped.load(Ordering::Acquire)
     }
 
-    /// Ends a child that is overdue in this release, or stopped: asks it for its place, and kills it when it does not tell.
+    /// Ends a child that is overdue in this release, or stopped: asks it for its place, and kills it if it does not answer in time.
     pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
@@ -276,28 +276,28 @@ impl Child {
             }
             asked => {
                 *asked = Some(Asked { since: Instant::now(), release, is_killed: false });
-                // Those for whose call the host works, or who are none of the robot's, pass it over.
+                // Threads for whose call the host works, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
-                    // SAFETY: tgkill takes no pointer; a thread that is gone is an error.
+                    // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
                 }
-                // One that is stopped answers when it goes on.
+                // A stopped process answers once it continues.
                 let process = self.process.lock();
                 if process.status.is_none() {
-                    // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
+                    // SAFETY: kill takes no pointer; the process has not been waited for, so the number still identifies it.
                     unsafe { libc::kill(self.pid, libc::SIGCONT) };
                 }
             }
         }
     }
 
-    /// True when the child was found overdue in this release: the question itself takes processor time.
+    /// Returns true if the child was found overdue in this release and asked for its place; the answer itself takes processor time.
     pub fn is_asked(&self, release: Release) -> bool {
         self.asked.lock().as_ref().is_some_and(|asked| asked.release == release)
     }
 
-    /// Ends the child: one whose `main` has returned may end by itself until `deadline`, as it has files to close; others are killed
-    /// with whatever they have started. A debugger is waited for as long as its user needs it.
+    /// Ends the child. If its `main` has returned, the child may end by itself until `deadline`, as it has files to close; otherwise it
+    /// is killed with its process group. A debugger is waited for without a limit.
     pub fn end(&self, deadline: Instant) {
         self.is_ending.store(true, Ordering::Release);
         let deadline = if self.has_exited.load(Ordering::Acquire) { deadline } else { Instant::now() };
@@ -309,12 +309,12 @@ impl Child {
         }
     }
 
-    /// True once the host ends the child: what happens to it then is not its program's fault.
+    /// Returns true once the host ends the child: a break after that is not its program's fault.
     pub fn is_ending(&self) -> bool {
         self.is_ending.load(Ordering::Acquire)
     }
 
-    /// How the process has ended, if it has; it is no zombie then.
+    /// Exit status of the process, if it has ended; the call reaps it.
     fn exit_status(&self) -> Option<ExitStatus> {
         let mut process = self.process.lock();
         if process.status.is_none() {
@@ -327,7 +327,7 @@ impl Child {
     fn kill(&self) {
         let process = self.process.lock();
         if process.status.is_none() {
-            // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
+            // SAFETY: kill takes no pointer; the process has not been waited for, so the number still identifies it.
             unsafe {
                 libc::kill(-self.pid, libc::SIGKILL);
                 libc::kill(self.pid, libc::SIGKILL);
@@ -373,7 +373,7 @@ impl Child {
         }
     }
 
-    /// What a FAULT message says.
+    /// Parses the body of a FAULT message.
     fn fault(&self, body: &[u8]) -> Broken {
         let parse = || {
             let mut body = Reader::new(body);

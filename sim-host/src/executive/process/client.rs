@@ -1,4 +1,4 @@
-//! The child's side: a process that loads one robot's program, runs it, and sends each of its calls to the host.
+//! Child side: a process that loads one robot's program, runs it, and sends each of its calls to the host.
 
 use std::cell::Cell;
 use std::ffi::{CString, c_char, c_int, c_void};
@@ -23,11 +23,11 @@ struct ProgramLine {
 }
 
 thread_local! {
-    /// The line of this thread; null for a thread that is none of the robot's.
+    /// The line of this thread; null for a thread that does not belong to the robot.
     static LINE: Cell<*const ProgramLine> = const { Cell::new(ptr::null()) };
 }
 
-/// Where the program says that it is; null as long as it is not loaded, and where it does not tell.
+/// The program's variable with its call site; null until the program is loaded, and if the program has none.
 static CALL_SITE: AtomicPtr<CallSite> = AtomicPtr::new(ptr::null_mut());
 
 static SUPPORT: SupportTable = SupportTable::remote::<ProgramLine>();
@@ -36,12 +36,12 @@ static ROBIOS7: Robios7Table = Robios7Table::remote::<ProgramLine>();
 static HOST6: Host = Host::of_robios6(&SUPPORT, &ROBIOS6);
 static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
 
-/// Runs the program in the library `library` for the host that has made this process, whose channels are the standard input.
+/// Runs the program in `library` for the host that has started this process, with the channels as its standard input.
 ///
-/// Where a debugger stands between the two (`is_debugged`), it ends the process.
+/// With `is_debugged` a debugger stands between host and child, and the debugger ends the process instead of the kernel.
 ///
 /// # Errors
-/// When this process was not made by `eyesim run`.
+/// This process was not started by `eyesim run`.
 pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     let channels = Channels::of_standard_input()?;
     let first = channels.map(0)?;
@@ -55,7 +55,7 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     let library = library.to_owned();
     let own = channels.map(0)?;
     start("program", move || ProgramLine::adopt(own).run_program(&library))?;
-    // The first thread only listens: it starts a thread for each channel that the host adds.
+    // The main thread only waits: it starts a thread for each channel that the host adds.
     for number in 1.. {
         first.wait_for_more_than(number);
         let channel = channels.map(number)?;
@@ -64,7 +64,7 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Lets the kernel kill this process when the thread of process `host` that has made it ends.
+/// Makes the kernel kill this process when the thread that started it, in process `host`, ends.
 fn die_with(host: u32) -> io::Result<()> {
     // SAFETY: neither call takes a pointer.
     let parent = unsafe {
@@ -80,7 +80,7 @@ fn start(name: &str, body: impl FnOnce() + Send + 'static) -> io::Result<()> {
 }
 
 impl ProgramLine {
-    /// Makes the calling thread the one of `channel`: its faults are reported there.
+    /// Binds the calling thread to `channel`, on which its faults are reported.
     fn adopt(channel: Channel) -> &'static Self {
         let line = Self::leaked(channel);
         line.adopt_thread(Self::leaked_block());
@@ -95,7 +95,7 @@ impl ProgramLine {
         Box::leak(Box::new(ThreadBlock::reporting(report_fault)))
     }
 
-    /// Makes the calling thread the one of this line; one that had line and `block` before has ended.
+    /// Binds the calling thread to this line; a thread that had line and `block` before must have ended.
     fn adopt_thread(&'static self, block: &'static ThreadBlock) {
         self.channel.attach();
         LINE.set(self);
@@ -105,7 +105,7 @@ impl ProgramLine {
         }
     }
 
-    /// The life of the thread that runs `main`.
+    /// Body of the thread that runs `main`.
     fn run_program(&self, library: &Path) {
         let library = match open(library) {
             Ok(opened) => opened.kept(),
@@ -116,15 +116,15 @@ impl ProgramLine {
         let order = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&order) {
             Ok(arguments) => run_main(library.description(), &arguments),
-            // Stopped before it began.
+            // Stopped before `main` began.
             Err(Malformed) => robios_sys::EXIT_STOPPED,
         };
         self.channel.send(kind::EXITED, &[&code.to_le_bytes()]);
-        // What the program has written to files of the C library is flushed.
+        // Flushes the program's output in the C library's files.
         std::process::exit(0);
     }
 
-    /// The life of a line for tasks until the process ends: each task has a thread of its own, as it has thread-locals of its own.
+    /// Serves a line for tasks until the process ends; each task gets a new thread, and with it new thread-locals.
     fn run_tasks(&'static self) {
         let block = Self::leaked_block();
         self.channel.attach();
@@ -138,12 +138,12 @@ impl ProgramLine {
         });
     }
 
-    /// Sends a message and does what the host asks for until it answers.
+    /// Sends a message, and calls the functions that the host asks for until it answers.
     fn converse(&self, kind: u32, body: &[u8]) -> Message {
         self.converse_with(kind, body, |body| call_back(&body))
     }
 
-    /// The same, where `call_back` calls the function that the body of a message names.
+    /// As [`converse`](Self::converse), with `call_back` to call the function that the body of a message names.
     fn converse_with(
         &self,
         mut kind: u32,
@@ -167,13 +167,13 @@ impl ProgramLine {
         }
     }
 
-    /// Tells the host that the program cannot be run, and ends.
+    /// Tells the host that the program cannot be run, and ends the process.
     fn refuse(&self, what: u32, text: &str) -> ! {
         self.channel.send(kind::REFUSED, &[&what.to_le_bytes(), text.as_bytes()]);
         std::process::exit(1)
     }
 
-    /// Tells the host why the program cannot go on, and ends.
+    /// Tells the host why the program cannot go on, and ends the process.
     fn break_off(&self, what: &str) -> ! {
         let fault = Fault { signal: 0, address: 0, pc: 0, sp: 0 };
         self.channel.send(kind::FAULT, &[&fault_header(&fault, what.len(), [0; 2]), what.as_bytes()]);
@@ -198,13 +198,13 @@ impl Line for ProgramLine {
     }
 }
 
-/// Appends where the program is, in its own words.
+/// Appends the program's call site.
 fn put_call_site(call: &mut Vec<u8>) {
     let site = CALL_SITE.load(Ordering::Relaxed);
     let site = if site.is_null() || !site.is_aligned() {
         CallSite::NONE
     } else {
-        // SAFETY: the description's contract: it leads to a variable of the program, written by this thread before the call.
+        // SAFETY: by the description's contract it points to a variable of the program, written by this thread before the call.
         unsafe { site.read() }
     };
     (site.address.addr() as u64).put(call);
@@ -212,7 +212,7 @@ fn put_call_site(call: &mut Vec<u8>) {
     let file = if site.file.is_null() {
         &[]
     } else {
-        // SAFETY: the contract again: a name of that many bytes in the program's constants.
+        // SAFETY: by the same contract, a name of that many bytes in the program's constants.
         unsafe { std::slice::from_raw_parts(site.file, site.file_len) }
     };
     put_bytes(Some(file), call);
@@ -244,8 +244,8 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
     let mut body = Reader::new(body);
     let (code, data): (u64, u64) = (body.get()?, body.get()?);
     let callback = Callback {
-        // SAFETY: the address is that of a function of this type, or 0, as the program has passed it; the option of a
-        // function is a pointer or null.
+        // SAFETY: the program has passed the address of a function of this type, or 0; an optional function pointer is that
+        // pointer or null.
         code: unsafe {
             std::mem::transmute::<*const c_void, Option<unsafe extern "C" fn(*mut c_void) -> Status>>(
                 ptr::with_exposed_provenance(code as usize),
@@ -253,13 +253,13 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
         },
         data: ptr::with_exposed_provenance_mut(data as usize),
     };
-    // SAFETY: the host calls back only while the program is inside of its `run`, in a call of this thread or, on a thread of a
-    // task, by its own; this thread holds no lock.
+    // SAFETY: the host calls back only while the program is in its `run`: in a call of this thread, or on the thread of a
+    // task; this thread holds no lock.
     let result = unsafe { callback.call() };
     Ok(result.map_or(Status::STOP, |()| Status::OK))
 }
 
-/// The part of a FAULT message in front of its text.
+/// Fixed-size part of a FAULT message, in front of its text.
 fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
     let mut header = [0; 40];
     header[0..4].copy_from_slice(&fault.signal.to_le_bytes());
@@ -270,7 +270,7 @@ fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40]
     header
 }
 
-/// Tells the host of a fault of this thread and ends the process; returns where the host works for the program. Async-signal-safe.
+/// Reports a fault of this thread to the host and ends the process; returns if the host works for the program. Async-signal-safe.
 fn report_fault(block: &ThreadBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
     let line = unsafe { LINE.get().as_ref() };
@@ -284,8 +284,8 @@ fn report_fault(block: &ThreadBlock, fault: Fault) {
     let sp = fault.sp.next_multiple_of(align_of::<usize>());
     let words: &[u8] = if (low..high).contains(&sp) {
         let length = ((high - sp) / size_of::<usize>()).min(SEARCH) * size_of::<usize>();
-        // SAFETY: [sp, sp + length) lies within the mapped stack of this thread, below which nothing runs any more but this
-        // handler, on another stack.
+        // SAFETY: [sp, sp + length) lies within the mapped stack of this thread, on which no code runs any more: this handler runs
+        // on another stack.
         unsafe { std::slice::from_raw_parts(ptr::with_exposed_provenance(sp), length) }
     } else {
         &[]

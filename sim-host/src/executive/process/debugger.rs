@@ -1,14 +1,14 @@
-//! gdb around a robot's process: how it is started, and what the user may tell it.
+//! Start of gdb around a robot's process, and the user's settings for it.
 
 use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The debugger's name on the search path.
+/// Name of the debugger's binary, found by the search path.
 const GDB: &str = "gdb";
 
-/// What a debugger is told.
+/// User's settings for the debugger.
 #[derive(Clone, Debug, Default)]
 pub struct Debugger {
     /// Places at which the program stops: `FILE:LINE` or a function.
@@ -18,19 +18,19 @@ pub struct Debugger {
 }
 
 impl Debugger {
-    /// Whether gdb is there.
+    /// Returns true if gdb is installed.
     pub fn is_there() -> bool {
         let mut command = Command::new(GDB);
         command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command.status().is_ok_and(|status| status.success())
     }
 
-    /// The command that runs `eyesim child` for the program in `library` under gdb, its standard input the file `channels`.
+    /// The command that runs `eyesim child` under gdb for the program in `library`, with the file `channels` as its standard input.
     ///
-    /// gdb has the terminal. It asks nothing: the program's library is loaded later than its breakpoints are set.
+    /// gdb gets the terminal and asks no questions: breakpoints are set before the program's library is loaded.
     ///
     /// # Errors
-    /// When this program does not know where it lies.
+    /// The path of this executable cannot be determined.
     pub fn command(&self, library: &Path, channels: &Path) -> io::Result<Command> {
         let mut command = Command::new(GDB);
         command.arg("-q");
@@ -40,18 +40,18 @@ impl Debugger {
         for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
             command.arg("-ex").arg(line);
         }
-        // The shell that gdb starts the program with must know `<>`, as every POSIX shell does.
+        // gdb starts the program with a shell, which must know `<>`, as every POSIX shell does.
         command.env("SHELL", "/bin/sh").args(&self.arguments).arg(std::env::current_exe()?);
         Ok(command)
     }
 }
 
-/// A path as one word of a shell.
+/// The path in single quotes, as one word of a shell command.
 fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// The file that a debugged process gets as its standard input: descriptor `fd` of this process.
+/// Path by which another process can open descriptor `fd` of this process.
 pub fn file_of(fd: i32) -> PathBuf {
     PathBuf::from(format!("/proc/{}/fd/{fd}", std::process::id()))
 }

@@ -1,8 +1,8 @@
-//! Robot programs in processes of their own: a fault ends one robot, and any language that can map memory can be one.
+//! Robot programs in their own processes: a fault ends only one robot, and a program may be in any language that can map memory.
 //!
-//! In the host the robot's flow stays one of the executor's: its thread serves the child's calls instead of making them. So
-//! conductor, calls and record know nothing of processes. [`channel`] is what both sides share, [`client`] is the child, [`child`] the
-//! host's handle of it, [`serve`] the host's answers. The protocol is told in `docs/protocol.md`.
+//! In the host the robot's flow is an ordinary one of the executor: its thread serves the child's calls instead of making them, so
+//! dispatcher, calls and record are independent of processes. [`channel`] is what both sides share, [`client`] is the child's side,
+//! [`child`] the host's handle of the process, [`serve`] the host's answers. `docs/protocol.md` describes the protocol.
 
 pub mod channel;
 pub mod child;

@@ -1,4 +1,4 @@
-//! The host's side of a robot in a process: its thread carries out what the child asks for, and calls the child back.
+//! Host side of a robot in its own process: a thread answers the child's calls, and calls functions of the child.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -18,32 +18,32 @@ use crate::program::prepare::Prepared;
 use crate::program::site::RemoteSite;
 use crate::robios::call::Call;
 
-/// A robot's program in a process of its own, loaded and ready to run.
+/// A robot's program in its own process, loaded and ready to run.
 pub struct RemoteProgram {
     child: Arc<Child>,
     prepared: Arc<Prepared>,
     arguments: Vec<String>,
     base: u64,
-    /// Where the program made its last call on its first channel.
+    /// Place of the program's present call, as the child reported it with the call.
     site: Mutex<RemoteSite>,
 }
 
-/// Why a child has no program to run.
+/// Reasons why a child has no program to run.
 #[derive(Debug)]
 pub enum Refusal {
-    /// The dynamic linker's words.
+    /// The dynamic linker refuses the library, in its words.
     Linker(String),
-    /// What does not fit.
+    /// The library does not fit this eyesim, for this reason.
     Misfit(String),
-    /// It ended or broke while it loaded, in words.
+    /// The child ended or broke while it loaded the library.
     Broken(String),
 }
 
 impl RemoteProgram {
-    /// Waits until the child has loaded `prepared`, which gets `arguments` behind its name.
+    /// Waits until the child has loaded `prepared`; `main` gets the program's name followed by `arguments`.
     ///
     /// # Errors
-    /// Why it has not.
+    /// [`Refusal`] if the child cannot load the program.
     pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, Refusal> {
         let message = child.receive(child.first()).map_err(|broken| Refusal::Broken(broken.what))?;
         let mut body = Reader::new(&message.body);
@@ -72,10 +72,10 @@ impl RemoteProgram {
         &self.child
     }
 
-    /// Runs the program, its calls answered by `host` on this thread; gives its exit code.
+    /// Runs the program, whose calls `host` answers on this thread; returns its exit code.
     ///
     /// # Errors
-    /// How it broke.
+    /// [`Broken`] if the program or its process broke.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         let mut order = (self.arguments.len() as u32).to_le_bytes().to_vec();
         self.arguments.iter().for_each(|argument| put_bytes(Some(argument.as_bytes()), &mut order));
@@ -88,24 +88,24 @@ impl RemoteProgram {
         }
     }
 
-    /// As of a program in the host.
+    /// As [`LoadedProgram::own_source_line`](crate::program::load::LoadedProgram::own_source_line).
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
         self.prepared.image()?.own_source_line(offsets)
     }
 
-    /// Where the program called the function that it is in, as it has told.
+    /// Place of the call in progress, as the child reported it.
     pub fn call_site(&self) -> RemoteSite {
         self.site.lock().clone()
     }
 
-    /// A place in this program, in its own words: `maze.c:88`.
+    /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &RemoteSite) -> Option<String> {
         let RemoteSite { address, line, file } = site;
         if !file.is_empty() {
             return Some(format!("{file}:{line}"));
         }
-        // A return address lies behind the call.
+        // A return address lies after the call instruction.
         let offset = self.offset(usize::try_from(*address).ok()?.checked_sub(1)?)?;
         self.prepared.image()?.call_line(offset).map(|line| line.to_string())
     }
@@ -116,13 +116,13 @@ impl RemoteProgram {
     }
 }
 
-/// What ends a service.
+/// Event that ends a service.
 enum Back {
     Returned(Status),
     Exited(i32),
 }
 
-/// One thread of the host at one channel.
+/// A thread of the host that serves one channel.
 struct Service<'a, H> {
     program: &'a RemoteProgram,
     channel: &'a Channel,
@@ -135,7 +135,7 @@ thread_local! {
 }
 
 impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
-    /// Answers calls until the program or the function that was called in it returns.
+    /// Answers calls until the program, or the function that the host called in it, returns.
     fn serve(&self) -> Result<Back, Broken> {
         let child = &self.program.child;
         let outer = SERVED.replace((Arc::as_ptr(child), self.channel));
@@ -155,7 +155,7 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
                     reply.clear();
                     self.call(&message.body, &mut reply).and_then(|status| {
                         let kind = if status == Status::OK { kind::OK } else { kind::STOP };
-                        // Too long only where the child has asked for more bytes than a message can bring.
+                        // Too long only if the child has asked for more bytes than a message can hold.
                         if self.channel.send(kind, &[&reply]) { Ok(None) } else { Err(Malformed) }
                     })
                 }
@@ -205,14 +205,14 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
         }
     }
 
-    /// Remembers the last RoBIOS call, for the report of a fault.
+    /// Stores the number of the last RoBIOS call, for the report of a fault.
     fn note(&self, call: impl Into<Call>) {
         if let Some(number) = call.into().robios_number() {
             self.program.child.last_call.store(number, Ordering::Relaxed);
         }
     }
 
-    /// A function of the host that calls the child's function of these two numbers.
+    /// A function of the host that calls the child's function identified by `code` and `data`.
     fn callback(&self, code: u64, data: u64) -> Callback {
         let mut callbacks = self.program.child.callbacks.lock();
         let remote = callbacks.entry((code, data)).or_insert_with(|| {
@@ -239,12 +239,12 @@ struct RemoteFunction<H> {
 // SAFETY: program and host are shared by the threads of the robot, and both outlive the program's run, see `Callback`.
 unsafe impl<H: Sync> Send for RemoteFunction<H> {}
 
-/// Calls a function of the child: on the channel that this thread serves already, else on one of a task.
+/// Calls a function of the child: on the channel that this thread already serves, else on the channel of a task.
 ///
 /// # Safety
-/// `data` is what [`Service::callback`] gave, and the program has not returned from its `run`.
+/// `data` must come from [`Service::callback`], and the program must not have returned from its `run`.
 unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static>(data: *mut c_void) -> Status {
-    // SAFETY: the caller's promise: the function is kept by the child, the program and the host live as long as the run.
+    // SAFETY: by this function's contract; the child keeps the function, and program and host live as long as the run.
     let Some((function, program, host)) = (unsafe {
         data.cast_const()
             .cast::<RemoteFunction<H>>()
@@ -273,7 +273,7 @@ unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static
     };
     match back {
         Ok(Back::Returned(status)) => status,
-        // It is lost, or ended in the midst of a function: whoever serves its first channel hears of it, too.
+        // The process is lost, or exited within a function: the thread that serves its first channel is told, too.
         Ok(Back::Exited(_)) | Err(_) => Status::STOP,
     }
 }

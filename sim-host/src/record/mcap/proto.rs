@@ -1,7 +1,7 @@
-//! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors that a file says them by.
+//! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors by which a file declares them.
 //!
-//! From one table, both for values of JSON: an absent field is not written, and null is an infinite number. Names and numbers are
-//! those of Foxglove's schemas; fields that we never fill are left out.
+//! One table serves both, from JSON values: an absent field is not written, and null is an infinite number. Names and numbers are
+//! those of Foxglove's schemas; fields that are never filled are left out.
 //!
 //! Source: protobuf.dev, encoding; descriptor.proto.
 
@@ -18,7 +18,7 @@ enum Type {
     Bool,
     Fixed32,
     Text,
-    /// In base64 in JSON.
+    /// Base64 text in JSON.
     Bytes,
     Message(&'static str),
     /// An enumeration within the message, with its values.
@@ -48,7 +48,7 @@ const COLOUR: Type = Type::Message("foxglove.Color");
 const DELETIONS: &[&str] = &["MATCHING_ID", "ALL"];
 const LEVELS: &[&str] = &["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
 
-/// Each in its file, whose package is all but the last word; files of Google have one message each.
+/// Fields of each message. Its package is the name without the last word; each of Google's messages has its own file.
 const MESSAGES: &[(&str, &[Field])] = &[
     ("google.protobuf.Timestamp", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),
     ("google.protobuf.Duration", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),
@@ -191,7 +191,7 @@ impl Type {
         }
     }
 
-    /// The number of the type in descriptor.proto.
+    /// Number of the type in descriptor.proto.
     fn code(self) -> u64 {
         match self {
             Self::Double => 1,
@@ -224,7 +224,7 @@ impl Type {
     }
 }
 
-/// A message of this name as bytes.
+/// Encodes the message type `message`.
 pub(super) fn encode(message: &str, value: &Value) -> Vec<u8> {
     let mut out = Vec::new();
     for field in fields(message) {
@@ -248,7 +248,7 @@ pub(super) fn encode(message: &str, value: &Value) -> Vec<u8> {
     out
 }
 
-/// The `FileDescriptorSet` of all messages: what a schema of encoding `protobuf` holds.
+/// The `FileDescriptorSet` of all messages: contents of a schema with the encoding `protobuf`.
 pub(super) fn descriptors() -> Vec<u8> {
     const GOOGLE: &str = "google.protobuf";
     const TIMES: [(&str, &str); 2] =
@@ -266,7 +266,7 @@ pub(super) fn descriptors() -> Vec<u8> {
     set
 }
 
-/// A `FileDescriptorProto`.
+/// Encodes a `FileDescriptorProto`.
 fn file(name: &str, package: &str, dependencies: &[&str], messages: &[(&str, &[Field])]) -> Vec<u8> {
     let mut out = Vec::new();
     bytes(&mut out, 1, name.as_bytes());
@@ -279,7 +279,7 @@ fn file(name: &str, package: &str, dependencies: &[&str], messages: &[(&str, &[F
     out
 }
 
-/// A `DescriptorProto`.
+/// Encodes a `DescriptorProto`.
 fn descriptor(package: &str, message: &str, fields: &[Field]) -> Vec<u8> {
     let mut out = Vec::new();
     bytes(&mut out, 1, message.as_bytes());
@@ -305,7 +305,7 @@ fn descriptor(package: &str, message: &str, fields: &[Field]) -> Vec<u8> {
     out
 }
 
-/// An `EnumDescriptorProto`.
+/// Encodes an `EnumDescriptorProto`.
 fn enumeration(name: &str, values: &[&str]) -> Vec<u8> {
     let mut out = Vec::new();
     bytes(&mut out, 1, name.as_bytes());
@@ -319,10 +319,10 @@ fn enumeration(name: &str, values: &[&str]) -> Vec<u8> {
     out
 }
 
-/// The message of this name that the bytes are, as values of JSON; fields that it has not are not there.
+/// Decodes the message type `message` into JSON values, without absent fields.
 ///
 /// # Panics
-/// If they are none.
+/// If the bytes are no such message.
 #[cfg(test)]
 pub(super) fn decode(message: &str, mut rest: &[u8]) -> Value {
     let mut object = serde_json::Map::new();

@@ -1,4 +1,4 @@
-//! What a scene looks like, as entities of `foxglove.SceneUpdate`.
+//! Entities of `foxglove.SceneUpdate` for a scene.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -12,25 +12,25 @@ use sim_view::protocol::{Body, Floor, Mesh, Place, Point, Scene};
 use super::timestamp;
 use sim_core::math;
 
-/// The frame of the world.
+/// Name of the world frame.
 pub(super) const WORLD: &str = "world";
 
-/// The frame of a robot.
+/// Name of a robot's frame.
 pub(super) fn robot_frame(RobotId(robot): RobotId) -> String {
     format!("robot/{robot}")
 }
 
-/// The frame of a movable object.
+/// Name of a movable object's frame.
 pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
     format!("object/{object}")
 }
 
-/// A pose in space as pages and recordings get it.
+/// Pose in space in the protocol of pages and recordings.
 pub(crate) fn point(pose: &Pose3) -> Point {
     Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }
 
-/// Whose entity it is.
+/// Owner of a part.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
     World,
@@ -48,14 +48,14 @@ impl Owner {
     }
 }
 
-/// The world and all bodies.
+/// Entities of the world and of all bodies.
 pub(super) fn all(scene: &Scene) -> Vec<Value> {
     let robots = scene.robots.iter().map(|robot| robot.id).filter_map(|id| self::robot(scene, id, id));
     let objects = scene.objects.iter().map(|object| object.id).filter_map(|id| self::object(scene, id, id));
     std::iter::once(world(scene)).chain(robots).chain(objects).collect()
 }
 
-/// Robot `id`, which looks like robot `model` of the scene.
+/// Entity of robot `id`, with the appearance of robot `model` of the scene.
 pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Option<Value> {
     let robot = scene.robots.iter().find(|robot| robot.id == model)?;
     let label = json!([{
@@ -70,7 +70,7 @@ pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Option<Value> {
     Some(entity(&robot_frame(RobotId(id)), triangles, &robot.body, robot.colour, label))
 }
 
-/// Movable object `id`, which looks like object `model` of the scene.
+/// Entity of movable object `id`, with the appearance of object `model` of the scene.
 pub(super) fn object(scene: &Scene, id: u32, model: u32) -> Option<Value> {
     let object = scene.objects.iter().find(|object| object.id == model)?;
     let triangles = triangles(scene, Owner::Object(model));
@@ -85,7 +85,7 @@ fn world(scene: &Scene) -> Value {
     whole(WORLD, surfaces, Vec::new(), json!([]))
 }
 
-/// A body: its surfaces, else the cylinder around it.
+/// Entity of a body: its meshes, or the cylinder around it if it has none.
 fn entity(frame: &str, triangles: Vec<Value>, body: &Body, rgb: [u8; 3], label: Value) -> Value {
     let mut cylinders = Vec::new();
     if triangles.is_empty() {
@@ -101,7 +101,7 @@ fn entity(frame: &str, triangles: Vec<Value>, body: &Body, rgb: [u8; 3], label: 
     whole(frame, triangles, cylinders, label)
 }
 
-/// An entity that moves with its frame and has its name.
+/// Entity that moves with the frame of the same name.
 fn whole(frame: &str, triangles: Vec<Value>, cylinders: Vec<Value>, texts: Value) -> Value {
     json!({
         "timestamp": timestamp(Time::ZERO),
@@ -118,7 +118,7 @@ fn whole(frame: &str, triangles: Vec<Value>, cylinders: Vec<Value>, texts: Value
 /// No rotation.
 const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// One list for each material of each part.
+/// Triangle lists of the owner's parts, one for each material of each part.
 fn triangles(scene: &Scene, owner: Owner) -> Vec<Value> {
     let parts = scene.parts.iter().filter(|part| Owner::of(&part.place) == owner);
     parts
@@ -187,12 +187,12 @@ pub(super) fn transform(at: Time, parent: &str, child: &str, point: &Point) -> V
     })
 }
 
-/// Where a body of the plane is in space.
+/// Pose in space of a body in the plane.
 pub(super) fn upright(x_m: f64, y_m: f64, phi_rad: f64) -> Point {
     Point { position_m: [x_m, y_m, 0.0], rotation: [0.0, 0.0, math::sin(0.5 * phi_rad), math::cos(0.5 * phi_rad)] }
 }
 
-/// The same of a pose.
+/// Pose in space of a pose in the plane.
 pub(super) fn of_pose(pose: &Pose) -> Point {
     upright(pose.position.x, pose.position.y, pose.heading.radians())
 }

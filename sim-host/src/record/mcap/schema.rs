@@ -1,33 +1,33 @@
-//! What the channels of a recording carry, and the JSON schemas of our own messages. `docs/mcap.md` shows them.
+//! Contents of a recording's channels, and the JSON schemas of eyesim's own messages, which `docs/mcap.md` documents.
 
 use serde_json::{Map, Value, json};
 
 use sim_core::record::Kind;
 
-/// What a channel carries.
+/// Content of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Content {
-    /// Where walls and bodies are, and what they look like.
+    /// Shapes of walls and bodies.
     Scene,
-    /// Where bodies are.
+    /// Poses of bodies.
     Transforms,
     /// Scans of laser scanners.
     Scan,
-    /// Images of cameras, or what they show.
+    /// Images of cameras: colours, depths or labels.
     Image,
-    /// What programs say, and what is said of them.
+    /// Output of programs, and messages about them.
     Log,
-    /// What programs read of their devices.
+    /// Readings of devices by programs.
     Reading,
-    /// What programs do with their devices.
+    /// Commands of programs to devices.
     Command,
-    /// What bodies touch.
+    /// Contacts of bodies.
     Contact,
-    /// How legs stand, and where they tread.
+    /// Postures of legs, and footfalls.
     Walk,
     /// Messages by radio.
     Radio,
-    /// What is done to the world from outside.
+    /// Interventions in the world.
     Intervention,
 }
 
@@ -48,7 +48,7 @@ impl Content {
         Self::Intervention,
     ];
 
-    /// The name of its schema: Foxglove's, where it has one.
+    /// Name of its schema: Foxglove's if there is one.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scene => "foxglove.SceneUpdate",
@@ -65,7 +65,7 @@ impl Content {
         }
     }
 
-    /// Where events of this kind go; none for calls, which are in no recording, and poses, which are transforms only.
+    /// Content to which events of this kind belong; none for calls, which are not recorded, and poses, which become transforms only.
     pub fn of(kind: Kind) -> Option<Self> {
         use Kind::*;
         Some(match kind {
@@ -85,12 +85,12 @@ impl Content {
         })
     }
 
-    /// True for a message of Foxglove, in Protocol Buffers; others are JSON.
+    /// Returns true for a message of Foxglove, in Protocol Buffers; the others are JSON.
     pub fn is_foxglove(self) -> bool {
         matches!(self, Self::Scene | Self::Transforms | Self::Scan | Self::Image | Self::Log)
     }
 
-    /// The JSON schema of one of ours. Its messages are lines of the trace (`docs/trace.md`): which fields there are depends on the
+    /// JSON schema of one of eyesim's own messages. Its messages are lines of the trace (`docs/trace.md`), whose fields depend on the
     /// event.
     pub fn schema(self) -> Value {
         let kinds: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| Self::of(*kind) == Some(self)).collect();
@@ -113,7 +113,7 @@ impl Content {
     }
 }
 
-/// The type of a field of events: its unit says that it is a number, which is null where there was nothing to measure.
+/// Schema of a field of events: a unit in its name marks a number, which is null if there was nothing to measure.
 fn field_schema(field: &str) -> Value {
     const UNITS: [&str; 6] = ["_m", "_s", "_rad", "_hz", "_gain", "signal"];
     const INTEGERS: [&str; 21] = [

@@ -1,7 +1,7 @@
-//! Coloured pixels and what can be drawn on them, in whole numbers.
+//! Coloured pixels and integer drawing operations on them.
 //!
-//! x to the right, y down, from the upper left corner. What lies outside is left out, however far; nothing takes longer than
-//! the pixels that it shows.
+//! x to the right, y down, from the upper left corner. Shapes are clipped to the canvas at any distance, and drawing
+//! takes no longer than its visible pixels.
 
 /// Red, green and blue.
 pub type Rgb = [u8; 3];
@@ -11,13 +11,13 @@ pub const BLACK: Rgb = [0; 3];
 /// White.
 pub const WHITE: Rgb = [255; 3];
 
-/// A colour of RoBIOS, 0xRRGGBB; higher bits are left out.
+/// Colour of a RoBIOS colour code, 0xRRGGBB; higher bits are ignored.
 pub fn rgb(colour: i32) -> Rgb {
     let [_, red, green, blue] = colour.to_be_bytes();
     [red, green, blue]
 }
 
-/// The colour as RoBIOS gives it, 0xRRGGBB.
+/// RoBIOS code of a colour, 0xRRGGBB.
 pub fn code([red, green, blue]: Rgb) -> i32 {
     i32::from_be_bytes([0, red, green, blue])
 }
@@ -27,16 +27,16 @@ pub fn inverse(colour: Rgb) -> Rgb {
     colour.map(|part| !part)
 }
 
-/// What drawing does to a pixel.
+/// Effect of drawing on a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// It takes this colour.
+    /// Sets this colour.
     Colour(Rgb),
-    /// It takes the complement of its own.
+    /// Inverts the colour to its complement.
     Invert,
 }
 
-/// A rectangle of pixels. Each function that draws returns how many pixels have changed.
+/// A rectangle of pixels. Drawing functions return the number of pixels that have changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Canvas {
     width: usize,
@@ -50,7 +50,7 @@ impl Canvas {
         Self { width, height, pixels: vec![colour; width * height].into() }
     }
 
-    /// Pixels in a row, and rows.
+    /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
@@ -60,7 +60,7 @@ impl Canvas {
         &self.pixels
     }
 
-    /// The colour of a pixel; none outside.
+    /// Colour of a pixel; `None` outside.
     pub fn pixel(&self, x: i32, y: i32) -> Option<Rgb> {
         self.place(x.into(), y.into()).map(|place| self.pixels[place])
     }
@@ -70,7 +70,7 @@ impl Canvas {
         self.draw(x.into(), y.into(), ink)
     }
 
-    /// Draws a line with both ends, each pixel once; the same pixels in either direction.
+    /// Draws a line including both ends, each pixel once; both directions give the same pixels.
     pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
         line(from, to, [self.width, self.height]).map(|[x, y]| self.draw(x, y, ink)).sum()
     }
@@ -98,8 +98,8 @@ impl Canvas {
         changed
     }
 
-    /// Fills a circle: all pixels whose centres are nearer to that of (x, y) than the radius and a half pixel. Nothing for a
-    /// negative radius.
+    /// Fills a circle: all pixels whose centres are nearer to the centre of pixel (x, y) than the radius plus half a
+    /// pixel. Draws nothing for a negative radius.
     pub fn fill_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
         let (x, y) = (i64::from(x), i64::from(y));
         let rows = visible(y, radius, self.height);
@@ -108,11 +108,11 @@ impl Canvas {
             .sum()
     }
 
-    /// Draws the rim of that circle, one pixel wide, each pixel once.
+    /// Draws the rim of the circle that [`fill_circle`](Self::fill_circle) fills, one pixel wide, each pixel once.
     pub fn draw_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
         let (x, y) = (i64::from(x), i64::from(y));
         let mut changed = 0;
-        // Columns draw where the rim is flat, rows where it is steep: no pixel twice, no gap on the diagonal.
+        // Columns are drawn where the rim is flat, rows where it is steep: no pixel twice, no gap on the diagonal.
         for column in visible(x, radius, self.width) {
             let across = column - x;
             if let Some(half) = half_chord(radius, across).filter(|half| *half >= across.abs()) {
@@ -128,11 +128,10 @@ impl Canvas {
         changed
     }
 
-    /// Shows an image of `width` pixels a row, its upper left corner at (x, y); a last row that is not whole counts as far as it
-    /// goes.
+    /// Shows an image of `width` pixels a row, its upper left corner at (x, y). The last row may be incomplete.
     pub fn show(&mut self, [x, y]: [i32; 2], width: usize, image: impl Iterator<Item = Rgb>) -> u32 {
         let rows = self.height as i64 - i64::from(y);
-        // What lies below the display is not even looked at.
+        // Rows below the canvas are not read.
         let seen = usize::try_from(rows).unwrap_or(0).saturating_mul(width);
         let (mut across, mut down, mut changed) = (0, i64::from(y), 0);
         for colour in image.take(seen) {
@@ -145,7 +144,7 @@ impl Canvas {
         changed
     }
 
-    /// Mixes a colour into one pixel, the more the higher the coverage.
+    /// Blends a colour into one pixel by its coverage, 0 to 255.
     pub fn blend(&mut self, x: i32, y: i32, colour: Rgb, coverage: u8) {
         if let Some(place) = self.place(x.into(), y.into()) {
             let under = self.pixels[place];
@@ -153,7 +152,7 @@ impl Canvas {
         }
     }
 
-    /// Moves the rows above `bottom` up by `distance`, and fills those that come up with black.
+    /// Moves the rows above `bottom` up by `distance` and fills the rows that become free with black.
     pub fn scroll(&mut self, bottom: usize, distance: usize) {
         let bottom = bottom.min(self.height);
         let distance = distance.min(bottom);
@@ -188,7 +187,7 @@ impl Canvas {
     }
 }
 
-/// The points of the line between two points, both included, that lie within a rectangle of `size` at the origin.
+/// Points of the line between two points, both included, clipped to a rectangle of `size` at the origin.
 pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Item = [i64; 2]> {
     let [[x1, y1], [x2, y2]] = [from, to].map(|point| point.map(i64::from));
     let is_flat = (x2 - x1).abs() >= (y2 - y1).abs();
@@ -201,8 +200,8 @@ pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Ite
         .map(move |(place, value)| if is_flat { [place, value] } else { [value, place] })
 }
 
-/// The points of a line that is longer along its first coordinate than along its second one, where the first coordinate is
-/// from 0 to below `end`.
+/// Points of a line that is at least as long along its first coordinate as along its second, clipped to first
+/// coordinates of `0..end`.
 fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
     let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
     let (length, rise) = (i128::from(stop - start), i128::from(last - first));
@@ -213,22 +212,22 @@ fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i
     })
 }
 
-/// The upper left and the lower right of two corners.
+/// Upper left and lower right corner of the rectangle between two points.
 fn corners([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> ([i64; 2], [i64; 2]) {
     ([x1.min(x2), y1.min(y2)].map(i64::from), [x1.max(x2), y1.max(y2)].map(i64::from))
 }
 
-/// The coordinates from 0 to below `end` that are within a radius of a centre.
+/// Coordinates of `0..end` within a radius of a centre.
 fn visible(centre: i64, radius: i32, end: usize) -> std::ops::RangeInclusive<i64> {
     let radius = i64::from(radius);
     (centre - radius).max(0)..=(centre + radius).min(end as i64 - 1)
 }
 
-/// How far a circle reaches to either side at a distance from its centre; none where it does not.
+/// Half the chord of a circle at a distance from its centre; `None` outside the circle.
 fn half_chord(radius: i32, distance: i64) -> Option<i64> {
     let radius = u64::try_from(radius).ok()?;
     let distance = distance.unsigned_abs();
-    // Centres within the radius and a half: d^2 <= r^2 + r in whole numbers.
+    // Centres within the radius plus a half: d^2 <= r^2 + r in whole numbers.
     let rest = (radius * radius + radius).checked_sub(distance.checked_mul(distance)?)?;
     (distance <= radius).then(|| rest.isqrt() as i64)
 }

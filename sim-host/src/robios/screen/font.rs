@@ -1,7 +1,7 @@
-//! Fonts of the display: outlines of DejaVu, drawn by `ab_glyph` into cells that are a whole number of pixels high.
+//! Fonts of the display: outlines of DejaVu, rasterised by `ab_glyph` into cells of whole pixels.
 //!
-//! Glyphs are kept once for all robots. Coverage comes from additions, multiplications and square roots of `f32` alone, so
-//! that it is the same on every machine.
+//! Glyphs are cached for all robots. Coverage uses only additions, multiplications and square roots of `f32`, so that
+//! it is the same on every machine.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -31,7 +31,7 @@ pub enum Variation {
     Italics,
 }
 
-/// A size of text: the numbers that `LCDSetFontSize` knows.
+/// A text size, by the numbers of `LCDSetFontSize`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Size {
     /// 8: cells of 5 x 9 pixels.
@@ -47,7 +47,7 @@ pub enum Size {
 }
 
 impl Size {
-    /// The size of this number.
+    /// Size with this number.
     pub fn of(number: i32) -> Option<Self> {
         match number {
             8 => Some(Self::Tiny),
@@ -59,7 +59,7 @@ impl Size {
         }
     }
 
-    /// Pixels from column to column and from row to row, of every font.
+    /// Width of a column and height of a row in pixels, the same for every font.
     pub fn cell(self) -> [u8; 2] {
         match self {
             Self::Tiny => [5, 9],
@@ -71,7 +71,7 @@ impl Size {
     }
 }
 
-/// What a text is drawn in.
+/// Family, variation and size of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Font {
     /// Family.
@@ -85,14 +85,14 @@ pub struct Font {
 /// A character as pixels: as wide as its advance and as high as its font's cell.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Glyph {
-    /// Pixels to the next character.
+    /// Distance to the next character in pixels.
     pub width: u8,
-    /// How far each pixel is covered, rows from the top; empty for a blank.
+    /// Coverage of each pixel, rows from the top.
     pub coverage: Box<[u8]>,
 }
 
 impl Font {
-    /// The glyph of a character; that of a missing one is a box.
+    /// Glyph of a character; a box for a character that the font lacks.
     pub fn glyph(self, character: char) -> Arc<Glyph> {
         let face = &FACES[&(self.family, self.variation)];
         let id = face.glyph_id(character);
@@ -100,7 +100,7 @@ impl Font {
         Arc::clone(glyphs.entry((self, id)).or_insert_with(|| Arc::new(self.rasterise(face, id))))
     }
 
-    /// Pixels to the next character.
+    /// Distance to the next character in pixels.
     pub fn advance(self, character: char) -> u8 {
         match self.family {
             Family::Courier => self.size.cell()[0],
@@ -113,7 +113,7 @@ impl Font {
         let natural = face.as_scaled(f32::from(height));
         let advance = natural.h_advance(id);
         let (width, scale) = match self.family {
-            // As wide as the column, whatever the outlines ask for.
+            // The glyph is squeezed to the width of the column.
             Family::Courier => {
                 let squeeze = if advance > 0.0 { f32::from(column) / advance } else { 1.0 };
                 (column, PxScale { x: f32::from(height) * squeeze, y: f32::from(height) })
@@ -157,5 +157,5 @@ static FACES: LazyLock<Faces> = LazyLock::new(|| {
     .collect()
 });
 
-/// All glyphs that have been drawn, of whichever robot: a font has some thousands at most.
+/// Cache of the glyphs drawn for any robot: a font has some thousands at most.
 static GLYPHS: LazyLock<Mutex<Glyphs>> = LazyLock::new(Mutex::default);

@@ -1,14 +1,14 @@
-//! A list menu: lines over the whole width from the upper edge down, each of which is a key.
+//! A list menu: lines over the whole width from the upper edge down, each of them a key.
 
 use super::canvas::{BLACK, Canvas, Ink};
 use super::font::{Family, Font, Size, Variation};
 use super::menu::{self, Entry};
 use super::page::draw_glyph;
 
-/// Rows of pixels that a line takes: two rows of text of size 12.
+/// Height of a line in pixels: two rows of text of size 12.
 pub const ROW: u16 = 26;
 
-/// Columns of pixels before the text of a line.
+/// Left margin of a line's text in pixels.
 const INDENT: i32 = 6;
 
 const FONT: Font = Font { family: Family::Helvetica, variation: Variation::Normal, size: Size::Medium };
@@ -16,13 +16,13 @@ const FONT: Font = Font { family: Family::Helvetica, variation: Variation::Norma
 /// A line of the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// What it says, and in which colours.
+    /// Text and colours.
     pub entry: Entry,
-    /// The code of the key that it is; 0 for none.
+    /// Code of the line's key; 0 for none.
     pub key: i32,
 }
 
-/// How many lines a display of `height` rows of pixels has room for, above the menu.
+/// Number of lines that fit above the menu on a display of `height` rows of pixels.
 pub fn room(height: u16) -> usize {
     (height.saturating_sub(menu::HEIGHT) / ROW).into()
 }

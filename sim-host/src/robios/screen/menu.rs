@@ -4,16 +4,16 @@ use super::canvas::{BLACK, Canvas, Ink, Rgb};
 use super::font::{Family, Font, Size, Variation};
 use super::page::draw_glyph;
 
-/// Rows of pixels that the menu takes: on a display of 240 rows it leaves 16 rows of text of size 12.
+/// Height of the menu in pixels: on a display of 240 rows it leaves 16 rows of text of size 12.
 pub const HEIGHT: u16 = 32;
 
-/// How many keys there are.
+/// Number of keys.
 pub const KEYS: usize = 4;
 
 /// One key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// What it says; several lines where there is `\n`.
+    /// Label; `\n` separates its lines.
     pub text: String,
     /// Colour of the text.
     pub ink: Rgb,
@@ -21,15 +21,15 @@ pub struct Entry {
     pub paper: Rgb,
 }
 
-/// The colours of the keys from left to right when the program says nothing: those of the buttons of the remote control.
+/// Default colours of the keys from left to right: those of the buttons of the remote control.
 const PAPERS: [Rgb; KEYS] = [[0xff, 0, 0], [0, 0xff, 0], [0xff, 0xff, 0], [0x40, 0x80, 0xff]];
 
-/// The entries of a menu without texts.
+/// Entries of a menu without texts.
 pub fn entries() -> [Entry; KEYS] {
     PAPERS.map(|paper| Entry { text: String::new(), ink: BLACK, paper })
 }
 
-/// Columns of key `index` on a display of `width` pixels: the first, and the first of the next key.
+/// Columns of key `index` on a display of `width` pixels: its first column and that of the next key.
 pub fn columns(index: usize, width: usize) -> [usize; 2] {
     [index * width / KEYS, (index + 1) * width / KEYS]
 }
@@ -47,8 +47,8 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     }
 }
 
-/// Draws a key's text in the middle of its field: in two lines where one does not fit, else smaller, and cut where even that
-/// does not fit.
+/// Draws a key's text in the middle of its field: in two lines if one does not fit, otherwise in the smallest size, and
+/// cut if even that does not fit.
 fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
@@ -58,7 +58,7 @@ fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], c
         rows <= height && lines.iter().all(|line| length(line, font) <= width)
     };
     let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
-    // At the blank that is nearest to the middle.
+    // Split at the blank nearest to the middle.
     let halves = entry.text.char_indices().filter(|(_, character)| *character == ' ');
     let halves = halves.min_by_key(|(place, _)| place.abs_diff(entry.text.len() / 2));
     let halves = halves.map(|(place, _)| vec![entry.text[..place].trim(), entry.text[place..].trim()]);

@@ -1,7 +1,7 @@
 //! The colour display of RoBIOS-7: pixels, text in cells of a font, four keys at the lower edge, touches.
 //!
-//! A pure model: it knows no functions and no robots. Source: RoBIOS-7 library, LCD output; what it leaves open is our choice and
-//! stands in `docs/robios7.md`.
+//! A pure model, independent of calls and robots. Source: RoBIOS-7 library, LCD output; our choices where it leaves
+//! something open are in `docs/robios7.md`.
 
 pub mod canvas;
 pub mod font;
@@ -17,24 +17,24 @@ use list::Line;
 use menu::Entry;
 use page::{Cell, Page};
 
-/// Pixels across and down when nobody says: the window of EyeSim VR.
+/// Default width and height in pixels: the window of EyeSim VR.
 pub const DEFAULT_SIZE: [u16; 2] = [320, 240];
 
-/// Columns between the stops of a tab.
+/// Columns between tab stops.
 const TAB: i32 = 4;
 
-/// What text does beyond colours and fonts.
+/// Modes of text output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modes {
-    /// Text below the last row moves the others up; else it goes on in row 0.
+    /// Text below the last row scrolls the display; otherwise it continues in row 0.
     pub is_scrolling: bool,
-    /// Text that reaches the right edge goes on in the next row; else it is cut.
+    /// Text that reaches the right edge continues in the next row; otherwise it is cut.
     pub has_linefeed: bool,
-    /// Text leaves what is behind it.
+    /// Text keeps the background as it is.
     pub is_transparent: bool,
-    /// Text takes the complement of its colour.
+    /// Text is drawn in the complement of its colour.
     pub is_ink_inverse: bool,
-    /// The paper of text takes the complement of its colour.
+    /// The background of text is drawn in the complement of its colour.
     pub is_paper_inverse: bool,
 }
 
@@ -54,16 +54,16 @@ impl Default for Modes {
 #[derive(Clone, Debug)]
 pub struct Screen {
     size: [u16; 2],
-    /// What is shown.
+    /// Current content.
     face: Face,
-    /// What is shown instead, until the next refresh, where the display does not refresh itself.
+    /// Content that is visible until the next refresh, if automatic refresh is off.
     held: Option<Box<Face>>,
-    /// Where the next character is written, in pixels.
+    /// Position of the next character in pixels.
     cursor: [i32; 2],
     font: Font,
     ink: Rgb,
     paper: Rgb,
-    /// What text does.
+    /// Modes of text output.
     pub modes: Modes,
     /// Upper left corner of the next image.
     image_at: [i32; 2],
@@ -85,7 +85,7 @@ impl Default for Screen {
 }
 
 impl Screen {
-    /// A black display, `size` pixels across and down; at least 64 each.
+    /// A black display of `size` (width, height) pixels; at least 64 each.
     pub fn new(size: [u16; 2]) -> Self {
         let size = size.map(|pixels| pixels.max(64));
         Self {
@@ -101,23 +101,23 @@ impl Screen {
         }
     }
 
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub fn size(&self) -> [u16; 2] {
         self.size
     }
 
-    /// Makes the display black; the next text is written at the top left. Menu, colours and font stay.
+    /// Makes the display black; the next text is written at the top left. Menu, colours and font are kept.
     pub fn clear(&mut self) {
         self.face.page.clear();
         self.cursor = [0, 0];
     }
 
-    /// What is seen: pixels, text and menu.
+    /// Visible pixels: drawing, text, list and menu.
     pub fn picture(&self) -> Canvas {
         self.shown().picture()
     }
 
-    /// The colour of a pixel, black outside.
+    /// Colour of a pixel; black outside.
     pub fn pixel(&mut self, x: i32, y: i32) -> Rgb {
         let list_bottom = self.face.shown_list().len() as i32 * i32::from(list::ROW);
         if y < list_bottom || self.face.has_menu && y >= i32::from(self.text_bottom()) {
@@ -126,8 +126,8 @@ impl Screen {
         self.face.page.canvas_mut().pixel(x, y).unwrap_or(canvas::BLACK)
     }
 
-    /// The text that is seen, without blanks at the ends: the lines of a list where there is one, else the rows from the top,
-    /// the last one that has text being the last; then the texts of the menu with ` | ` between them, empty without a menu.
+    /// Visible text without trailing blanks: the lines of the list if one is shown, otherwise the rows from the top to
+    /// the last one with text; then one line of the menu texts, separated by ` | ` and empty without a menu.
     pub fn lines(&self) -> Vec<String> {
         let face = self.shown();
         let mut lines = match face.shown_list() {
@@ -139,12 +139,12 @@ impl Screen {
         lines
     }
 
-    /// Whether what is drawn is seen at once, or at the next [`refresh`](Self::refresh).
+    /// Switches automatic refresh: drawing becomes visible at once, or at the next [`refresh`](Self::refresh).
     pub fn set_refreshing(&mut self, is_at_once: bool) {
         self.held = if is_at_once { None } else { self.held.take().or_else(|| Some(Box::new(self.face.clone()))) };
     }
 
-    /// Shows what has been drawn.
+    /// Makes everything drawn visible.
     pub fn refresh(&mut self) {
         if let Some(held) = &mut self.held {
             **held = self.face.clone();
@@ -162,7 +162,7 @@ impl Face {
         Self { page, entries: menu::entries(), has_menu: false, list: Vec::new(), has_list: false }
     }
 
-    /// The lines of the list that are shown.
+    /// Lines of the list; none while the list is hidden.
     fn shown_list(&self) -> &[Line] {
         if self.has_list { &self.list } else { &[] }
     }
@@ -179,44 +179,44 @@ impl Face {
 
 /// Text.
 impl Screen {
-    /// Colours of the text from now on.
+    /// Sets the colours of the following text.
     pub fn set_colours(&mut self, ink: Rgb, paper: Rgb) {
         (self.ink, self.paper) = (ink, paper);
     }
 
-    /// Font of the text from now on; its size stays.
+    /// Sets the font of the following text; its size is kept.
     pub fn set_font(&mut self, family: Family, variation: Variation) {
         self.font = Font { family, variation, size: self.font.size };
     }
 
-    /// Size of the text from now on.
+    /// Sets the size of the following text.
     pub fn set_font_size(&mut self, size: Size) {
         self.font.size = size;
     }
 
-    /// Row and column of the next character, by the cells of the present size.
+    /// Row and column of the next character, in cells of the present size.
     pub fn position(&self) -> [i32; 2] {
         let [x, y] = self.cursor;
         let [column, row] = self.font.size.cell().map(i32::from);
         [y.div_euclid(row), x.div_euclid(column)]
     }
 
-    /// How many rows and columns the whole display has, by the cells of the present size.
+    /// Number of rows and columns of the whole display, in cells of the present size.
     pub fn rows_and_columns(&self) -> [i32; 2] {
         let [column, row] = self.font.size.cell().map(u16::from);
         [(self.size[1] / row).into(), (self.size[0] / column).into()]
     }
 
-    /// Sets where the next character is written, by the cells of the present size.
+    /// Sets the position of the next character, in cells of the present size.
     pub fn set_position(&mut self, row: i32, column: i32) {
         let [width, height] = self.font.size.cell().map(i32::from);
         self.cursor = [column.saturating_mul(width), row.saturating_mul(height)];
     }
 
-    /// Writes text from the present position on.
+    /// Writes text at the present position.
     ///
-    /// `\n` begins a new row, `\r` goes back to the row's beginning, `\t` to the next multiple of 4 columns, `\b` one column
-    /// back; other control characters are left out. What is not wholly on the display is left out too.
+    /// `\n` begins a new row, `\r` goes back to the row's beginning, `\t` to the next multiple of 4 columns, `\b` one
+    /// column back; other control characters are ignored, and so are characters that are not entirely on the display.
     pub fn write(&mut self, text: &str) {
         let column = i32::from(self.font.size.cell()[0]);
         for character in text.chars() {
@@ -264,20 +264,20 @@ impl Screen {
         }
     }
 
-    /// The first row of pixels below the text: that of the menu, or the display's end.
+    /// First row of pixels below the text: the top of the menu, or the display's end.
     fn text_bottom(&self) -> u16 {
         self.size[1] - if self.face.has_menu { menu::HEIGHT } else { 0 }
     }
 }
 
-/// Graphics. Each function returns how many pixels have changed; the menu lies above them all.
+/// Graphics. Drawing functions return the number of pixels that have changed; the menu lies above all drawing.
 impl Screen {
-    /// Draws on the pixels; text that is there stays part of [`lines`](Self::lines).
+    /// Draws on the pixels; text under the drawing stays part of [`lines`](Self::lines).
     pub fn draw(&mut self, shape: impl FnOnce(&mut Canvas) -> u32) -> u32 {
         shape(self.face.page.canvas_mut())
     }
 
-    /// Fills the rectangle between two corners, edges included; the text that it covers is gone.
+    /// Fills the rectangle between two corners, edges included; the text that it covers is removed.
     pub fn fill_area(&mut self, from: [i32; 2], to: [i32; 2], colour: Rgb) -> u32 {
         self.face.page.cover(from, to);
         self.draw(|canvas| canvas.fill_area(from, to, Ink::Colour(colour)))
@@ -288,12 +288,13 @@ impl Screen {
         self.draw(|canvas| canvas.draw_frame(from, to, Ink::Colour(colour)))
     }
 
-    /// Sets where the upper left corner of images goes.
+    /// Sets the upper left corner of the following images.
     pub fn set_image_place(&mut self, at: [i32; 2]) {
         self.image_at = at;
     }
 
-    /// Shows an image of `width` x `height` pixels; the text that it covers is gone. What it lacks stays as it was.
+    /// Shows an image of `width` x `height` pixels; the text that it covers is removed. Missing pixels at its end
+    /// change nothing.
     pub fn show_image(&mut self, [width, height]: [usize; 2], image: impl Iterator<Item = Rgb>) -> u32 {
         if width == 0 || height == 0 {
             return 0;
@@ -305,14 +306,14 @@ impl Screen {
     }
 }
 
-/// The menu, and what lies under a touch.
+/// The menu, and keys under a touch.
 impl Screen {
     /// Shows or hides the menu.
     pub fn set_menu_shown(&mut self, is_shown: bool) {
         self.face.has_menu = is_shown;
     }
 
-    /// Sets the text of key `index` (0 to 3) and shows the menu; its colours stay.
+    /// Sets the text of key `index` (0 to 3) and shows the menu; the key's colours are kept.
     pub fn set_menu_text(&mut self, index: usize, text: &str) {
         self.face.has_menu = true;
         if let Some(entry) = self.face.entries.get_mut(index) {
@@ -332,8 +333,8 @@ impl Screen {
         self.face.has_list = is_shown;
     }
 
-    /// Sets line `index` of the list, with the key that it is, and shows the list; without a line, the list ends before it.
-    /// False where there is no line above it or no room.
+    /// Sets line `index` of the list and shows the list; `None` truncates the list before that line. Returns false if
+    /// there is no line above it or no room.
     pub fn set_list_line(&mut self, index: usize, line: Option<Line>) -> bool {
         let is_place = index <= self.face.list.len() && index < self.list_room();
         match line {
@@ -347,26 +348,26 @@ impl Screen {
         true
     }
 
-    /// How many lines a list can have.
+    /// Greatest number of lines in the list.
     pub fn list_room(&self) -> usize {
         list::room(self.size[1])
     }
 
-    /// The code of the line of the list at a place; 0 for none.
+    /// Code of the list line at a pixel; 0 for none.
     pub fn list_key_at(&self, [x, y]: [i32; 2]) -> i32 {
         let is_across = (0..i32::from(self.size[0])).contains(&x);
         let row = usize::try_from(y).ok().filter(|_| is_across).map(|y| y / usize::from(list::ROW));
         row.and_then(|row| self.face.shown_list().get(row)).map_or(0, |line| line.key)
     }
 
-    /// The key (0 to 3) at a place, whether the menu is shown or not.
+    /// Key (0 to 3) at a pixel, even if the menu is hidden.
     pub fn key_at(&self, [x, y]: [i32; 2]) -> Option<usize> {
         let [width, height] = self.size.map(i32::from);
         let is_key = (0..width).contains(&x) && (height - i32::from(menu::HEIGHT)..height).contains(&y);
         is_key.then(|| (0..menu::KEYS).rfind(|&index| menu::columns(index, width as usize)[0] <= x as usize))?
     }
 
-    /// The place in the middle of key `index` (0 to 3).
+    /// Pixel in the middle of key `index` (0 to 3).
     pub fn middle_of_key(&self, index: usize) -> [i32; 2] {
         let [width, height] = self.size.map(usize::from);
         let [left, right] = menu::columns(index, width);

@@ -1,7 +1,7 @@
-//! Text and pixels together, of which the pixels exist only once something needs them.
+//! Text and pixels of a display, where the pixels are allocated lazily.
 //!
-//! Most programs only print: their page is a list of characters on black. Drawing turns it into pixels, and what is written from
-//! then on goes to both; [`Page::clear`] drops the pixels again. Either way shows the same.
+//! Most programs only print: their page is a list of characters on black. The first drawing turns it into pixels, and
+//! text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same.
 
 use std::collections::BTreeMap;
 
@@ -13,30 +13,30 @@ use super::font::Font;
 pub struct Cell {
     /// The character.
     pub character: char,
-    /// What it is drawn in.
+    /// Font of the character.
     pub font: Font,
-    /// Its width in pixels.
+    /// Width in pixels.
     pub width: u8,
-    /// Its own colour.
+    /// Colour of the character.
     pub ink: Rgb,
-    /// The colour behind it; none where what was there before shows.
+    /// Background colour; `None` for a transparent background.
     pub paper: Option<Rgb>,
 }
 
-/// The upper left corner of a character: y, then x.
+/// Upper left corner of a character: y, then x.
 type Place = (u16, u16);
 
-/// A rectangle: left, top, and the first column and row beyond it.
+/// A rectangle: left, top, and the first column and row beyond the rectangle.
 type Area = [i64; 4];
 
-/// What a display shows apart from its menu.
+/// Content of a display except for list and menu.
 #[derive(Clone, Debug)]
 pub struct Page {
     width: u16,
     height: u16,
-    /// While there is none, the page is black but for `cells`, all of which have paper.
+    /// Pixels; while `None`, the page is black except for `cells`, all of which have paper.
     canvas: Option<Canvas>,
-    /// What is written and has not been covered since; no two overlap.
+    /// Characters that have not been covered since they were written; no two overlap.
     cells: BTreeMap<Place, Cell>,
 }
 
@@ -66,23 +66,23 @@ impl Page {
         Self { width, height, canvas: None, cells: BTreeMap::new() }
     }
 
-    /// Makes it black again.
+    /// Makes the page black and removes its text.
     pub fn clear(&mut self) {
         (self.canvas, self.cells) = (None, BTreeMap::new());
     }
 
-    /// The pixels, to be drawn on.
+    /// The pixels for drawing, allocated if necessary.
     pub fn canvas_mut(&mut self) -> &mut Canvas {
         let Self { width, height, canvas, cells } = self;
         canvas.get_or_insert_with(|| painted(*width, *height, cells))
     }
 
-    /// The pixels as they are now.
+    /// A copy of the present pixels.
     pub fn picture(&self) -> Canvas {
         self.canvas.clone().unwrap_or_else(|| painted(self.width, self.height, &self.cells))
     }
 
-    /// Writes a character; one that is not wholly on the page is left out.
+    /// Writes a character; ignores one that is not entirely on the page.
     pub fn put(&mut self, x: i32, y: i32, mut cell: Cell) {
         let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return };
         let place = (y, x);
@@ -93,7 +93,7 @@ impl Page {
         let before =
             self.cells.get_mut(&place).filter(|old| (old.width, old.font.size) == (cell.width, cell.font.size));
         match before {
-            // By far the most: the same place again.
+            // The most frequent case by far: the cell is overwritten in place.
             Some(old) if cell.paper.is_some() => *old = cell,
             _ => self.make_room(area, &mut cell, place),
         }
@@ -109,14 +109,14 @@ impl Page {
             self.canvas_mut();
         }
         if self.canvas.is_none() {
-            // What shows behind it is black here.
+            // The background is black here.
             cell.paper.get_or_insert(BLACK);
         }
         under.iter().for_each(|under| _ = self.cells.remove(under));
         self.cells.insert(place, *cell);
     }
 
-    /// The characters that share a pixel with `area`.
+    /// Places of the characters that share a pixel with `area`.
     fn overlapping(&self, area: Area) -> Vec<Place> {
         let [left, top, right, bottom] = area;
         let highest = top - i64::from(super::font::Size::Huge.cell()[1]);
@@ -128,14 +128,14 @@ impl Page {
         self.cells.range(range).filter(shares).map(|(place, _)| *place).collect()
     }
 
-    /// Forgets the text that a rectangle with these corners, edges included, covers.
+    /// Removes the text that the rectangle between two corners, edges included, covers entirely.
     pub fn cover(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) {
         let [left, top] = [x1.min(x2), y1.min(y2)].map(i64::from);
         let [right, bottom] = [x1.max(x2), y1.max(y2)].map(|last| i64::from(last) + 1);
         self.cells.retain(|place, cell| !contains([left, top, right, bottom], cell.area(*place)));
     }
 
-    /// Moves what is above `bottom` up by `distance` pixels.
+    /// Moves everything above `bottom` up by `distance` pixels.
     pub fn scroll(&mut self, bottom: u16, distance: u16) {
         let (end, first) = (i64::from(bottom), i64::from(distance));
         let is_cut = |(place, cell): (&Place, &Cell)| {
@@ -155,7 +155,8 @@ impl Page {
         self.cells = std::mem::take(&mut self.cells).into_iter().filter_map(moved).collect();
     }
 
-    /// The text from the top, one string a row of its font, without blanks at the ends; the last one has text.
+    /// The text from the top, one string per row of its font, without trailing blanks and without empty rows at the
+    /// end.
     pub fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         let mut last: Option<(u16, i64)> = None;
@@ -181,14 +182,14 @@ impl Page {
         lines
     }
 
-    /// True while it needs no memory for pixels.
+    /// Returns true while the page needs no memory for pixels.
     #[cfg(test)]
     pub fn is_text_alone(&self) -> bool {
         self.canvas.is_none()
     }
 }
 
-/// Draws a character whose cell has its upper left corner at a place; what is behind it shows.
+/// Draws a character with the upper left corner of its cell at (x, y), on a transparent background.
 pub fn draw_glyph(canvas: &mut Canvas, [x, y]: [i32; 2], font: Font, character: char, ink: Rgb) {
     if character == ' ' {
         return;

@@ -15,7 +15,7 @@ fn written(text: &str) -> Screen {
     screen
 }
 
-/// A canvas of 20 x 12 pixels with a shape in white, as text art.
+/// Draws a shape in white on a canvas of 20 x 12 pixels: number of changed pixels, and the canvas as text art.
 fn art(shape: impl FnOnce(&mut Canvas) -> u32) -> (u32, String) {
     let mut canvas = Canvas::new(20, 12, BLACK);
     let changed = shape(&mut canvas);
@@ -69,7 +69,7 @@ fn a_circle_is_round_without_gaps() {
     assert_eq!(art(|canvas| canvas.fill_circle([9, 5], 0, ink)).0, 1);
     assert_eq!(art(|canvas| canvas.draw_circle([9, 5], 0, ink)).0, 1);
     assert_eq!(art(|canvas| canvas.fill_circle([9, 5], -1, ink)).0, 0);
-    // A circle so large that its rim is a straight line here.
+    // A circle so large that its rim is a straight line on the canvas.
     assert_eq!(art(|canvas| canvas.draw_circle([i32::MIN + 7, 5], i32::MAX, ink)).0, 12);
     assert_eq!(art(|canvas| canvas.draw_circle([i32::MAX - 5, 5], i32::MAX - 10, ink)).0, 12);
     assert_eq!(art(|canvas| canvas.fill_circle([0, 0], i32::MAX, ink)).0, 240);
@@ -94,7 +94,7 @@ proptest! {
         }
     }
 
-    /// What is shown does not depend on when the pixels began to exist.
+    /// The visible display does not depend on when its pixels are allocated.
     #[test]
     fn text_alone_shows_what_pixels_show(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
         let (mut lazy, mut eager) = (Screen::default(), Screen::default());
@@ -175,7 +175,7 @@ fn text_stands_on_rows_and_columns() {
     screen.set_position(5, 10);
     screen.write("y\x08z");
     assert_eq!(screen.lines()[5], "          z = 3");
-    // 53 columns of 6 pixels are 318: what does not fit goes to the next row.
+    // 53 columns of 6 pixels are 318: further text goes to the next row.
     let mut screen = written(&"0123456789".repeat(6));
     assert_eq!(screen.lines()[1], "3456789");
     screen.modes.has_linefeed = false;

@@ -1,9 +1,9 @@
-//! The tasks of a robot: who of them runs, who is ready, and who waits for what.
+//! Tasks of a robot: which task runs, which are ready, and what each of them waits for.
 //!
-//! One task runs at a time. Threads of a program take turns at the first call that ends at or after a tick of the global 10 ms grid,
-//! in order of their numbers, and whenever the one that runs has to wait; once RoBIOS 6 has multi-tasking, its [`scheduler`] says
-//! who runs. All of this is a function of virtual time and of what the tasks call; how control goes from one to the other is the
-//! executor's.
+//! One task runs at a time. The threads of a program take turns in order of their numbers, at the first call that ends
+//! at or after a tick of the global 10 ms grid, and whenever the running one has to wait; once RoBIOS 6 multi-tasking
+//! has started, its [`scheduler`] decides. All of this is a function of virtual time and of the tasks' calls; the
+//! executor implements the transfer of control from one task to another.
 
 #[cfg(test)]
 mod oracle;
@@ -23,92 +23,92 @@ use crate::program::site::Site;
 
 use super::robot::{Robot, Waiting, Waits};
 
-/// The number of the task that runs `main`.
+/// Number of the task that runs `main`.
 pub const MAIN: u32 = 1;
 
-/// How many tasks a robot may have at a time; our choice.
+/// Greatest number of tasks that a robot has at a time; our choice.
 pub const MAX_TASKS: usize = 256;
 
-/// The tasks of one robot.
+/// Tasks of one robot.
 pub struct Tasks {
-    /// Those that have not ended, in order of their numbers; `main`'s is the first and stays to the end.
+    /// Tasks that have not ended, in order of their numbers; that of `main` is the first and stays to the end.
     list: Vec<Task>,
-    /// Which of them runs.
+    /// Index of the running task.
     current: usize,
-    /// The number that was given last.
+    /// Number that was assigned last.
     last_number: u32,
-    /// From this tick on the others get their turn.
+    /// Tick from which on the other threads get their turn.
     slice_end: Time,
-    /// How many waits in queues have begun.
+    /// Number of waits in queues that have begun.
     queued: u64,
-    /// The task that left first, once the program is to be left: nobody gets on any more, everybody leaves.
+    /// The task that left first, once the program must end: no task continues, all leave.
     first_to_leave: Option<u32>,
-    /// Who runs when, once RoBIOS 6 has multi-tasking.
+    /// Scheduler of RoBIOS 6, once multi-tasking has started.
     scheduler: Option<Scheduler>,
-    /// True while nobody runs under the scheduler: virtual time passes until somebody can.
+    /// No task runs under the scheduler: virtual time passes until one can.
     is_idle: bool,
-    /// The semaphores of RoBIOS 6.
+    /// Semaphores of RoBIOS 6.
     pub semaphores: Semaphores,
 }
 
 /// One task.
 pub struct Task {
-    /// Its number, from 1; never given twice.
+    /// Number of the task, from 1; never reused.
     pub number: u32,
-    /// What it waits for, while a call waits.
+    /// The wait in progress, if the task's call waits.
     pub waiting: Option<Waiting>,
-    /// When the wait's condition may hold, while it waits.
+    /// Earliest time at which the awaited condition may hold, during a wait.
     wake: Time,
-    /// Its place in a queue of tasks.
+    /// Place in a queue of waiting tasks.
     queue: Option<Queue>,
-    /// True when another task has ended its wait by force.
+    /// Another task has interrupted the wait.
     is_interrupted: bool,
-    /// True once it has left with the whole program.
+    /// The task has left with the whole program.
     has_left: bool,
-    /// What `OSSpawn` was told of it; the first line of `main` knows nothing.
+    /// Arguments of `OSSpawn`; the default for `main` and for threads.
     pub origin: Origin,
-    /// How far it has been killed.
+    /// Progress of `OSKill` on the task.
     killed: Killed,
-    /// True once it has the semaphore that it waits for.
+    /// The task has been granted the semaphore that it waits for.
     has_semaphore: bool,
 }
 
-/// Where a task comes from.
+/// Origin of a task.
 #[derive(Clone, Debug, Default)]
 pub struct Origin {
-    /// Its name; empty for one without.
+    /// Name of the task; may be empty.
     pub name: String,
-    /// The number that the program gave it.
+    /// Number that the program gave the task.
     pub uid: i32,
-    /// Where it was spawned.
+    /// Place in the program of the call that spawned the task.
     pub site: Site,
 }
 
-/// How far a task has been killed.
+/// Progress of killing a task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Killed {
-    /// It lives.
+    /// The task has not been killed.
     #[default]
     No,
-    /// It is told at the next opportunity; this task waits for that, if any.
+    /// The task is notified when it next runs; task `killer`, if any, waits until it has ended.
     Told { killer: Option<u32> },
-    /// It unwinds: nobody else runs.
+    /// The task unwinds: no other task runs.
     Unwinds { killer: Option<u32> },
 }
 
-/// A place in the queue of those that wait for one thing.
+/// Place in the queue of tasks that wait for `key`.
 struct Queue {
     key: u64,
     place: u64,
     is_woken: bool,
 }
 
-/// Something of other tasks' that a task waits for.
+/// A wait for other tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TaskWait {
-    /// What, of [`robios_sys::support::wait`].
+    /// Kind of the wait, of [`robios_sys::support::wait`].
     pub kind: i32,
-    /// The task that has it, 0 where that means nothing.
+    /// Task that holds the awaited resource, or whose end is awaited; 0 if there is none.
     pub holder: u32,
 }
 
@@ -143,7 +143,7 @@ impl Task {
         }
     }
 
-    /// True while it unwinds because it was killed: only its destructors run, and nobody else.
+    /// Returns true while a killed task unwinds: only its destructors run, and no other task.
     pub fn is_unwinding(&self) -> bool {
         matches!(self.killed, Killed::Unwinds { .. })
     }
@@ -158,32 +158,32 @@ impl Task {
 }
 
 impl Tasks {
-    /// The task that runs.
+    /// The running task.
     pub fn current(&self) -> &Task {
         &self.list[self.current]
     }
 
-    /// Those that have not ended, or had not when the program was left; in order of their numbers.
+    /// Tasks that have not ended, or had not when the program began to leave; in order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = &Task> {
         self.list.iter()
     }
 
-    /// True when there are others than the one that runs.
+    /// Returns true if there are tasks besides the running one.
     pub fn has_others(&self) -> bool {
         self.list.len() > 1
     }
 
-    /// True when every task waits.
+    /// Returns true if every task waits.
     pub fn are_waiting(&self) -> bool {
         if self.scheduler.is_some() { self.is_idle } else { self.list.iter().all(|task| task.waiting.is_some()) }
     }
 
-    /// True when every task waits, one of them for `what`.
+    /// Returns true if every task waits, one of them for `what`.
     pub fn wait_for(&self, what: &Waits) -> bool {
         self.are_waiting() && self.list.iter().any(|task| task.waits_for(what))
     }
 
-    /// Adds a task, ready, the last in order; its number. None when there are [`MAX_TASKS`].
+    /// Adds a ready task, the last in order, and returns its number; `None` if there are [`MAX_TASKS`].
     pub fn spawn(&mut self, now: Time) -> Option<u32> {
         if self.list.len() >= MAX_TASKS {
             return None;
@@ -200,7 +200,7 @@ impl Tasks {
         Some(self.last_number)
     }
 
-    /// The task that runs waits until `wake`.
+    /// Makes the running task wait until `wake`.
     pub fn wait(&mut self, now: Time, mut waiting: Waiting, wake: Time) {
         self.reach(now);
         let number = self.list[self.current].number;
@@ -213,14 +213,14 @@ impl Tasks {
         if let (Some(Waiting { waits_for: Waits::Task(before), .. }), Waits::Task(wait)) =
             (&task.waiting, &mut waiting.waits_for)
         {
-            // Who has what it waits for may have changed since it asked.
+            // The holder may have changed since the wait began.
             wait.holder = before.holder;
         }
         task.waiting = Some(waiting);
         task.wake = wake;
     }
 
-    /// The wait of the task that runs is over.
+    /// Ends the wait of the running task.
     pub fn end_wait(&mut self) {
         let task = &mut self.list[self.current];
         task.waiting = None;
@@ -230,13 +230,13 @@ impl Tasks {
         }
     }
 
-    /// True, once, when the wait of the task that runs was ended by force.
+    /// Returns true, once, if the wait of the running task was interrupted.
     pub fn take_interrupt(&mut self) -> bool {
         std::mem::take(&mut self.list[self.current].is_interrupted)
     }
 
-    /// Who goes on when the task that runs has to wait: the next one that is ready, in order, else the one whose wake is the
-    /// earliest, which is the one that runs if no other is earlier.
+    /// Thread that continues when the running one has to wait: the next ready one in order, otherwise the one with the
+    /// earliest wake, with the running one preferred in a tie.
     pub fn next_thread(&self, now: Time) -> NextThread {
         let after = |first: usize| (first..first + self.list.len()).map(|step| (self.current + step) % self.list.len());
         let ready = after(1).find(|index| self.list[*index].is_ready(now));
@@ -247,14 +247,14 @@ impl Tasks {
         }
     }
 
-    /// The next other task that is ready, in order.
+    /// Number of the next other task that is ready, in order.
     pub fn next_ready(&self, now: Time) -> Option<u32> {
         let count = self.list.len();
         let mut others = (1..count).map(|step| &self.list[(self.current + step) % count]);
         others.find(|task| task.is_ready(now)).map(|task| task.number)
     }
 
-    /// Whose turn it is at the end of a call: another task's if the time slice is over and it is ready.
+    /// Thread whose turn it is at the end of a call: another one that is ready, if the time slice is over.
     pub fn whose_turn(&mut self, now: Time) -> Option<u32> {
         if !self.has_others() || now < self.slice_end {
             return None;
@@ -263,7 +263,7 @@ impl Tasks {
         self.next_ready(now)
     }
 
-    /// From now on task `number` runs.
+    /// Makes task `number` the running one.
     pub fn switch_to(&mut self, number: u32, now: Time) {
         if let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) {
             self.current = index;
@@ -275,7 +275,8 @@ impl Tasks {
         self.slice_end = now.floor_to(TICK) + TICK;
     }
 
-    /// Puts the task that runs at the end of the queue of `key`, if it is in none, and looks whether it was woken.
+    /// Puts the running task at the end of the queue of `key`, unless it is in a queue; returns true if it has been
+    /// woken.
     pub fn look_in_queue(&mut self, key: u64) -> bool {
         let queue = &mut self.list[self.current].queue;
         if queue.is_none() {
@@ -284,7 +285,7 @@ impl Tasks {
         queue.get_or_insert(Queue { key, place: self.queued, is_woken: false }).is_woken
     }
 
-    /// Makes the first task in the queue of `key` ready; its number. What it waited for is now its own.
+    /// Wakes the first task in the queue of `key` and returns its number. The task now holds the awaited resource.
     pub fn wake_first(&mut self, key: u64) -> Option<u32> {
         let place_of = |task: &Task| task.queue.as_ref().filter(|queue| queue.is(key)).map(|queue| queue.place);
         let (_, index) = self.list.iter().enumerate().filter_map(|(i, task)| Some((place_of(task)?, i))).min()?;
@@ -307,7 +308,7 @@ impl Tasks {
         Some(number)
     }
 
-    /// Ends the wait of task `number` by force, if it is in one that can be; false if not.
+    /// Interrupts the wait of task `number`; returns false if it is in no interruptible wait.
     pub fn interrupt(&mut self, number: u32) -> bool {
         let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) else { return false };
         let task = &mut self.list[index];
@@ -325,12 +326,12 @@ impl Tasks {
         true
     }
 
-    /// Lets the tasks that wait for something of the world look whether it is there.
+    /// Makes the tasks that wait for the world check their conditions.
     pub fn look_at_world(&mut self, now: Time) {
         self.look_again(now, |waits_for| !waits_for.is_for_task());
     }
 
-    /// Lets the tasks that wait for the end of a drive look at it again.
+    /// Makes the tasks that wait for the end of a drive check it again.
     pub fn look_at_drive(&mut self, now: Time) {
         self.look_again(now, |waits_for| *waits_for == Waits::Drive);
     }
@@ -351,18 +352,18 @@ impl Tasks {
         }
     }
 
-    /// A message becomes visible at `visible`: the tasks that wait for one look then.
+    /// Makes the tasks that wait for a message check at `visible`, when one becomes visible.
     pub fn look_at_radio(&mut self, visible: Time) {
         self.look_from(visible, |waits_for| *waits_for == Waits::Message);
     }
 
-    /// Somebody gives input at `at`: the tasks that wait for some look then.
+    /// Makes the tasks that wait for input check at `at`, when there is some.
     pub fn look_at_input(&mut self, at: Time) {
         self.look_from(at, |waits_for| matches!(waits_for, Waits::Key(_) | Waits::Input(_)));
     }
 
-    /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for
-    /// something that the slot loop brings: the end of the drive, a message, or a hand's input.
+    /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the running task waits, and
+    /// some task waits for something that the scheduler step can bring: the end of the drive, a message, or user input.
     pub fn wake_with(&mut self, drive_end: Time) -> Option<Time> {
         let is_brought =
             |waits_for: &Waits| matches!(waits_for, Waits::Drive | Waits::Message | Waits::Key(_) | Waits::Input(_));
@@ -379,30 +380,31 @@ impl Tasks {
         self.list.iter().map(|task| if task.waits_for(&Waits::Drive) { drive_end } else { task.wake }).min()
     }
 
-    /// The program is to be left, the task that runs being the first to go.
+    /// Begins to leave the program; the running task is the first to leave.
     pub fn begin_leaving(&mut self) {
         let number = self.current().number;
         self.first_to_leave.get_or_insert(number);
     }
 
-    /// The task that left first, where the program had several.
+    /// The task that left first, if the program had several.
     pub fn first_to_leave(&self) -> Option<u32> {
         self.first_to_leave.filter(|_| self.has_others())
     }
 
-    /// `` task `x`:  `` before what went wrong, where RoBIOS 6 has several tasks and it was not `main` that runs, or left first.
+    /// Prefix `` task `x`:  `` of an error message, if RoBIOS 6 multi-tasking is on and the running task, or the first
+    /// to leave, is not `main`; otherwise empty.
     pub fn prefix(&self) -> String {
         let number = self.first_to_leave().unwrap_or(self.current().number);
         if self.scheduler.is_none() || number == MAIN { String::new() } else { format!("{}: ", self.name(number)) }
     }
 
-    /// True once the program is to be left.
+    /// Returns true once the program must end.
     pub fn is_leaving(&self) -> bool {
         self.first_to_leave.is_some()
     }
 
-    /// The task that runs, which is not `main`'s, has ended; the number of the one that goes on. While the program is left that
-    /// is `main`'s, and what the one that has left waited for stays known.
+    /// Ends the running task, which is not `main`, and returns the number of the task that continues. While the program
+    /// leaves, that is `main`, and the last wait of the ended task is kept.
     pub fn end_current(&mut self, now: Time) -> u32 {
         if self.is_leaving() {
             self.list[self.current].has_left = true;
@@ -417,7 +419,7 @@ impl Tasks {
             self.list.remove(self.current);
             let killer = killer.filter(|killer| self.list.iter().any(|task| task.number == *killer));
             let next = match killer {
-                // In a timer's function: the wait that it interrupts goes on.
+                // In a timer callback: the wait that it interrupts continues.
                 Some(killer) if self.is_idle => killer,
                 Some(killer) => {
                     scheduler.take_over(killer);
@@ -440,7 +442,7 @@ impl Tasks {
         next
     }
 
-    /// Starts multi-tasking; false if there is some already, be it threads.
+    /// Starts multi-tasking; returns false if it has started already, or the program has threads.
     pub fn start(&mut self, now: Time, policy: Policy) -> bool {
         if self.scheduler.is_some() || self.has_others() {
             return false;
@@ -449,18 +451,18 @@ impl Tasks {
         true
     }
 
-    /// Who runs when, once RoBIOS 6 has multi-tasking.
+    /// Scheduler of RoBIOS 6, once multi-tasking has started.
     pub fn scheduler(&self) -> Option<&Scheduler> {
         self.scheduler.as_ref()
     }
 
-    /// The same, for a change at `now`.
+    /// The scheduler, advanced to `now` for a change.
     pub fn scheduler_at(&mut self, now: Time) -> Option<&mut Scheduler> {
         self.reach(now);
         self.scheduler.as_mut()
     }
 
-    /// Virtual time has come to `now`, within a call or a timer's callback.
+    /// Advances the scheduler to virtual time `now`, within a call or a timer callback.
     fn reach(&mut self, now: Time) {
         match &mut self.scheduler {
             Some(scheduler) if self.is_idle => scheduler.advance(now),
@@ -469,7 +471,7 @@ impl Tasks {
         }
     }
 
-    /// Who goes on at `now`, no call being in progress. Only under the scheduler.
+    /// Task that continues at `now`, while no call is in progress; for programs with a scheduler.
     pub fn turn(&mut self, now: Time) -> Next {
         self.is_idle = false;
         let Some(scheduler) = &mut self.scheduler else { return Next::Go(self.list[self.current].number) };
@@ -479,7 +481,7 @@ impl Tasks {
         next
     }
 
-    /// Adds a task that is not ready; its number. None when there are [`MAX_TASKS`].
+    /// Adds a suspended task and returns its number; `None` if there are [`MAX_TASKS`] or there is no scheduler.
     pub fn create(&mut self, now: Time, origin: Origin, priority: usize) -> Option<u32> {
         self.reach(now);
         let scheduler = self.scheduler.as_mut().filter(|_| self.list.len() < MAX_TASKS)?;
@@ -489,7 +491,7 @@ impl Tasks {
         Some(self.last_number)
     }
 
-    /// Takes a task back that could not be started.
+    /// Removes a task that could not be started.
     pub fn forget(&mut self, number: u32) {
         self.list.retain(|task| task.number != number);
         if let Some(scheduler) = &mut self.scheduler {
@@ -497,7 +499,7 @@ impl Tasks {
         }
     }
 
-    /// The task of this number, 0 being the one that runs; none if it has ended or never was.
+    /// Task with this number, 0 being the running one; `None` if it has ended or never existed.
     pub fn find(&self, number: i32) -> Option<&Task> {
         match u32::try_from(number) {
             Ok(0) => Some(self.current()),
@@ -510,13 +512,13 @@ impl Tasks {
         self.list.binary_search_by_key(&number, |task| task.number).ok()
     }
 
-    /// Those besides `main` that have not ended, as the user knows them.
+    /// Names of the tasks besides `main` that have not ended, as shown to the user.
     pub fn others_in_words(&self) -> String {
         let others = self.list.iter().filter(|task| task.number != MAIN).map(|task| self.name(task.number));
         others.collect::<Vec<_>>().join(", ")
     }
 
-    /// The task as the user knows it: `` task `left` ``, with its number where several are called so.
+    /// Name of a task as shown to the user: `` task `left` ``, with its number if several have that name.
     pub fn name(&self, number: u32) -> String {
         let name_of = |task: &Task| task.origin.name.clone();
         let name = self.index(number).map(|index| name_of(&self.list[index])).unwrap_or_default();
@@ -529,12 +531,12 @@ impl Tasks {
         }
     }
 
-    /// Notes what the task that runs waits for, where that is its own suspension.
+    /// Records the wait of the running task for the end of its own suspension.
     pub fn note_suspension(&mut self, waiting: Waiting) {
         self.list[self.current].waiting = Some(waiting);
     }
 
-    /// Kills a task: it runs before all others, to unwind; then task `killer` goes on, if it is not the same.
+    /// Kills a task: it runs before all others, to unwind; then the running task continues, if it is another one.
     pub fn kill(&mut self, now: Time, number: u32) {
         self.reach(now);
         let current = self.current().number;
@@ -554,7 +556,7 @@ impl Tasks {
         }
     }
 
-    /// True, once, when the task that runs has been killed: it is to unwind.
+    /// Returns true, once, if the running task has been killed and must unwind.
     pub fn take_kill(&mut self) -> bool {
         let task = &mut self.list[self.current];
         let Killed::Told { killer } = task.killed else { return false };
@@ -562,12 +564,13 @@ impl Tasks {
         true
     }
 
-    /// True once the task that runs is to end, the others going on.
+    /// Returns true once the running task must end while the others continue.
     pub fn is_killed(&self) -> bool {
         self.current().killed != Killed::No
     }
 
-    /// Lets the first task that waits at semaphore `number` pass, or one more later; false if there is none, or it is full.
+    /// Releases semaphore `number`: the first waiting task passes, or the count rises; returns false if there is no
+    /// such semaphore or its count is at its limit.
     pub fn release_semaphore(&mut self, number: u32) -> bool {
         let Some(first) = self.semaphores.release(number) else { return false };
         let Some(index) = first.and_then(|first| self.index(first)) else { return true };
@@ -581,7 +584,8 @@ impl Tasks {
         true
     }
 
-    /// The task that runs, which called at `site`, passes semaphore `number`, or is put at the end of its queue.
+    /// Passes semaphore `number` for the running task, which called at `site`, or puts the task at the end of its
+    /// queue.
     pub fn pass_semaphore(&mut self, number: u32, site: &Site) -> Passing {
         let task = &mut self.list[self.current];
         if std::mem::take(&mut task.has_semaphore) {
@@ -595,18 +599,18 @@ impl Tasks {
         passing
     }
 
-    /// A task that has yet to leave, besides `main`'s.
+    /// Number of a task besides `main` that has yet to leave.
     pub fn next_to_leave(&self) -> Option<u32> {
         self.list.iter().skip(1).find(|task| !task.has_left).map(|task| task.number)
     }
 }
 
-/// Which of the threads of a program goes on.
+/// Thread of a program that continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextThread {
-    /// The one that runs.
+    /// The running one.
     Same,
-    /// The one of this number.
+    /// The one with this number.
     Other(u32),
 }
 
@@ -620,21 +624,21 @@ impl Task {
 }
 
 impl Queue {
-    /// True if this is a place in the queue of `key` that waits still.
+    /// Returns true if this is a place in the queue of `key` that has not been woken.
     fn is(&self, key: u64) -> bool {
         self.key == key && !self.is_woken
     }
 }
 
 impl TaskWait {
-    /// True where another task may end the wait by force.
+    /// Returns true if another task may interrupt the wait.
     pub fn is_interruptible(self) -> bool {
         matches!(self.kind, wait::CONDITION | wait::SEMAPHORE | wait::END)
     }
 }
 
 impl TaskWait {
-    /// What it is, who has it being called as `name_of` says.
+    /// Describes the wait in words; `name_of` names the holder.
     pub fn words(self, name_of: impl Fn(u32) -> String) -> String {
         let what = match self.kind {
             wait::MUTEX => "a mutex",
@@ -664,14 +668,14 @@ impl fmt::Display for TaskWait {
 }
 
 impl Robot {
-    /// When the first wait of its tasks may be over, given what the slot that ends at `slot_end` has brought; none where the slot
-    /// loop cannot have changed that.
+    /// Earliest time at which a wait of its tasks may be over, given the effects of the slot that ends at `slot_end`;
+    /// `None` if the scheduler step cannot have changed it.
     pub fn wake_after(&mut self, slot_end: Time) -> Option<Time> {
-        // What a callback calls is work, whatever the call that it interrupts waits for.
+        // Calls of a callback are work, whatever the interrupted call waits for.
         if self.timers.in_callback {
             return None;
         }
-        // Somebody who was put elsewhere has no drive any more.
+        // The drive of a robot that was placed elsewhere is over.
         let is_done = self.motion.is_drive_done(slot_end);
         let drive_end = if is_done { Some(slot_end) } else { self.motion.drive_end() };
         let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);

@@ -1,4 +1,5 @@
-//! The scheduler's rules once more, one millisecond after the other, and that both name the same tasks at the same times.
+//! Reference model of the scheduler in steps of one millisecond, and a test that both name the same tasks at the same
+//! times.
 
 use proptest::prelude::*;
 use sim_core::time::Time;
@@ -7,10 +8,10 @@ use super::scheduler::{LEVELS, Next, Policy, Scheduler};
 
 const TICK_MS: i64 = 10;
 
-/// So long is looked for somebody who goes on.
+/// Longest time in which the model looks for a task that continues.
 const HORIZON_MS: i64 = 2_000;
 
-/// The processor of one robot; each task that is ready has a ticket, and the lowest one among its equals is next.
+/// The processor of one robot; every ready task has a ticket, and the lowest ticket among equal priorities is next.
 struct Slow {
     permits: bool,
     can_permit: bool,
@@ -90,7 +91,7 @@ impl Slow {
         }
     }
 
-    /// One millisecond later, those whose sleep ends are ready.
+    /// Advances one millisecond; tasks whose sleep ends become ready.
     fn tick(&mut self) {
         self.now += 1;
         let now = self.now;
@@ -101,7 +102,7 @@ impl Slow {
         }
     }
 
-    /// What may change where no call is in progress.
+    /// Makes the changes that may happen while no call is in progress.
     fn settle(&mut self) {
         let Some(owner) = self.owner else { return self.dispatch() };
         if self.now >= self.slice_end {
@@ -123,7 +124,7 @@ impl Slow {
         }
     }
 
-    /// Who goes on next, at its time; nobody within the horizon.
+    /// Next task to continue, and its time; `None` if there is none within the horizon.
     fn go_on(&mut self) -> Option<(usize, i64)> {
         for _ in 0..HORIZON_MS {
             if let Some(owner) = self.owner
@@ -221,7 +222,7 @@ proptest! {
         for (call, cost_ms, parts) in calls {
             let from = slow.now;
             let expected = slow.go_on();
-            // Time may pass in parts: the slot loop looks in between.
+            // Time may pass in parts, as when scheduler steps intervene.
             for part in 1..=parts {
                 let to = expected.map_or(HORIZON_MS / 2, |(_, at)| at - from) * part / (parts + 1);
                 if to > 0 {

@@ -1,47 +1,48 @@
-//! Who of a robot's tasks has the processor under RoBIOS 6, and from when on: a state machine over virtual time alone.
+//! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine over virtual
+//! time alone.
 //!
-//! Strict priorities; among equals round robin in order of readiness. A task that waits for the world (a busy wait) keeps what
-//! it has of the processor; one that sleeps, waits for another task or is suspended has none. Time slices end at the ticks of the
-//! global 10 ms grid. How control really goes from one task to another is not known here: the tasks in a busy wait take
-//! their turns on paper, in closed form, and only who has something to do is named by [`Scheduler::next`].
+//! Strict priorities; round robin among equals, in order of readiness. A task that waits for the world (a busy wait)
+//! keeps its share of the processor; a task that sleeps, waits for another task or is suspended has none. Time slices
+//! end at the ticks of the global 10 ms grid. The transfer of control between tasks is not part of this model: turns of
+//! tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only tasks that have something to do.
 
 use std::collections::VecDeque;
 
 use sim_core::time::{TICK, Time};
 
-/// How many priorities there are, from `IDLE_PRI`, that of `main`, to `MAX_PRI`.
+/// Number of priorities, from `IDLE_PRI`, that of `main`, to `MAX_PRI`.
 pub const LEVELS: usize = 9;
 
-/// When tasks change.
+/// Rule for task switches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
-    /// Only where the one that runs gives way.
+    /// Only when the running task yields.
     Coop,
-    /// Also when its time slice is over or a task of higher priority is ready, unless that is forbidden.
+    /// Also when its time slice is over or a task of higher priority is ready, unless preemption is forbidden.
     Preempt {
         /// False from `OSForbid` to `OSPermit`.
         is_permitted: bool,
     },
 }
 
-/// Who goes on.
+/// Next task to continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     /// This task, now.
     Go(u32),
-    /// Nobody before this time, at which somebody may; [`Time::NEVER`] if nobody ever.
+    /// No task before this time, at which one may continue; [`Time::NEVER`] if none ever will.
     At(Time),
 }
 
-/// The tasks of one robot that share its processor.
+/// The processor of one robot and the tasks that share it.
 #[derive(Clone, Debug)]
 pub struct Scheduler {
     policy: Policy,
-    /// In order of their numbers.
+    /// All tasks, in order of their numbers.
     entries: Vec<Entry>,
-    /// Those that are ready but have not the processor, by priority; first come, first served.
+    /// Ready tasks without the processor, by priority; first come, first served.
     queues: [VecDeque<u32>; LEVELS],
-    /// Who has the processor; nobody when none is ready.
+    /// Task that has the processor; `None` if none is ready.
     owner: Option<u32>,
     slice_end: Time,
     now: Time,
@@ -55,19 +56,19 @@ struct Entry {
     doing: Doing,
 }
 
-/// What a task does with the processor.
+/// Use that a task makes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Doing {
     /// Computes.
     Run,
     /// Waits for the world, until this time.
     Busy(Time),
-    /// Leaves it to the others until this time, or until it is woken.
+    /// Leaves the processor to the others until this time, or until it is woken.
     Block(Time),
 }
 
 impl Scheduler {
-    /// The processor from `now` on, with one task that has it.
+    /// The processor from `now` on, with one task that owns it.
     pub fn new(policy: Policy, main: u32, priority: usize, now: Time) -> Self {
         let main_entry = Entry { number: main, priority, is_suspended: false, doing: Doing::Run };
         Self {
@@ -80,64 +81,64 @@ impl Scheduler {
         }
     }
 
-    /// When tasks change.
+    /// Rule for task switches.
     pub fn policy(&self) -> Policy {
         self.policy
     }
 
-    /// Forbids that tasks change by themselves, or permits it; nothing where they never do.
+    /// Forbids or permits preemption; no effect under [`Policy::Coop`].
     pub fn permit(&mut self, is_to_be: bool) {
         if let Policy::Preempt { is_permitted } = &mut self.policy {
             *is_permitted = is_to_be;
         }
     }
 
-    /// Adds a task, suspended; its number is higher than all before.
+    /// Adds a suspended task; its number must be higher than all before.
     pub fn add(&mut self, number: u32, priority: usize) {
         self.entries.push(Entry { number, priority: priority.min(LEVELS - 1), is_suspended: true, doing: Doing::Run });
     }
 
-    /// Its priority; that of `main` if there is no such task.
+    /// Priority of a task; that of `main` if there is no such task.
     pub fn priority(&self, number: u32) -> usize {
         self.index(number).map_or(0, |index| self.entries[index].priority)
     }
 
-    /// True if it is ready to run, or has the processor.
+    /// Returns true if the task is ready to run, or has the processor.
     pub fn is_ready(&self, number: u32) -> bool {
         self.index(number).is_some_and(|index| self.entries[index].is_ready())
     }
 
-    /// True if it is suspended.
+    /// Returns true if the task is suspended.
     pub fn is_suspended(&self, number: u32) -> bool {
         self.index(number).is_some_and(|index| self.entries[index].is_suspended)
     }
 
-    /// Ends its suspension: it is the last among its equals, unless it waits for something else still.
+    /// Ends a task's suspension: it becomes the last among its equals, unless it is still blocked.
     pub fn ready(&mut self, number: u32) {
         self.change(number, |entry| entry.is_suspended = false);
     }
 
-    /// Suspends it.
+    /// Suspends a task.
     pub fn suspend(&mut self, number: u32) {
         self.change(number, |entry| entry.is_suspended = true);
     }
 
-    /// It computes from now on: its wait is over.
+    /// Ends a task's wait: it computes from now on.
     pub fn run(&mut self, number: u32) {
         self.change(number, |entry| entry.doing = Doing::Run);
     }
 
-    /// It waits for the world until `wake`.
+    /// Puts a task into a busy wait for the world until `wake`.
     pub fn wait(&mut self, number: u32, wake: Time) {
         self.change(number, |entry| entry.doing = Doing::Busy(wake));
     }
 
-    /// It leaves the processor to others until `wake`.
+    /// Blocks a task until `wake`: it leaves the processor to others.
     pub fn block(&mut self, number: u32, wake: Time) {
         self.change(number, |entry| entry.doing = Doing::Block(wake));
     }
 
-    /// Its wait for the world may be over at `wake` already.
+    /// Brings the end of a task's busy wait forward to `wake`, if that is earlier.
     pub fn look_at(&mut self, number: u32, wake: Time) {
         if let Some(index) = self.index(number)
             && let Doing::Busy(at) = &mut self.entries[index].doing
@@ -146,7 +147,7 @@ impl Scheduler {
         }
     }
 
-    /// It waits for the world until `wake`, whatever was said before.
+    /// Sets the end of a task's busy wait to `wake`.
     pub fn reset_wake(&mut self, number: u32, wake: Time) {
         if let Some(index) = self.index(number)
             && let Doing::Busy(at) = &mut self.entries[index].doing
@@ -155,13 +156,13 @@ impl Scheduler {
         }
     }
 
-    /// It has ended.
+    /// Removes a task that has ended.
     pub fn remove(&mut self, number: u32) {
         self.suspend(number);
         self.entries.retain(|entry| entry.number != number);
     }
 
-    /// Whoever has the processor gives way: the next of the highest priority gets it, in the end perhaps the same.
+    /// Makes the owner of the processor yield: the next task of the highest priority gets it, possibly the same one.
     pub fn reschedule(&mut self) {
         if let Some(owner) = self.owner.take() {
             self.queue_of(owner).push_back(owner);
@@ -169,7 +170,7 @@ impl Scheduler {
         self.dispatch();
     }
 
-    /// Gives the processor to this task out of turn, for what it must do before all others.
+    /// Gives the processor to a task out of turn, for work that must precede all others.
     pub fn take_over(&mut self, number: u32) {
         if self.owner == Some(number) {
             return;
@@ -182,15 +183,15 @@ impl Scheduler {
         self.owner = Some(number);
     }
 
-    /// Virtual time has come to `now` within a call, whose task has the processor to the call's end.
+    /// Advances to virtual time `now` within a call, whose task keeps the processor to the call's end.
     pub fn reach(&mut self, now: Time) {
         self.rise(now);
         self.now = self.now.max(now);
     }
 
-    /// Virtual time has come to `to`, and no call is in progress.
+    /// Advances to virtual time `to` while no call is in progress.
     pub fn advance(&mut self, to: Time) {
-        // A call has used up the slice: only now, at its end, others get their turn.
+        // A call has used up the slice: others get their turn only now, at its end.
         if self.now >= self.slice_end {
             self.end_slice();
         }
@@ -204,7 +205,7 @@ impl Scheduler {
         }
     }
 
-    /// Who goes on, as things stand now.
+    /// Next task to continue in the present state.
     pub fn next(&self) -> Next {
         let Some(owner) = self.owner.and_then(|number| self.index(number)).map(|index| &self.entries[index]) else {
             return Next::At(self.first_risen(0));
@@ -221,7 +222,7 @@ impl Scheduler {
         Next::At(first.min(self.first_risen(owner.priority)))
     }
 
-    /// When the first of those that take turns has something to do in a slice of its own.
+    /// Earliest time at which one of the tasks that take turns has something to do in its own slice.
     fn first_chance(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
         let round = Time(TICK.0 * (peers.len() as i64 + 1));
         let chance = |place: usize, wake: Time| {
@@ -240,13 +241,13 @@ impl Scheduler {
         of_peers.fold(chance(0, owner_wake), Time::min)
     }
 
-    /// When the first task of at least this priority gets ready by itself.
+    /// Earliest time at which a task of at least this priority becomes ready by itself.
     fn first_risen(&self, priority: usize) -> Time {
         let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(Entry::risen);
         wakes.min().unwrap_or(Time::NEVER)
     }
 
-    /// Lets time pass until `to` in which nobody has anything to do: those in a busy wait take turns.
+    /// Lets time pass until `to` while no task has anything to do: those in a busy wait take turns.
     fn pass(&mut self, to: Time) {
         let before = Time(to.0 - 1).max(self.now);
         if before >= self.slice_end {
@@ -261,7 +262,7 @@ impl Scheduler {
         self.settle();
     }
 
-    /// Lets time pass until `to` within one call, or in a timer's callback: nobody takes turns before its end.
+    /// Lets time pass until `to` within one call, or in a timer callback: no task switch happens before its end.
     fn pass_at_once(&mut self, to: Time) {
         self.reach(to);
         if to >= self.slice_end {
@@ -275,7 +276,7 @@ impl Scheduler {
         self.slice_end = slice_end(self.now);
     }
 
-    /// Those whose sleep ends until `to` are ready, in order of their wakes.
+    /// Makes the tasks whose sleep ends by `to` ready, in order of their wake times.
     fn rise(&mut self, to: Time) {
         let mut risen: Vec<(Time, u32)> = Vec::new();
         for entry in &mut self.entries {
@@ -294,7 +295,7 @@ impl Scheduler {
         }
     }
 
-    /// So many slices are over.
+    /// Takes `slices` turns among the tasks of the owner's priority.
     fn rotate(&mut self, slices: i64) {
         let Some(owner) = self.owner.filter(|_| self.is_permitted()) else { return };
         let queue = self.queue_of(owner);
@@ -304,7 +305,7 @@ impl Scheduler {
         self.owner = queue.pop_front();
     }
 
-    /// Somebody has the processor if anybody can; one of higher priority than who has it, where that is permitted.
+    /// Assigns a free processor if any task is ready; preempts the owner for a task of higher priority, if permitted.
     fn settle(&mut self) {
         match self.owner {
             None => self.dispatch(),
@@ -328,7 +329,7 @@ impl Scheduler {
         self.policy == Policy::Preempt { is_permitted: true }
     }
 
-    /// Changes what a task does or whether it is suspended, and with it who is ready.
+    /// Changes the state of a task, and updates owner and queues if its readiness changes.
     fn change(&mut self, number: u32, change: impl FnOnce(&mut Entry)) {
         let Some(index) = self.index(number) else { return };
         let entry = &mut self.entries[index];
@@ -361,7 +362,7 @@ impl Entry {
         !self.is_suspended && !matches!(self.doing, Doing::Block(_))
     }
 
-    /// When it gets ready by itself.
+    /// Time at which the task becomes ready by itself.
     fn risen(&self) -> Time {
         match self.doing {
             Doing::Block(wake) if !self.is_suspended => wake,
@@ -370,7 +371,7 @@ impl Entry {
     }
 }
 
-/// The end of a slice that begins at `now`.
+/// End of a slice that begins at `now`.
 fn slice_end(now: Time) -> Time {
     now.floor_to(TICK) + TICK
 }
@@ -381,7 +382,7 @@ mod tests {
 
     const OPEN: Policy = Policy::Preempt { is_permitted: true };
 
-    /// A processor with tasks 2, 3, ... of these priorities, all ready, `main` (1) asleep for ever.
+    /// A processor with tasks 2, 3, ... of these priorities, all ready; `main` (1) sleeps for ever.
     fn processor(policy: Policy, priorities: &[usize]) -> Scheduler {
         let mut scheduler = Scheduler::new(policy, 1, 0, Time::ZERO);
         for (number, priority) in (2..).zip(priorities) {

@@ -1,13 +1,13 @@
-//! The semaphores of RoBIOS 6: first come, first served, whatever the priorities. They are known by number.
+//! Semaphores of RoBIOS 6, identified by number: first come, first served, regardless of priorities.
 
 use std::collections::VecDeque;
 
 use crate::program::site::Site;
 
-/// How many semaphores a robot may make; our choice.
+/// Greatest number of semaphores that a robot may make; our choice.
 pub const MAX_SEMAPHORES: usize = 1 << 20;
 
-/// The semaphores of one robot; number 1 is the first.
+/// Semaphores of one robot, numbered from 1.
 #[derive(Default)]
 pub struct Semaphores {
     list: Vec<Semaphore>,
@@ -17,25 +17,25 @@ pub struct Semaphores {
 pub struct Semaphore {
     count: i32,
     waiting: VecDeque<u32>,
-    /// Where it was made.
+    /// Place in the program of the call that made it.
     pub made_at: Site,
-    /// Who passed it last, as the user knows the task, and where.
+    /// Task that passed last, as named to the user, and the place of its call.
     pub last: Option<(String, Site)>,
 }
 
-/// What comes of passing a semaphore.
+/// Outcome of passing a semaphore.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passing {
-    /// It has been passed.
+    /// The task has passed.
     Passed,
-    /// It is closed.
+    /// The semaphore is closed.
     Closed,
-    /// There is no semaphore of this number.
+    /// There is no semaphore with this number.
     Unknown,
 }
 
 impl Semaphores {
-    /// Makes a semaphore that so many may pass at first; its number, none if there are too many.
+    /// Makes a semaphore with this initial count and returns its number; `None` if there are too many.
     pub fn make(&mut self, count: i32, made_at: Site) -> Option<u32> {
         if self.list.len() >= MAX_SEMAPHORES {
             return None;
@@ -44,7 +44,7 @@ impl Semaphores {
         u32::try_from(self.list.len()).ok()
     }
 
-    /// The semaphore of this number.
+    /// The semaphore with this number.
     pub fn get(&self, number: u32) -> Option<&Semaphore> {
         self.list.get((number as usize).checked_sub(1)?)
     }
@@ -63,7 +63,7 @@ impl Semaphores {
         Passing::Passed
     }
 
-    /// `task` passes a semaphore, or is put at the end of its queue unless it is in it already.
+    /// Passes a semaphore for `task`, or puts the task at the end of its queue, unless it is in the queue already.
     pub fn pass(&mut self, number: u32, task: u32) -> Passing {
         let passing = self.try_pass(number);
         if passing == Passing::Closed
@@ -75,8 +75,8 @@ impl Semaphores {
         passing
     }
 
-    /// Lets one more pass: the task that has waited longest, which is given, or a later one. None if there is no such semaphore or its count
-    /// is as high as it can be.
+    /// Releases a semaphore: `Some(Some(task))` for the longest waiting task, which passes; `Some(None)` if none waits
+    /// and the count rises; `None` if there is no such semaphore or its count is at its limit.
     pub fn release(&mut self, number: u32) -> Option<Option<u32>> {
         let semaphore = self.get_mut(number)?;
         let first = semaphore.waiting.pop_front();
@@ -86,14 +86,14 @@ impl Semaphores {
         Some(first)
     }
 
-    /// `task` waits at a semaphore no more.
+    /// Removes `task` from the queue of a semaphore.
     pub fn leave(&mut self, number: u32, task: u32) {
         if let Some(semaphore) = self.get_mut(number) {
             semaphore.waiting.retain(|other| *other != task);
         }
     }
 
-    /// `task` has passed a semaphore at `site`.
+    /// Records that `task` has passed a semaphore at `site`.
     pub fn note_passing(&mut self, number: u32, task: String, site: Site) {
         if let Some(semaphore) = self.get_mut(number) {
             semaphore.last = Some((task, site));
@@ -102,7 +102,7 @@ impl Semaphores {
 }
 
 impl Semaphore {
-    /// True while tasks wait at it.
+    /// Returns true while tasks wait at the semaphore.
     pub fn is_waited_at(&self) -> bool {
         !self.waiting.is_empty()
     }

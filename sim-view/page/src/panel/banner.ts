@@ -1,4 +1,4 @@
-// What is wrong with the connection, and what can be done about it.
+// Banner for problems of the connection and their remedies.
 
 import { element } from "../dom";
 import type { Model } from "../model";

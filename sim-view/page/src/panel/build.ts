@@ -1,4 +1,4 @@
-// How the building of programs goes: what the compiler says stands here until it is content.
+// Progress of building the programs, with the compiler's output if it fails.
 
 import { element } from "../dom";
 import type { Model } from "../model";

@@ -1,4 +1,4 @@
-// What the camera of the chosen robot sees.
+// Camera image of the chosen robot.
 
 import { element } from "../dom";
 import type { Model } from "../model";

@@ -1,4 +1,4 @@
-// Native controls, each in one line.
+// Native controls, each created by one call.
 
 import { element } from "../dom";
 
@@ -7,7 +7,7 @@ export function button(text: string, testid: string, click: () => void, title = 
   return element("button", { type: "button", textContent: text, testid, title, onclick: click });
 }
 
-/** A control with its label before it. */
+/** A control preceded by its label. */
 export function labelled(text: string, control: HTMLElement): HTMLLabelElement {
   return element("label", { className: "field" }, [element("span", { textContent: text }), control]);
 }
@@ -17,18 +17,18 @@ export function numberField(testid: string, properties: Partial<HTMLInputElement
   return element("input", { type: "number", step: "any", testid, ...properties });
 }
 
-/** A choice. */
+/** A drop-down list. */
 export function choice(testid: string, label: string, change: () => void): HTMLSelectElement {
   return element("select", { testid, label, onchange: change });
 }
 
-/** A checkbox with its label behind it. */
+/** A checkbox followed by its label. */
 export function checkbox(text: string, testid: string, checked: boolean, change: (checked: boolean) => void) {
   const box = element("input", { type: "checkbox", testid, checked, onchange: () => change(box.checked) });
   return element("label", { className: "check" }, [box, text]);
 }
 
-/** A section that folds, as it was left the last time. */
+/** A collapsible section, which remembers if it is open. */
 export function section(title: string, testid: string, open: boolean, children: (Node | string)[]): HTMLDetailsElement {
   const memory = `eyesim.open.${testid}`;
   const summary = element("summary", {}, [element("h2", { textContent: title })]);
@@ -38,14 +38,14 @@ export function section(title: string, testid: string, open: boolean, children: 
   return made;
 }
 
-/** Calls `draw` when the section opens and, while it is open, soon after each call of what is returned. */
+/** Returns a function that schedules `draw` while the section is open; opening the section also schedules it. */
 export function whileOpen(panel: HTMLDetailsElement, draw: () => void, pause_ms = 100): () => void {
   const soon = throttled(draw, pause_ms);
   panel.addEventListener("toggle", () => panel.open && soon());
   return () => panel.open && soon();
 }
 
-/** `f` at once, but at most once in a pause: what comes within one is done at its end. */
+/** Throttles `f`: calls it at once, then at most once per pause; calls during a pause run `f` once at its end. */
 export function throttled(f: () => void, pause_ms = 100): () => void {
   let isPausing = false;
   let isLate = false;
@@ -64,17 +64,17 @@ export function throttled(f: () => void, pause_ms = 100): () => void {
   };
 }
 
-/** Changes a text only where it differs: assistive technology and layout have less to do. */
+/** Changes a text only if it differs, which spares layout and assistive technology. */
 export function setText(node: Element, text: string): void {
   if (node.textContent !== text) node.textContent = text;
 }
 
-/** Fills a value in, unless somebody is typing there. */
+/** Sets a value, unless the user is typing there. */
 export function setValue(input: HTMLInputElement, value: string): void {
   if (document.activeElement !== input && input.value !== value) input.value = value;
 }
 
-/** Makes the options of a choice anew where they differ; what was chosen stays chosen if it can. */
+/** Replaces the options if they differ; keeps the selected one if it still exists. */
 export function setOptions(select: HTMLSelectElement, options: [value: string, text: string][]): void {
   const key = JSON.stringify(options);
   if (select.dataset["options"] === key) return;
@@ -84,7 +84,7 @@ export function setOptions(select: HTMLSelectElement, options: [value: string, t
   if (options.some(([value]) => value === chosen)) select.value = chosen;
 }
 
-/** Switches controls off with a reason, or on. */
+/** Disables controls with a reason, or enables them if it is empty. */
 export function setReason(controls: readonly (HTMLButtonElement | HTMLInputElement | HTMLSelectElement)[], why: string): void {
   for (const control of controls) {
     control.disabled = why !== "";
@@ -93,19 +93,19 @@ export function setReason(controls: readonly (HTMLButtonElement | HTMLInputEleme
   }
 }
 
-/** The number in a field; none where there is none. */
+/** The number in a field; undefined if there is none. */
 export function numberOf(input: HTMLInputElement): number | undefined {
   return input.value.trim() !== "" && Number.isFinite(input.valueAsNumber) ? input.valueAsNumber : undefined;
 }
 
-/** Gives a file to the user. */
+/** Downloads a file to the user. */
 export function saveAs(name: string, content: Blob): void {
   const href = URL.createObjectURL(content);
   element("a", { href, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(href), 10_000);
 }
 
-/** What was remembered; storage may be forbidden, as in a page from disk. */
+/** Reads a stored value; storage may be forbidden, as in a page from disk. */
 export function recall(key: string, otherwise: string): string {
   try {
     return localStorage.getItem(key) ?? otherwise;
@@ -114,11 +114,11 @@ export function recall(key: string, otherwise: string): string {
   }
 }
 
-/** Remembers until the next visit, where that is allowed. */
+/** Stores a value for the next visit, if that is allowed. */
 export function remember(key: string, value: string): void {
   try {
     localStorage.setItem(key, value);
   } catch {
-    // Only convenience is lost.
+    // Without storage only convenience is lost.
   }
 }

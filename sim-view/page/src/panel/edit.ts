@@ -1,4 +1,4 @@
-// Puts robots and objects elsewhere, adds them and takes them out.
+// Places, adds and removes robots and objects.
 
 import { element } from "../dom";
 import type { Model, Selection } from "../model";

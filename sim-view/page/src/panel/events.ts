@@ -1,4 +1,4 @@
-// What has happened, with filters and jumps.
+// List of past events, with filters; choosing one jumps to it.
 
 import { element } from "../dom";
 import type { Model } from "../model";

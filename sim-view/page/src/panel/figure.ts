@@ -1,8 +1,8 @@
-// A plot as a file: SVG to print, CSV to compute with.
+// A plot as a file: SVG for printing, CSV for computing.
 
 import type { Curve } from "../model";
 
-/** A curve and what it shows. */
+/** A curve with the name of its reading. */
 export interface Series extends Curve {
   name: string;
 }
@@ -11,7 +11,7 @@ const [WIDTH, HEIGHT] = [900, 420];
 const EDGE = { left: 64, right: 64, top: 24, bottom: 48 };
 const DASHES = ["", "6 3", "2 3", "8 3 2 3"];
 
-/** The curves between two times as a drawing; `colours` one for each. */
+/** SVG drawing of the curves between two times; `colours` has one for each curve. */
 export function svgOf(title: string, series: readonly Series[], range_s: [number, number], colours: string[]): string {
   const [from, to] = range_s;
   const units = [...new Set(series.map(({ unit }) => unit))];
@@ -49,7 +49,7 @@ export function svgOf(title: string, series: readonly Series[], range_s: [number
   return [...parts, "</svg>\n"].join("\n");
 }
 
-/** The points between two times: a column for the time and one for each curve, empty where there was no reading. */
+/** CSV table of the points between two times: a column for the time and one for each curve, empty without a reading. */
 export function csvOf(series: readonly Series[], range_s: [number, number]): string {
   const rows = new Map<number, string[]>();
   series.forEach((one, place) => {

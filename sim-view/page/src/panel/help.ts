@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { button } from "./control";
 import { allShortcuts, shortcut } from "./keyboard";
 
-/** Keys that work where the focus is. */
+/** Keys that depend on the focus. */
 const ELSEWHERE: [keys: string, what: string][] = [
   ["Tab, Shift+Tab", "To the next or previous control"],
   ["↑ ↓ Home End", "In the list of robots: choose; in other lists: move"],

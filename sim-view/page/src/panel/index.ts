@@ -18,7 +18,7 @@ import { runPanel } from "./run";
 import { savePanel } from "./save";
 import { sensorsPanel } from "./sensors";
 
-/** All panels in the order in which they stand; those of class `bar` stand in the bar above the 3D view. */
+/** All panels in order; those of class `bar` go into the bar above the 3D view. */
 export function panels(model: Model): HTMLElement[] {
   const picks = new Picks();
   const made = [

@@ -1,10 +1,10 @@
-// Keys that work anywhere on the page, and the list of all keys for the help.
+// Keys that work anywhere on the page, and their list for the help.
 
-/** A key and what it does. */
+/** A key and its effect. */
 export interface Shortcut {
   /** As in `KeyboardEvent.key`. */
   key: string;
-  /** Its name, where the key is not a letter. */
+  /** Its name, if the key is not a letter. */
   name?: string;
   what: string;
   run: () => void;
@@ -12,17 +12,17 @@ export interface Shortcut {
 
 const shortcuts: Shortcut[] = [];
 
-/** Takes up a key. */
+/** Registers a key. */
 export function shortcut(key: string, what: string, run: () => void, name = key): void {
   shortcuts.push({ key, name, what, run });
 }
 
-/** All of them. */
+/** All registered keys. */
 export function allShortcuts(): readonly Shortcut[] {
   return shortcuts;
 }
 
-/** Listens; keys are left to fields in which one types, and Space to what it presses. */
+/** Handles registered keys, except in text fields, and Space on focused controls that it activates. */
 export function listen(): void {
   document.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;

@@ -1,4 +1,4 @@
-// The display of the chosen robot and its keys, in the look of the device.
+// Display and keys of the chosen robot, drawn like the device.
 
 import { element } from "../dom";
 import type { Model } from "../model";
@@ -75,7 +75,7 @@ export function lcdPanel(model: Model): HTMLElement {
   }
 }
 
-/** Shows the pixels, or the text alone where there are none, as in a recording. */
+/** Shows the pixels, or the text alone if there are none, as in a recording. */
 function showPicture(picture: HTMLImageElement, text: HTMLElement, detail: Detail | undefined): void {
   const url = detail?.lcd?.url ?? "";
   picture.hidden = url === "";

@@ -1,4 +1,4 @@
-// A list of very many lines, of which only those in sight are elements.
+// A virtual list: only the visible lines are elements.
 
 import { element } from "../dom";
 
@@ -7,7 +7,7 @@ const MARGIN_ROWS = 6;
 
 /** A line of a list. */
 export interface Line {
-  /** Its number, by which it is found again. */
+  /** Its number, which identifies it. */
   key: number;
   time: string;
   who: string;
@@ -36,7 +36,7 @@ export class LongList {
     new ResizeObserver(() => this.draw()).observe(this.element);
   }
 
-  /** Shows these lines; stays at the end where it was there. */
+  /** Shows these lines; stays at the end if it was there. */
   show(lines: readonly Line[]): void {
     this.lines = lines;
     this.room.style.height = `${lines.length * ROW_PX}px`;
@@ -44,7 +44,7 @@ export class LongList {
     this.draw();
   }
 
-  /** Marks a line and brings it into sight. */
+  /** Marks a line and scrolls it into view. */
   mark(key: number): void {
     const at = this.lines.findIndex((line) => line.key === key);
     if (at < 0) return;

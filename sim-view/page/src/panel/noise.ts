@@ -1,4 +1,4 @@
-// The error models of the chosen robot, with a slider and a field for each number.
+// Noise models of the chosen robot, with a slider and a field for each parameter.
 
 import { element } from "../dom";
 import type { Model } from "../model";
@@ -7,7 +7,7 @@ import { button, choice, numberField, numberOf, section, setOptions, setReason, 
 import { act, onRights, whyNot } from "./notice";
 
 const STEPS = 1000;
-/** Sliders of wider ranges have small numbers in more detail. */
+/** Sliders of wider ranges resolve small numbers more finely. */
 const WIDE = 200;
 
 interface Row {
@@ -29,7 +29,7 @@ export function noisePanel(model: Model): HTMLElement {
     groups,
   ]);
   const rows = new Map<string, Row>();
-  /** Numbers at first sight, by run and robot. */
+  /** Values when first seen, by run and robot. */
   const first = new Map<string, Map<string, number>>();
   let keyOfRows = "";
   const soon = whileOpen(panel, draw);
@@ -133,7 +133,7 @@ function groupOf(name: string): string {
   return name.slice(0, Math.max(0, name.lastIndexOf("."))) || "all";
 }
 
-/** Value at a step of a slider: evenly, or in wide ranges by the cube, so that small numbers can be set. */
+/** Value at a slider step: linear, or cubic in wide ranges, so that small numbers can be set. */
 export function fromStep(step: number, [low, high]: [number, number]): number {
   const share = step / STEPS;
   if (high - low <= WIDE) return low + share * (high - low);
@@ -142,7 +142,7 @@ export function fromStep(step: number, [low, high]: [number, number]): number {
   return side ** 3 * (side < 0 ? -low : high);
 }
 
-/** The nearest step of a value. */
+/** Slider step nearest to a value. */
 export function toStep(value: number, [low, high]: [number, number]): number {
   if (high - low <= WIDE) return Math.round(((value - low) / (high - low || 1)) * STEPS);
   if (low >= 0) return Math.round(Math.cbrt((value - low) / (high - low)) * STEPS);

@@ -1,4 +1,4 @@
-// What the user should know and need not answer: refusals of commands, and what was done.
+// Notices that need no answer: refusals of commands, and confirmations.
 
 import { element } from "../dom";
 import type { Model } from "../model";
@@ -10,7 +10,7 @@ const MOST = 4;
 
 const region = element("div", { className: "notices", testid: "notices", role: "status" });
 
-/** Where notices stand. */
+/** The region of the notices. */
 export function noticePanel(_model: Model): HTMLElement {
   return region;
 }
@@ -30,7 +30,7 @@ export function notify(text: string): void {
   if (region.childElementCount > MOST) region.firstElementChild?.remove();
 }
 
-/** Has a command carried out; says why if it is refused. */
+/** Sends a command; shows the reason if it is refused. */
 export async function send(model: Model, command: Command): Promise<boolean> {
   try {
     await model.act(command);
@@ -41,12 +41,12 @@ export async function send(model: Model, command: Command): Promise<boolean> {
   }
 }
 
-/** Has something done to the simulation; says why if it is refused. */
+/** Sends an intervention; shows the reason if it is refused. */
 export function act(model: Model, action: Action): Promise<boolean> {
   return send(model, { command: "act", action });
 }
 
-/** Why this page cannot act; empty when it can. */
+/** Reason why this page cannot act; empty if it can. */
 export function whyNot(model: Model): string {
   if (model.player) return "This is a recording: it cannot be changed";
   if (model.connection.is !== "open") return "Not connected";
@@ -54,7 +54,7 @@ export function whyNot(model: Model): string {
   return "";
 }
 
-/** Calls `f` whenever the answer of [`whyNot`] may be another one. */
+/** Calls `f` when the result of [`whyNot`] may have changed. */
 export function onRights(model: Model, f: () => void): void {
   for (const topic of ["connection", "welcome", "player"] as const) model.subscribe(topic, f);
 }

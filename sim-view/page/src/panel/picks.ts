@@ -1,16 +1,16 @@
-// Which readings are plotted: one choice for all robots, kept for the next visit.
+// Selection of the plotted readings: one for all robots, stored for the next visit.
 
 import { recall, remember } from "./control";
 
 const MEMORY = "eyesim.plotted";
-/** There are as many colours. */
+/** Number of curve colours. */
 export const MOST_PICKS = 8;
 
 export class Picks {
   private names: string[] = recall(MEMORY, "").split("\n").filter((name) => name !== "");
   private readonly listeners: (() => void)[] = [];
 
-  /** In the order in which they were picked. */
+  /** Picked readings in the order of picking. */
   get all(): readonly string[] {
     return this.names;
   }
@@ -19,7 +19,7 @@ export class Picks {
     return this.names.includes(name);
   }
 
-  /** Picks a reading, or no more; of too many the oldest goes. */
+  /** Picks or unpicks a reading; beyond [`MOST_PICKS`] the oldest is dropped. */
   set(name: string, isPicked: boolean): void {
     const others = this.names.filter((other) => other !== name);
     this.change(isPicked ? [...others, name].slice(-MOST_PICKS) : others);

@@ -8,7 +8,7 @@ import { csvOf, nameOf, type Series, svgOf } from "./figure";
 import type { Picks } from "./picks";
 
 const HEIGHT_PX = 220;
-/** For paper: dark enough on white. */
+/** Colours for paper: dark enough on white. */
 const PRINTED = ["#0b6e99", "#b3400a", "#1c7d3c", "#8a2be2", "#8a6d00", "#a01c5a", "#444444", "#2244cc"];
 const WINDOWS: [value: string, text: string][] = [["5", "last 5 s"], ["20", "last 20 s"], ["60", "last minute"], ["all", "all"]];
 
@@ -34,7 +34,7 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
   let shown: Series[] = [];
   let key = "";
   let isPaused = false;
-  /** The times that were zoomed to; none while the plot follows the run. */
+  /** Zoomed range of time; undefined while the plot follows the run. */
   let zoomed: [number, number] | undefined;
   const soon = throttled(() => panel.open && !isPaused && draw(), 150);
   panel.addEventListener("toggle", soon);
@@ -120,7 +120,7 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
     draw();
   }
 
-  /** The times that are to be seen. */
+  /** Visible range of time. */
   function range(): [number, number] {
     if (zoomed) return zoomed;
     const ends = shown.flatMap(({ times_s }) => times_s.slice(-1));
@@ -163,7 +163,7 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
   }
 }
 
-/** All curves over the times of all, and a point more at either end, so that lines go to the edge. */
+/** All curves joined on their times, with one more point at either end, so that lines reach the edge. */
 function dataOf(series: readonly Series[], [from, to]: [number, number]): uPlot.AlignedData {
   if (series.length === 0) return [[]];
   const tables = series.map(({ times_s, values }) => {
@@ -174,7 +174,7 @@ function dataOf(series: readonly Series[], [from, to]: [number, number]): uPlot.
   return uPlot.join(tables);
 }
 
-/** A colour of the style sheet as canvases take it. */
+/** A colour of the style sheet in a form that canvases accept. */
 function colourOf(variable: string, place: HTMLElement): string {
   place.style.color = `var(${variable})`;
   return getComputedStyle(place).color;

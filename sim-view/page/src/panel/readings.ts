@@ -1,4 +1,4 @@
-// A table of what the chosen robot has read and commanded; what is ticked is plotted.
+// Table of the chosen robot's latest readings and commands; ticked ones are plotted.
 
 import { element } from "../dom";
 import type { Model } from "../model";

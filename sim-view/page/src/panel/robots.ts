@@ -1,4 +1,4 @@
-// All robots: what they are and how they stand.
+// List of all robots and their states.
 
 import { element } from "../dom";
 import type { Model } from "../model";

@@ -7,7 +7,7 @@ import { button, labelled, numberField, numberOf, setReason, setText, setValue, 
 import { shortcut } from "./keyboard";
 import { onRights, send, whyNot } from "./notice";
 
-/** Steps of the slider; none is as fast as possible. */
+/** Steps of the slider; null is as fast as possible. */
 const SPEEDS: readonly (number | null)[] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, null];
 const LAST = SPEEDS.length - 1;
 
@@ -79,7 +79,7 @@ export function runPanel(model: Model): HTMLElement {
     void send(model, { command: "restart", seed });
   }
 
-  /** The timeline of a recording has its own speeds; it cannot start anew. */
+  /** Enables the controls. Those that a recording lacks are hidden: its timeline has its own, and it cannot restart. */
   function allow(): void {
     for (const part of [toggle, speeds, restarts, typed, rate]) part.hidden = model.player !== null;
     const why = whyNot(model);
@@ -111,7 +111,7 @@ function submit(text: string, testid: string): HTMLButtonElement {
   return element("button", { type: "submit", textContent: text, testid });
 }
 
-/** How a run stands, in words. */
+/** State of a run, in words. */
 export function stateName(model: Model, { state, robots }: Snapshot): string {
   switch (state.is) {
     case "running":
@@ -142,7 +142,7 @@ function rateName(rate: number): string {
   return `${rate >= 100 ? rate.toFixed(0) : rate.toPrecision(2)}×`;
 }
 
-/** Place of the step that is nearest to a speed. */
+/** Index of the step nearest to a speed. */
 function nearest(factor: number | null): number {
   if (factor === null) return LAST;
   const apart = SPEEDS.map((speed) => (speed === null ? Infinity : Math.abs(Math.log(speed / factor))));

@@ -1,4 +1,4 @@
-// What can be taken home.
+// Downloads.
 
 import { element } from "../dom";
 import type { Model } from "../model";
@@ -30,7 +30,7 @@ export function savePanel(model: Model): HTMLElement {
   }
 
   async function save(file: string): Promise<void> {
-    // A live run has no `recording.json`: by that pages tell it from a replay.
+    // A live run has no `recording.json`: pages distinguish it from a replay by that.
     const name = model.player ? file.replace("run.", "") : file;
     const embedded = name === "recording.json" ? document.getElementById("recording")?.textContent : undefined;
     if (embedded) return saveAs(fileName(".recording.json"), new Blob([embedded], { type: "application/json" }));

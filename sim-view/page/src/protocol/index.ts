@@ -4,14 +4,11 @@
 /** Version of the protocol. */
 export const PROTOCOL = 1;
 
-/**
- * One thing that a person does to a simulation, at the start of a slot. Traces hold it in this form, so that a run can be
- * repeated.
- */
+/** User intervention at the start of a slot. Traces hold it in this form, so that a run can be repeated. */
 export type Action = { "do": "press",
   /** Number of the robot. */
   robot: number,
-  /** As in a script of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`. */
+  /** Key in the notation of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`. */
   key: string, } | { "do": "place_robot",
   /** Number of the robot. */
   robot: number,
@@ -33,17 +30,17 @@ export type Action = { "do": "press",
   robot: number | null,
   /** Table and key of the noise profile, such as `psd.sigma_mm`. */
   parameter: string,
-  /** In the profile's unit. */
+  /** Value in the profile's unit. */
   value: number, } | { "do": "switch_sensor",
   /** Number of the robot. */
   robot: number,
   /** Name of the sensor. */
   sensor: string,
-  /** Off or on. */
+  /** True for on. */
   on: boolean, } | { "do": "add_robot",
-  /** Name of the type, one of those in the scene's workshop. */
+  /** Name of the type, from the scene's workshop. */
   kind: string,
-  /** The program of the robot that has this number; none for one that only stands there. */
+  /** Number of the robot whose program it runs; none for a robot without a program. */
   program_of: number | null,
   /** World coordinate to the right. */
   x_m: number,
@@ -53,7 +50,7 @@ export type Action = { "do": "press",
   phi_rad: number, } | { "do": "remove_robot",
   /** Number of the robot. */
   robot: number, } | { "do": "add_object",
-  /** Name of the type, one of those in the scene's workshop. */
+  /** Name of the type, from the scene's workshop. */
   kind: string,
   /** World coordinate to the right. */
   x_m: number,
@@ -64,57 +61,57 @@ export type Action = { "do": "press",
   /** Number of the object. */
   object: number, } | { "do": "end", };
 
-/** What became of a command. */
+/** Outcome of a command. */
 export type Answer = {
-  /** The page's number of the command. */
+  /** Number that the page gave the command. */
   number: number,
-  /** Why it was refused; none when it was carried out. */
+  /** Reason for the refusal; none if the command was carried out. */
   refused: string | null, };
 
 /** A beam of a range sensor. */
 export type Beam = {
   /** Number of the robot. */
   robot: number,
-  /** Place of the sensor in [`Robot::sensors`](super::Robot::sensors). */
+  /** Index of the sensor in [`Robot::sensors`](super::Robot::sensors). */
   sensor: number,
-  /** Where it begins. */
+  /** Origin of the beam. */
   from_m: [number, number, number],
-  /** Where it ends: at the point that is measured, else at the end of the range. */
+  /** End of the beam: the measured point, or the end of the range if there is no hit. */
   to_m: [number, number, number],
-  /** Whether it has met something. */
+  /** The beam hits something within its range. */
   is_hit: boolean, };
 
-/** The cylinder around a body, in whose middle its frame has its origin. */
+/** Cylinder around a body; its axis passes through the origin of the body's frame. */
 export type Body = {
   /** Radius. */
   radius_m: number,
   /** Height above the floor. */
   height_m: number, };
 
-/** How the building of programs goes. */
+/** Progress of building the programs. */
 export type Build = { "state": "running" } | { "state": "done" } | { "state": "failed",
-  /** What the compiler said. */
+  /** Output of the compiler. */
   output: string, };
 
 /** A camera of a robot. */
 export type Camera = {
-  /** Where it sits, in the robot's frame; x of its own frame is where it looks, z upwards. */
+  /** Pose in the robot's frame; the camera looks along its own x axis, z points upwards. */
   mount: Point,
   /** Whole horizontal angle of view. */
   horizontal_rad: number,
   /** Whole vertical angle of view. */
   vertical_rad: number, };
 
-/** What a page can have done. */
+/** Command of a page. */
 export type Command = { "command": "run", } | { "command": "pause", } | { "command": "step", } | { "command": "speed",
   /** Simulated seconds for each second of real time; none for as fast as possible. */
   factor: number | null, } | { "command": "restart",
-  /** With which seed. */
+  /** Seed of the new run. */
   seed: Seed, } | { "command": "act",
-  /** What. */
+  /** The intervention. */
   action: Action, };
 
-/** More of one robot. */
+/** Details of one robot. */
 export type Detail = {
   /** Number of the run. */
   run: number,
@@ -122,59 +119,59 @@ export type Detail = {
   robot: number,
   /** Simulated time. */
   t_s: number,
-  /** Where it is. */
+  /** True pose. */
   pose: Pose,
-  /** Where it believes to be. */
+  /** Pose according to its odometry. */
   odometry: Pose,
-  /** The display; none while it shows what it showed in the detail before. */
+  /** Picture of the display; none if unchanged since the detail before. */
   lcd: Picture | null,
   /** The lines of text on the display, the menu last. */
   lcd_text: Array<string>,
-  /** What its camera sees now, without errors, if the page wants it. */
+  /** Noise-free picture of its camera, if the page requests it. */
   camera: Picture | null,
-  /** What its program has read last of each device, and what it commanded. */
+  /** Latest readings of its devices and latest commands of its program. */
   readings: Array<Reading>,
   /** Its sensors, in the order of the scene. */
   sensors: Array<SensorState>,
-  /** Its error models. */
+  /** Parameters of its noise models. */
   noise: Array<Parameter>,
-  /** The last scan of its laser scanner. */
+  /** Scan of its laser scanner. */
   scan: Scan | null, };
 
-/** Something that happened. */
+/** Event in a run. */
 export type Event = {
   /** Its number within the run, from 1. */
   number: number,
   /** Virtual time. */
   t_s: number,
-  /** Whose it is; none for the world. */
+  /** Number of the robot; none for the world. */
   robot: number | null,
-  /** The name of `docs/trace.md`, such as `contact` or `radio_sent`. */
+  /** Kind as in `docs/trace.md`, such as `contact` or `radio_sent`. */
   kind: string,
-  /** In words. */
+  /** Description in words. */
   text: string,
-  /** The fields of `docs/trace.md`. */
+  /** Fields as in `docs/trace.md`. */
   fields: Record<string, unknown>, };
 
 /** A batch of events. */
 export type Events = {
-  /** In order. */
+  /** Events in order. */
   events: Array<Event>,
-  /** How many before them this page has not got, since it was too slow or came too late. */
+  /** Number of earlier events that the page misses because it was too slow or connected too late. */
   missed: number, };
 
-/** A rectangle with one corner in the origin. */
+/** A rectangle with one corner at the origin. */
 export type Floor = {
-  /** Along x and y. */
+  /** Size along x and y. */
   size_m: [number, number],
-  /** Where it has no image. */
+  /** Colour if it has no image. */
   colour: [number, number, number],
-  /** Place in [`Scene::images`] of what is stretched over it. */
+  /** Index in [`Scene::images`] of the image stretched over it. */
   image: number | null, };
 
 /** The plane z = 0. */
 export type Ground = {
-  /** Around the floor. */
+  /** Colour around the floor. */
   colour: [number, number, number],
   /** The world's floor. */
   floor: Floor | null,
@@ -190,68 +187,68 @@ export type Image = {
 export type Lcd = {
   /** Width and height. */
   size_px: [number, number],
-  /** True for the display of RoBIOS-7, which has colours and feels touches. */
+  /** True for the display of RoBIOS-7, which has colours and a touch screen. */
   has_colours: boolean, };
 
-/** Motion at constant rates, in the body's own frame. */
+/** Motion at constant rates, in the body's frame. */
 export type Leg = {
-  /** When it starts. */
+  /** Start time. */
   t_s: number,
-  /** Where it starts: the pose of the robot's frame. */
+  /** Pose of the robot's frame at the start. */
   from: Pose,
-  /** Speed ahead. */
+  /** Forward speed. */
   v_m_per_s: number,
   /** Speed to the left. */
   left_m_per_s: number,
   /** Turning speed. */
   omega_rad_per_s: number,
-  /** How long it lasts; then the body rests. */
+  /** Duration; the body rests afterwards. */
   lasts_s: number, };
 
-/** What became of a robot. */
+/** History of a robot. */
 export type Life = {
-  /** Where it was. */
+  /** Its poses. */
   track: Track,
-  /** How its program stood, from when on; in order of time. */
+  /** States of its program, in order of time. */
   standings: Array<Stood>,
-  /** The texts on its display, from when on; in order of time. */
+  /** Texts on its display, in order of time. */
   lcd: Array<Shown>, };
 
 /** The sun. */
 export type Light = {
-  /** Unit vector towards it. */
+  /** Unit vector towards the sun. */
   towards: [number, number, number],
-  /** Share of light from everywhere. */
+  /** Share of ambient light. */
   ambient: number,
-  /** Share of the sun. */
+  /** Share of direct sunlight. */
   diffuse: number,
-  /** Whether things throw shadows. */
+  /** Bodies throw shadows. */
   shadows: boolean, };
 
-/** How a range of triangles looks. */
+/** Material of a range of triangles. */
 export type Material = {
   /** Number of triangles that have it. */
   triangles: number,
-  /** Its colour; that of the image is multiplied with it. */
+  /** Colour, by which that of the image is multiplied. */
   colour: [number, number, number],
-  /** Place of its texture in [`Scene::images`]. */
+  /** Index of its texture in [`Scene::images`]. */
   image: number | null, };
 
 /** A surface of triangles, seen from both sides, in its own frame. Numbers are little endian, in base64. */
 export type Mesh = {
   /** Three corners of each triangle, x, y and z of each in metres, `f32`: 36 bytes a triangle. */
   positions: string,
-  /** Unit normals of the corners, `f32`, where they are smooth: else the triangles are flat. */
+  /** Unit normals of the corners, `f32`, if any are smooth; none if all triangles are flat. */
   normals: string | null,
   /** Texture coordinates of the corners, u to the right and v upwards, `f32`: 24 bytes a triangle. */
   uvs: string | null,
-  /** The materials, each for the triangles from the end of the one before. */
+  /** Materials in the order of the triangles: each applies to the next [`Material::triangles`] of them. */
   materials: Array<Material>, };
 
-/** What the server says. */
+/** Message of the server. */
 export type Message = { "type": "welcome" } & Welcome | { "type": "scene" } & Scene | { "type": "snapshot" } & Snapshot | { "type": "detail" } & Detail | { "type": "events" } & Events | { "type": "build" } & Build | { "type": "answer" } & Answer;
 
-/** What is known of a movable object from the start. */
+/** Constant properties of a movable object. */
 export type Object = {
   /** Its number. */
   id: number,
@@ -264,27 +261,27 @@ export type Object = {
 export type ObjectState = {
   /** Its number. */
   id: number,
-  /** Where it is. */
+  /** Its pose. */
   pose: Pose, };
 
-/** A number of an error model that can be set. */
+/** Parameter of a noise model that can be set. */
 export type Parameter = {
   /** Table and key of the noise profile, such as `psd.sigma_mm`. */
   name: string,
-  /** What it is, in a few words. */
+  /** Short description. */
   what: string,
   /** Its value. */
   value: number,
   /** Least and greatest value. */
   range: [number, number],
-  /** Unit of the value; empty for a share. */
+  /** Unit of the value; empty for a ratio. */
   unit: string, };
 
-/** A surface that stands somewhere. */
+/** Mesh placed in the world or on a body. */
 export type Part = {
-  /** Place of its surface in [`Scene::meshes`]. */
+  /** Index of its mesh in [`Scene::meshes`]. */
   mesh: number,
-  /** Where it stands. */
+  /** Its place. */
   place: Place, };
 
 /** A picture. */
@@ -294,11 +291,11 @@ export type Picture = {
   /** Width and height. */
   size_px: [number, number], };
 
-/** Where a part stands. */
+/** Place of a part. */
 export type Place = { "on": "world",
-  /** What it is: `wall`, `object` or `terrain`. */
+  /** Kind of the part: `wall`, `object` or `terrain`. */
   what: string,
-  /** Its frame in that of the world. */
+  /** Pose of its frame in the world frame. */
   at: Point, } | { "on": "robot",
   /** Its number. */
   robot: number, } | { "on": "object",
@@ -318,59 +315,59 @@ export type Pose = {
   x_m: number,
   /** World coordinate upwards. */
   y_m: number,
-  /** Heading, counter-clockwise from x; whole turns are in it. */
+  /** Heading, counter-clockwise from x, including whole turns. */
   phi_rad: number, };
 
-/** What was read of a device. */
+/** Latest reading of a device. */
 export type Reading = {
-  /** Name of the device, or of what is read: `PSD_FRONT`, `odometry x`. */
+  /** Name of the device or of the quantity: `PSD_FRONT`, `odometry x`. */
   name: string,
   /** Its value; none when there was nothing to measure. */
   value: number | null,
   /** Unit of the value; empty for a count. */
   unit: string,
-  /** When it was read. */
+  /** Virtual time of the reading. */
   at_s: number, };
 
 /** A recorded run: `GET /recording.json` of a replay, and the text of the element `recording` in a page that is one file. */
 export type Recording = {
-  /** The world and all bodies that have ever been in it. */
+  /** The world and all bodies that were in it at any time. */
   scene: Scene,
   /** Simulated time at the end. */
   duration_s: number,
-  /** Why the run ended, in words. */
+  /** Reason why the run ended, in words. */
   why: string,
-  /** Digest of the run; empty where the trace is not complete. */
+  /** Digest of the run; empty if the trace is not complete. */
   digest: string,
-  /** What the user should know: that the trace is cut off, or that the scene's files have changed since. */
+  /** Notices for the user: the trace is truncated, or the scene's files have changed since. */
   remarks: Array<string>,
   /** One for each robot of the scene, in the same order. */
   robots: Array<Life>,
   /** One for each movable object of the scene, in the same order. */
   objects: Array<Track>,
-  /** What happened, in order. */
+  /** Events in order. */
   events: Array<Event>,
-  /** How many events are left out, of kinds that come too often to be kept. */
+  /** Number of events left out because their kinds are too frequent. */
   events_left_out: number, };
 
-/** What a page says. */
+/** Message of a page. */
 export type Request = { "type": "hello",
   /** The page's version of the protocol. */
   protocol: number,
-  /** The teacher's token, where the page has one. */
+  /** The teacher's token, if the page has one. */
   token: string | null, } | { "type": "look",
   /** Number of the robot; none for no robot. */
   robot: number | null,
-  /** With what its camera sees. */
+  /** Include pictures of its camera. */
   camera: boolean,
-  /** With its RoBIOS calls among the events. */
+  /** Include its RoBIOS calls in the events. */
   calls: boolean, } | { "type": "act",
-  /** The page's own number of the command. */
+  /** Number of the command, chosen by the page. */
   number: number,
-  /** What to do. */
+  /** The command. */
   command: Command, };
 
-/** What is known of a robot from the start. */
+/** Constant properties of a robot. */
 export type Robot = {
   /** Its number. */
   id: number,
@@ -380,7 +377,7 @@ export type Robot = {
   kind: string,
   /** Its program; empty for none. */
   program: string,
-  /** Colour by which it is told from others. */
+  /** Colour that distinguishes the robot from others. */
   colour: [number, number, number],
   /** Its extent. */
   body: Body,
@@ -395,32 +392,32 @@ export type Robot = {
 export type RobotState = {
   /** Its number. */
   id: number,
-  /** How it moves from the snapshot's time to the slot's end; the first leg holds at the snapshot's time. */
+  /** Motion from the snapshot's time to the slot's end; the first leg holds at the snapshot's time. */
   legs: Array<Leg>,
-  /** How its program stands. */
+  /** State of its program. */
   standing: Standing,
   /** Its virtual time. */
   now_s: number,
-  /** What its program waits for, or why it ended; empty where there is nothing to say. */
+  /** Reason why its program waits or has ended; empty if there is none. */
   why: string,
-  /** Whether its wheels stall. */
+  /** The wheels are stalled. */
   is_stalled: boolean, };
 
-/** How a run stands. */
+/** State of a run. */
 export type RunState = { "is": "running" } | { "is": "paused" } | { "is": "idle" } | { "is": "ended",
-  /** Why, in words. */
+  /** Reason, in words. */
   why: string,
-  /** Its digest. */
+  /** Digest of the run. */
   digest: string, };
 
 /** A scan. */
 export type Scan = {
-  /** Where the scanner is, in the world. */
+  /** Position of the scanner in the world frame. */
   from_m: [number, number, number],
-  /** The points that it would measure now, in the world. */
+  /** Points that it would measure now, in the world frame. */
   points_m: Array<[number, number, number]>, };
 
-/** A run and all that is in it. */
+/** A run and all bodies in it. */
 export type Scene = {
   /** Number of the run since the window was opened, from 1. */
   run: number,
@@ -430,13 +427,13 @@ export type Scene = {
   seed: string,
   /** Length of a slot. */
   slot_s: number,
-  /** Lower left and upper right corner of all that stands there. */
+  /** Lower left and upper right corner of the occupied area. */
   bounds_m: [[number, number], [number, number]],
   /** Images of textures. */
   images: Array<Image>,
   /** Surfaces; parts that look alike share one. */
   meshes: Array<Mesh>,
-  /** What stands where. */
+  /** Placed meshes. */
   parts: Array<Part>,
   /** The floor. */
   ground: Ground | null,
@@ -448,19 +445,19 @@ export type Scene = {
   robots: Array<Robot>,
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<Object>,
-  /** What can be added. */
+  /** Types that can be added. */
   workshop: Workshop, };
 
-/** Seed of a run that starts anew. */
+/** Seed of a restarted run. */
 export type Seed = "same" | "new" | { "number": string };
 
 /** A sensor of a robot. */
 export type Sensor = {
   /** Its name, unique among the robot's. */
   name: string,
-  /** What it is. */
+  /** Its kind. */
   kind: SensorKind,
-  /** Where it sits, in the robot's frame; x of its own frame is where it looks. */
+  /** Pose in the robot's frame; the sensor looks along its own x axis. */
   mount: Point | null,
   /** Least and greatest distance that it measures. */
   range_m: [number, number] | null,
@@ -470,16 +467,16 @@ export type Sensor = {
 /** Kinds of sensors. */
 export type SensorKind = "psd" | "laser" | "ultrasonic" | "reflectance" | "sonar" | "lidar" | "infrared" | "bumper" | "compass" | "encoder" | "camera";
 
-/** Whether a sensor is on. */
+/** State of a sensor. */
 export type SensorState = {
   /** Its name. */
   name: string,
-  /** Off or on. */
+  /** The sensor is switched on. */
   is_on: boolean, };
 
-/** What a display showed. */
+/** Contents of a display from a time on. */
 export type Shown = {
-  /** From when on. */
+  /** Time at which the contents appear. */
   t_s: number,
   /** Its lines of text, the menu last. */
   lines: Array<string>, };
@@ -497,57 +494,57 @@ export type Snapshot = {
   run: number,
   /** Simulated time: the start of a slot. */
   t_s: number,
-  /** How the run stands. */
+  /** State of the run. */
   state: RunState,
-  /** The speed that was asked for: simulated seconds for each second of real time; none for as fast as possible. */
+  /** Requested speed: simulated seconds for each second of real time; none for as fast as possible. */
   speed: number | null,
-  /** Simulated seconds for each second of real time, as they are. */
+  /** Measured speed: simulated seconds for each second of real time. */
   rate: number,
   /** All robots that are in the world, in order of their numbers. */
   robots: Array<RobotState>,
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<ObjectState>,
-  /** What the range sensors would measure now, without errors. */
+  /** Noise-free beams of the range sensors. */
   beams: Array<Beam>, };
 
 /** A disc on the floor. */
 export type Spot = {
-  /** Its middle. */
+  /** Its centre. */
   centre_m: [number, number],
   /** Its radius. */
   radius_m: number,
   /** Red, green, blue and opacity. */
   colour: [number, number, number, number], };
 
-/** How a program stands. */
+/** State of a program. */
 export type Standing = "running" | "waiting" | "finished" | "failed" | "no_program";
 
-/** How a program stood. */
+/** State of a program from a time on. */
 export type Stood = {
-  /** From when on. */
+  /** Time at which the state begins. */
   t_s: number,
-  /** How. */
+  /** The state. */
   standing: Standing,
-  /** Why; empty where there is nothing to say. */
+  /** Reason; empty if there is none. */
   why: string, };
 
-/** Where a body was. Thinned: between two points it is on the straight line and turns evenly, to within 2 mm and 1 degree. */
+/** Poses of a body over time, thinned: linear interpolation between two points is accurate to 2 mm and 1 degree. */
 export type Track = {
   /**
-   * Times of the points, in order: two at the same time where the body was put elsewhere. Before the first point the body is
-   * not in the world; after the last it stays there.
+   * Times of the points, in order; two points at the same time where the body was placed elsewhere. Before the first point the
+   * body is not in the world; after the last it stays there.
    */
   t_s: Array<number>,
   /** World coordinates to the right, one for each time. */
   x_m: Array<number>,
   /** World coordinates upwards, one for each time. */
   y_m: Array<number>,
-  /** Headings, counter-clockwise from x, whole turns in them, one for each time. */
+  /** Headings, counter-clockwise from x, including whole turns, one for each time. */
   phi_rad: Array<number>,
-  /** When it was taken out of the world; none if it never was. */
+  /** Time of its removal from the world; none if it was not removed. */
   until_s: number | null, };
 
-/** Who speaks to the page, and what it may do. */
+/** Version of the server, and the rights of the page. */
 export type Welcome = {
   /** [`PROTOCOL`]. */
   protocol: number,
@@ -558,7 +555,7 @@ export type Welcome = {
   /** False for a page that only watches: its commands are refused. */
   may_act: boolean, };
 
-/** What can be added to a scene. */
+/** Types of bodies that can be added to a scene. */
 export type Workshop = {
   /** Types of robots. */
   robots: Array<string>,

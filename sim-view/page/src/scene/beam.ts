@@ -1,4 +1,4 @@
-// What robots sense: beams of range sensors with the measured points, the scan, what cameras look at.
+// Views of sensors: beams of range sensors with the measured points, the laser scan, fields of view of cameras.
 
 import * as THREE from "three";
 import type { Model } from "../model";
@@ -12,7 +12,7 @@ const SONAR: Colour = [0.15, 0.6, 0.95];
 const SCAN: Colour = [0.1, 0.75, 0.35];
 const VIEW: Colour = [0.95, 0.8, 0.15];
 
-/** Beams in the frames of their robots: they move with them between snapshots. */
+/** Beams in the frames of their robots, with which they move between snapshots. */
 export class Beams {
   readonly beams = new THREE.Group();
   readonly scan = new THREE.Group();
@@ -24,7 +24,7 @@ export class Beams {
   private readonly scanHits = new Pen("points", { size_px: 4, renderOrder: 7 });
   private readonly frustumLines = new Pen("lines", { renderOrder: 6 });
   private readonly frustumFaces = new Pen("triangles", { renderOrder: 5 });
-  /** Of each beam: from, to (robot's frame), half angle, whether it has met something. */
+  /** For each beam: from, to (robot's frame), half angle, 1 for a hit. */
   private numbers = new Float32Array(0);
   private owners: (Shown | undefined)[] = [];
   private scanNumbers = new Float32Array(0);
@@ -51,7 +51,7 @@ export class Beams {
     });
   }
 
-  /** Takes the beams of the model's snapshot. */
+  /** Copies the beams of the model's snapshot. */
   takeBeams(): void {
     const { snapshot, scene } = this.model;
     const beams = snapshot?.beams ?? [];
@@ -72,7 +72,7 @@ export class Beams {
     });
   }
 
-  /** Takes the scan of the chosen robot's detail. */
+  /** Copies the scan of the chosen robot's detail. */
   takeScan(): void {
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
     this.scanOwner = detail?.scan ? this.bodies.robot(detail.robot) : undefined;
@@ -143,7 +143,7 @@ export class Beams {
         hits.to(x, y, z, SCAN, 1);
         const turn = Math.atan2(y - fy, x - fx);
         const step = Math.abs(((turn - lastTurn + 3 * Math.PI) % (2 * Math.PI)) - Math.PI);
-        // Neighbours of which one has measured nothing in between do not span a triangle.
+        // Adjacent points across a gap without returns do not span a triangle.
         if (step < 0.1) {
           fan.to(fx, fy, fz, SCAN, 0.12);
           fan.to(lastX, lastY, lastZ, SCAN, 0.12);
@@ -182,7 +182,7 @@ export class Beams {
   }
 }
 
-/** Eye and the four corners of what a camera sees, in the robot's frame. */
+/** Apex and four corners of a camera's view frustum, in the robot's frame. */
 function frustum(robot: Robot): Float32Array {
   const camera = robot.camera!;
   const place = new THREE.Vector3(...camera.mount.position_m);
@@ -190,7 +190,7 @@ function frustum(robot: Robot): Float32Array {
   const depth = 3 * robot.body.radius_m;
   const corners = new Float32Array(15);
   place.toArray(corners, 0);
-  // A whole fisheye has no pyramid: what is drawn is cut at 150 degrees.
+  // A full fisheye has no pyramid: the frustum is limited to 150 degrees.
   const most = (75 * Math.PI) / 180;
   const side = depth * Math.tan(Math.min(most, camera.horizontal_rad / 2));
   const up = depth * Math.tan(Math.min(most, camera.vertical_rad / 2));
@@ -205,7 +205,7 @@ function frustum(robot: Robot): Float32Array {
   return corners;
 }
 
-/** A point of the world in the frame of a pose. */
+/** Transforms a point of the world into the frame of a pose. */
 function into(pose: Pose, [x, y, z]: [number, number, number], numbers: Float32Array, at: number): void {
   const [dx, dy] = [x - pose.x_m, y - pose.y_m];
   const [cos, sin] = [Math.cos(pose.phi_rad), Math.sin(pose.phi_rad)];
@@ -214,7 +214,7 @@ function into(pose: Pose, [x, y, z]: [number, number, number], numbers: Float32A
   numbers[at + 2] = z;
 }
 
-/** A point of a body's frame in the world. */
+/** Transforms a point of a body's frame into the world. */
 function out(body: Shown, numbers: Float32Array, at: number, to: Float32Array): void {
   const { x_m, y_m, phi_rad } = body.pose;
   const [cos, sin] = [Math.cos(phi_rad), Math.sin(phi_rad)];

@@ -1,25 +1,25 @@
-// The bodies that move, and where they are shown.
+// The moving bodies and their displayed poses.
 
 import type { Model } from "../model";
 import type { Body, Pose } from "../protocol";
 
-/** A robot or a movable object as it is shown. */
+/** A robot or a movable object on display. */
 export interface Shown {
   readonly what: "robot" | "object";
   readonly id: number;
   readonly extent: Body;
   /** Red, green and blue from 0 to 1. */
   readonly colour: readonly [number, number, number];
-  /** Where it is shown. */
+  /** Displayed pose. */
   readonly pose: Pose;
-  /** Where a hand holds it, until the run has taken it there; none when nobody does. */
+  /** Pose to which the user drags it, until the run has placed it there; null if it is not dragged. */
   held: Pose | null;
-  /** Whether it is in the world. */
+  /** The body is in the world. */
   isThere: boolean;
   isStalled: boolean;
 }
 
-/** All bodies that move. */
+/** All moving bodies. */
 export class Bodies {
   robots: Shown[] = [];
   objects: Shown[] = [];
@@ -46,7 +46,7 @@ export class Bodies {
     return "robot" in selected ? this.robot(selected.robot) : this.object(selected.object);
   }
 
-  /** Takes the bodies of the model's scene. */
+  /** Creates the bodies of the model's scene. */
   rebuild(): void {
     const scene = this.model.scene;
     this.robots = (scene?.robots ?? []).map((robot) => shown("robot", robot.id, robot.body, robot.colour));
@@ -58,7 +58,7 @@ export class Bodies {
     for (const body of this.objects) this.byObject.set(body.id, body);
   }
 
-  /** Takes what the snapshot says of them besides where they are. */
+  /** Copies the states other than poses from the snapshot. */
   mark(): void {
     for (const body of this.robots) body.isStalled = false;
     for (const state of this.model.snapshot?.robots ?? []) {
@@ -67,7 +67,7 @@ export class Bodies {
     }
   }
 
-  /** Puts all where they are at a time; whether anything has moved. */
+  /** Moves all bodies to their poses at a time; returns true if any has moved. */
   update(t_s: number): boolean {
     let hasMoved = false;
     for (const body of this.all) {

@@ -1,4 +1,4 @@
-// The eye: orbit, pan and zoom, home and top view, following a robot, a robot's own view.
+// The camera of the view: orbit, pan and zoom, home and top view, following a robot, a robot's own view.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -11,7 +11,7 @@ const TRAVEL_MS = 450;
 
 export type Mode = "free" | "follow" | "robot";
 
-/** A place to look from: around a target, at an angle from x in the plane, at an angle from the vertical. */
+/** Camera position relative to a target: azimuth from x in the plane, polar angle from the vertical, distance. */
 interface Look {
   target: THREE.Vector3;
   turn: number;
@@ -54,7 +54,7 @@ export class Eye {
     this.controls.addEventListener("start", () => (this.travel = null));
   }
 
-  /** Follow the chosen robot, look through its camera, or neither. */
+  /** Follows the chosen robot, looks through its camera, or neither. */
   setMode(mode: Mode): void {
     if (this.mode === "robot" && mode !== "robot") {
       this.mode = mode;
@@ -74,17 +74,17 @@ export class Eye {
     this.onchange();
   }
 
-  /** The whole world at a slant, as close as it fits. */
+  /** Shows the whole world obliquely, as close as it fits. */
   home(isSmooth = true): void {
     this.lookFrom(new THREE.Vector3(0.08, -0.62, 0.86), isSmooth);
   }
 
-  /** From straight above, y upwards. */
+  /** Shows the whole world from straight above, y upwards. */
   top(isSmooth = true): void {
     this.lookFrom(new THREE.Vector3(0, -1e-3, 1), isSmooth);
   }
 
-  /** Brings a body into the middle. */
+  /** Moves a body to the centre of the view. */
   centre(body: Shown): void {
     if (this.mode === "robot") return;
     const target = new THREE.Vector3(body.pose.x_m, body.pose.y_m, 0);
@@ -93,7 +93,7 @@ export class Eye {
     this.go(target.clone().addScaledVector(way.normalize(), near), target, true);
   }
 
-  /** Turns, tilts, zooms or shifts by steps, as keys do. */
+  /** Rotates the camera about its target by steps, for keys. */
   orbit(left: number, up: number): void {
     if (this.mode === "robot") return;
     this.travel = null;
@@ -122,19 +122,19 @@ export class Eye {
     this.controls.update();
   }
 
-  /** The directions on the floor that are to the right and ahead on the screen. */
+  /** Directions on the floor that point to the right and ahead on the screen. */
   axes(): [THREE.Vector2, THREE.Vector2] {
     const right = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
     const x = new THREE.Vector2(right.x, right.y).normalize();
     return [x, new THREE.Vector2(-x.y, x.x)];
   }
 
-  /** The robot through whose camera is looked. */
+  /** The robot whose camera is shown. */
   get robot(): Shown | null {
     return this.mode === "robot" ? (this.bodies.robot(this.model.chosen) ?? null) : null;
   }
 
-  /** How many pixels a metre in the middle of the view has. */
+  /** Pixels per metre at the centre of the view. */
   get px_per_m(): number {
     const distance = this.mode === "robot" ? 1 : this.camera.position.distanceTo(this.controls.target);
     return this.surface.clientHeight / (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360));
@@ -146,7 +146,7 @@ export class Eye {
     if (this.mode === "follow") this.follow();
   }
 
-  /** Takes the size of a new world. */
+  /** Adapts distances and the view to a new world. */
   fit(scene: Scene): void {
     const [[left, low], [right, high]] = scene.bounds_m;
     const size = Math.hypot(right - left, high - low);
@@ -170,7 +170,7 @@ export class Eye {
     const corners = [0, tall].flatMap((z) =>
       [left, right].flatMap((x) => [low, high].map((y) => new THREE.Vector3(x, y, z))),
     );
-    // The distance from which all corners are in sight, by halving; then the middle of what is seen to the middle of the view.
+    // Bisects for the distance from which all corners are visible, with their middle at the centre of the view.
     const camera = this.camera.clone();
     const size = Math.hypot(right - left, high - low);
     let [near, far] = [0.1 * size, 8 * size];
@@ -183,7 +183,7 @@ export class Eye {
     this.go(target.clone().addScaledVector(way, far), target, isSmooth);
   }
 
-  /** Width and height in the view (which has 2) of what spans the corners; moves the target to its middle. */
+  /** Width and height of the corners' bounding box in the view (which spans 2); moves the target to the centre of the box. */
   private extent(
     camera: THREE.PerspectiveCamera,
     corners: readonly THREE.Vector3[],
@@ -270,7 +270,7 @@ export class Eye {
     this.last.copy(this.now);
   }
 
-  /** Looks from the robot's camera; from one without, from its front. */
+  /** Looks through the robot's camera or, if it has none, ahead from its front. */
   private lookThrough(): void {
     const body = this.robot;
     const robot = this.model.scene?.robots.find(({ id }) => id === this.model.chosen);
@@ -291,7 +291,7 @@ export class Eye {
     }
   }
 
-  /** Horizontal and vertical angle of view in degrees with which all that a robot's camera sees is in the view. */
+  /** Horizontal and vertical field of view, in degrees, that contain the field of view of a robot's camera. */
   private field(robot: Robot): [number, number] {
     const { horizontal_rad, vertical_rad } = robot.camera ?? { horizontal_rad: 1, vertical_rad: 0.8 };
     const tan = (angle: number) => Math.tan(Math.min(angle, 2.4) / 2);
@@ -299,7 +299,7 @@ export class Eye {
     return [(2 * Math.atan(up * this.camera.aspect) * 180) / Math.PI, (2 * Math.atan(up) * 180) / Math.PI];
   }
 
-  /** The part of the view that the robot's camera sees: shares of its width and height; null in other views or for a wide lens. */
+  /** Shares of the view's width and height that the robot's camera sees; null in other views or for a wide lens. */
   frame(): [number, number] | null {
     const robot = this.model.scene?.robots.find(({ id }) => id === this.model.chosen);
     if (this.mode !== "robot" || !robot?.camera || robot.camera.horizontal_rad > 2.4) return null;
@@ -323,7 +323,7 @@ function lookOf(from: THREE.Vector3, target: THREE.Vector3): Look {
 }
 
 const UP = new THREE.Vector3(0, 0, 1);
-/** From the camera of three.js (looks along -z, y up) to the robot's (looks along x, z up). */
+/** Rotation from the camera of three.js (looks along -z, y up) to the robot's (looks along x, z up). */
 const LOOK_AHEAD = new THREE.Quaternion().setFromRotationMatrix(
   new THREE.Matrix4().makeBasis(new THREE.Vector3(0, -1, 0), new THREE.Vector3(0, 0, 1), new THREE.Vector3(-1, 0, 0)),
 );

@@ -1,4 +1,4 @@
-// What helps to read lengths and directions: grid, axes, scale bar.
+// Guides for lengths and directions: grid, axes, scale bar.
 
 import * as THREE from "three";
 import { element } from "../dom";
@@ -16,7 +16,7 @@ const AXES: readonly Colour[] = [
 export class Guides {
   readonly grid = new THREE.Group();
   readonly axes = new THREE.Group();
-  /** Stands over the view's corner. */
+  /** Scale bar in a corner of the view. */
   readonly bar = element("output", { className: "scale-bar number", testid: "scale-bar", label: "Scale" });
   private readonly gridPen = new Pen("lines", { renderOrder: -1 });
   private readonly axesPen = new Pen("lines", { renderOrder: 11, depthTest: false });
@@ -69,7 +69,7 @@ export class Guides {
     this.axesPen.end();
   }
 
-  /** Fits the bar to a view in which a metre in the middle is so many pixels long. */
+  /** Fits the scale bar to the pixels per metre at the centre of the view. */
   update(px_per_m: number, width_px: number, height_px: number): void {
     this.names.end(width_px, height_px);
     const length_m = round(110 / px_per_m);
@@ -87,7 +87,7 @@ export class Guides {
   }
 }
 
-/** The largest of 1, 2, 5, 10, 20, ... times a power of ten that is not greater. */
+/** The largest 1, 2 or 5 times a power of ten that is not greater. */
 function round(length: number): number {
   const power = 10 ** Math.floor(Math.log10(length));
   const digit = length / power;

@@ -1,4 +1,4 @@
-// Choosing and moving bodies by mouse, touch and keyboard.
+// Selecting and moving bodies by mouse, touch and keyboard.
 
 import * as THREE from "three";
 import type { Model } from "../model";
@@ -8,12 +8,12 @@ import type { Bodies, Shown } from "./bodies";
 import type { Eye } from "./eye";
 import type { Marks } from "./marks";
 
-/** Pixels that a pointer may stray in a click, and around a body that still counts as on it. */
+/** Pixels by which a pointer may move in a click, and tolerance for hitting a body. */
 const CLICK_PX = 4;
 const NEAR_PX = 8;
 const STEP_M = 0.01;
 const TURN_RAD = Math.PI / 36;
-/** A body moved by keys is put down when they have rested so long. */
+/** A body moved by keys is placed after this time without a key press. */
 const REST_MS = 600;
 
 interface Grip {
@@ -21,7 +21,7 @@ interface Grip {
   body: Shown;
   isTurning: boolean;
   start: Pose;
-  /** Where it was taken: a point on the plane of the grip, and the pointer. */
+  /** Point on the drag plane where the drag started; its pointer position is `x_px`, `y_px`. */
   at: THREE.Vector3;
   height_m: number;
   x_px: number;
@@ -37,7 +37,7 @@ export class Hand {
   private readonly spot = new THREE.Vector3();
   private readonly seen = new THREE.Vector3();
 
-  /** Listens before the controls do, which it switches off while it holds something. */
+  /** Listens before the orbit controls do, and disables them during a drag. */
   constructor(
     private readonly model: Model,
     private readonly bodies: Bodies,
@@ -53,7 +53,7 @@ export class Hand {
     surface.addEventListener("keydown", (event) => this.key(event));
   }
 
-  /** Puts all that is held back where it was. */
+  /** Cancels all moves: dragged bodies return to their poses. */
   cancel(): void {
     clearTimeout(this.resting);
     for (const body of this.bodies.all) body.held = null;
@@ -121,7 +121,7 @@ export class Hand {
     this.surface.focus();
   }
 
-  /** Lets go of what is held: it is put there, or back. */
+  /** Ends a drag: places the body, or returns it. */
   private drop(isBack: boolean): void {
     const { grip } = this;
     this.grip = null;
@@ -137,7 +137,7 @@ export class Hand {
     }
   }
 
-  /** Asks the run to take a body where it is held; it stays there until the run has answered. */
+  /** Asks the run to place a body at its dragged pose, where it is displayed until the run has answered. */
   private async place(body: Shown): Promise<void> {
     const { held } = body;
     if (!held) return;
@@ -150,7 +150,7 @@ export class Hand {
       if (body.held === held) body.held = null;
       this.changed();
     };
-    // The snapshot that shows it follows the answer.
+    // The snapshot with the new pose follows the answer.
     if (isPlaced) setTimeout(letGo, 150);
     else letGo();
   }
@@ -174,7 +174,7 @@ export class Hand {
     event.stopPropagation();
   }
 
-  /** Moves a body by a step along the axis of the floor that is nearest to the arrow on the screen. */
+  /** Moves a body by a step along the floor axis that is closest to the arrow's direction on the screen. */
   private push(body: Shown | undefined, right: number, ahead: number): void {
     const [x, y] = this.eye().axes();
     const way = x.multiplyScalar(right).add(y.multiplyScalar(ahead));
@@ -212,7 +212,7 @@ export class Hand {
     this.ray.setFromCamera(new THREE.Vector2(x, y), this.eye().camera);
   }
 
-  /** The nearest body whose upright cylinder the pointer is on, or near to. */
+  /** The nearest body whose upright bounding cylinder is at the pointer, or close to it. */
   private pick(): Shown | undefined {
     const { origin, direction } = this.ray.ray;
     const slack = NEAR_PX / this.eye().px_per_m;
@@ -253,14 +253,14 @@ const ARROWS: Record<string, readonly [number, number] | undefined> = {
   ArrowDown: [0, -1],
 };
 
-/** The distance at which a ray meets a body's upright cylinder, widened by a slack; null if it does not. */
+/** Distance at which a ray hits a body's upright cylinder, widened by `slack`; null if there is no hit. */
 function meet(origin: THREE.Vector3, direction: THREE.Vector3, body: Shown, slack: number): number | null {
   const radius = body.extent.radius_m + slack;
   const [dx, dy] = [origin.x - body.pose.x_m, origin.y - body.pose.y_m];
   const a = direction.x ** 2 + direction.y ** 2;
   const b = dx * direction.x + dy * direction.y;
   const c = dx ** 2 + dy ** 2 - radius ** 2;
-  // From straight above, where the ray meets the top.
+  // Hit on the top, from above.
   const top = (body.extent.height_m - origin.z) / direction.z;
   if (top > 0 && (dx + top * direction.x) ** 2 + (dy + top * direction.y) ** 2 <= radius ** 2) return top;
   const root = b * b - a * c;

@@ -1,4 +1,4 @@
-// What happens for a moment: messages that fly with their fate, and contacts.
+// Short-lived events: messages in flight with their outcome, and contacts.
 
 import * as THREE from "three";
 import type { Model } from "../model";
@@ -7,7 +7,7 @@ import type { Bodies } from "./bodies";
 import { Pen, type Colour } from "./pen";
 import { Sprites } from "./sprite";
 
-/** A message flies for this real time and is seen for this long altogether, however short it takes in the simulation. */
+/** Real times for which a message flies, and is visible altogether, whatever its time of flight in the simulation. */
 const FLIGHT_MS = 550;
 const SHOWN_MS = 1200;
 const CONTACT_MS = 900;
@@ -22,12 +22,12 @@ const CONTACT: Colour = [1, 0.25, 0.1];
 
 type Fate = "arrived" | "damaged" | "lost";
 
-/** A message from one robot to another, or that is lost where it was sent. */
+/** A message from one robot to another; both are equal if it is lost where it was sent. */
 interface Flight {
   from: number;
   to: number;
   fate: Fate;
-  /** How long it has been shown; it stands still, with its fate, while the run does. */
+  /** Real time for which it has been shown; it stops, with its outcome visible, while the run is paused. */
   age_ms: number;
 }
 
@@ -62,23 +62,23 @@ export class Happenings {
   rebuild(): void {
     this.flights.length = 0;
     this.struck.length = 0;
-    // What was before the page came is not played.
+    // Events from before the page was opened are not played.
     this.last = this.model.events.at(-1)?.number ?? 0;
   }
 
-  /** Takes the model's new events. */
+  /** Reads the model's new events. */
   takeEvents(): void {
     const { events } = this.model;
     const newest = events.at(-1)?.number ?? 0;
     if (newest < this.last) return this.rebuild();
     let first = events.length;
     while (first > 0 && events[first - 1]!.number > this.last) first--;
-    // After a leap in time only the last are news.
+    // After a jump in time only the latest events are played.
     for (const event of events.slice(Math.max(first, events.length - 2 * MAX_FLIGHTS))) this.take(event);
     this.last = newest;
   }
 
-  /** Draws them; whether anything is under way. */
+  /** Draws messages and contacts; returns true while any is animated. */
   update(passed_ms: number, isReduced: boolean, width_px: number, height_px: number): boolean {
     const isStill = this.model.snapshot?.state.is === "paused" || this.model.player?.isPlaying === false;
     age(this.flights, passed_ms, SHOWN_MS, isStill);
@@ -122,7 +122,7 @@ export class Happenings {
       const rest = Math.max(0, (SHOWN_MS - flight.age_ms) / (SHOWN_MS - FLIGHT_MS));
       const opacity = isReduced ? 1 : Math.min(1, rest);
       const colour = share < 1 ? AIR : COLOURS[flight.fate];
-      // A lost message comes half the way.
+      // A lost message ends about half-way.
       const goal = flight.fate === "lost" ? 0.55 : 1;
       const end = goal * share;
       const z0 = from.extent.height_m + 0.02;
@@ -135,7 +135,7 @@ export class Happenings {
         at[0] = from.pose.x_m + s * (to.pose.x_m - from.pose.x_m);
         at[1] = from.pose.y_m + s * (to.pose.y_m - from.pose.y_m);
         at[2] = z0 + s * (z1 - z0) + 4 * rise * s * (1 - s);
-        // Each inner corner ends one line and begins the next.
+        // Each inner vertex ends one line and begins the next.
         if (p > 0) arcs.to(at[0], at[1], at[2], colour, opacity);
         if (p < parts) arcs.to(at[0], at[1], at[2], colour, opacity * (p / parts));
       }
@@ -147,7 +147,7 @@ export class Happenings {
     fates.end(width_px, height_px);
   }
 
-  /** A star that grows and fades. */
+  /** Draws each contact as a star that grows and fades. */
   private drawContacts(): void {
     const pen = this.bursts;
     pen.begin();
@@ -172,7 +172,7 @@ const COLOURS: Record<Fate, Colour> = { arrived: ARRIVED, damaged: DAMAGED, lost
 const FATES: Record<Fate, number> = { arrived: 0, damaged: 1, lost: 2 };
 const at = new Float64Array(3);
 
-/** Ages items and drops the old ones; while the run stands still they wait where all can be seen. */
+/** Ages items and drops old ones; while the run is paused they stop at an age where they are fully visible. */
 function age(items: { age_ms: number }[], passed_ms: number, most_ms: number, isStill: boolean): void {
   for (const item of items) {
     const next = item.age_ms + passed_ms;

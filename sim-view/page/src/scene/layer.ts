@@ -1,4 +1,4 @@
-// Which layers of the 3D view are shown.
+// Layers of the 3D view that can be switched.
 
 import { element } from "../dom";
 
@@ -9,7 +9,7 @@ export interface Layer {
   show: (isOn: boolean) => void;
 }
 
-/** A list of checkboxes; what was chosen is remembered. */
+/** A list of checkboxes; the selection is stored for the next visit. */
 export function layerList(layers: readonly Layer[], changed: () => void): HTMLElement {
   const rows = layers.map((layer) => {
     const memory = `eyesim.layer.${layer.id}`;
@@ -28,7 +28,7 @@ export function layerList(layers: readonly Layer[], changed: () => void): HTMLEl
   return element("details", { className: "layers", testid: "layers" }, [element("summary", { textContent: "Layers" }), fields]);
 }
 
-/** A page from disk may have no storage. */
+/** Reads a stored value; a page opened from disk may have no storage. */
 function recall(key: string): string | null {
   try {
     return localStorage.getItem(key);
@@ -41,6 +41,6 @@ function remember(key: string, value: string): void {
   try {
     localStorage.setItem(key, value);
   } catch {
-    // It is forgotten with the page.
+    // Without storage the value is lost with the page.
   }
 }

@@ -1,4 +1,4 @@
-// Marks on bodies: coloured rings by which robots are told apart, numbers, the selection with its handle, the odometry's ghost.
+// Marks on bodies: coloured rings that distinguish robots, numbers, the selection with its handle, the odometry's ghost.
 
 import * as THREE from "three";
 import type { Model } from "../model";
@@ -11,10 +11,10 @@ import { write } from "./world";
 const STALLED: Colour = [1, 0.2, 0.15];
 const SELECTED: Colour = [1, 1, 1];
 const GHOST: Colour = [0.62, 0.35, 0.95];
-/** Distance of the handle from the body's middle, in radii. */
+/** Distance of the handle from the body's centre, in radii. */
 const HANDLE = 1.9;
 const LABEL_LIFT_PX = 16;
-/** Odometry that differs so much from the robot's motion between two details was set. */
+/** If odometry and true motion between two details differ by more, the program has set the odometry. */
 const SET_M = 0.1;
 
 export class Marks {
@@ -30,7 +30,7 @@ export class Marks {
   private readonly ghostFill = new Pen("triangles", { renderOrder: 3 });
   private readonly colour = new THREE.Color();
   private readonly ghostPose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
-  /** Pose and odometry of each robot, by its number, where the odometry's frame was found; and as they were last. */
+  /** By robot number: pose and odometry when the odometry's frame was located, and the latest ones. */
   private readonly anchors = new Map<number, { pose: Pose; odometry: Pose; lastPose: Pose; lastOdometry: Pose }>();
 
   constructor(
@@ -41,12 +41,12 @@ export class Marks {
     this.ghost.add(this.ghostPen.object, this.ghostFill.object);
   }
 
-  /** Finds the odometry's frame in the world anew: another run has begun. */
+  /** Forgets the odometry's frames: another run has begun. */
   restart(): void {
     this.anchors.clear();
   }
 
-  /** Takes the odometry of the chosen robot. Its frame is where the robot was when it was seen first, or when its program set it. */
+  /** Reads the chosen robot's odometry. Its frame is located when the robot is seen first, and when its program sets the odometry. */
   takeOdometry(): void {
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
     if (!detail) return;
@@ -77,7 +77,7 @@ export class Marks {
     this.labels.add(this.sprites.mesh);
   }
 
-  /** Colours the rings: red ones stall. */
+  /** Colours the rings: red if the robot is stalled. */
   paint(): void {
     this.bodies.robots.forEach((body, i) => {
       const [r, g, b] = body.isStalled ? STALLED : body.colour;
@@ -110,7 +110,7 @@ export class Marks {
     this.drawGhost();
   }
 
-  /** Where the selected body's handle is, on the floor; false if there is none. */
+  /** Position of the selected body's handle, on the floor; false if there is none. */
   handle(out: THREE.Vector3): boolean {
     const body = this.bodies.selected;
     if (!body?.isThere) return false;
@@ -136,7 +136,7 @@ export class Marks {
     for (const pen of [this.selectionPen, this.handlePen, this.ghostPen, this.ghostFill]) pen.dispose();
   }
 
-  /** A white ring, and a round handle ahead by which the body turns. */
+  /** Draws a white ring, and a round handle ahead that turns the body. */
   private drawSelection(body: Shown | undefined, hidden: Shown | null): void {
     const { selectionPen: pen, handlePen: knob } = this;
     pen.begin();
@@ -156,7 +156,7 @@ export class Marks {
     knob.end();
   }
 
-  /** Where the chosen robot believes to be, as of its last detail. */
+  /** Draws the chosen robot at its odometry pose, as of its last detail. */
   private drawGhost(): void {
     const { ghostPen: lines, ghostFill: fill } = this;
     lines.begin();
@@ -165,7 +165,7 @@ export class Marks {
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
     const anchor = detail && this.anchors.get(detail.robot);
     if (body?.isThere && anchor && detail.run === this.model.scene?.run) {
-      // Where it believes to be, in the world; between two details it moves with the robot.
+      // Odometry pose in the world frame; between two details it moves with the robot.
       relate(anchor.odometry, detail.odometry, anchor.pose, this.ghostPose);
       relate(detail.pose, { ...this.ghostPose }, body.pose, this.ghostPose);
       const { x_m, y_m, phi_rad } = this.ghostPose;
@@ -205,7 +205,7 @@ export class Marks {
 
 const BLACK: Colour = [0, 0, 0];
 
-/** `out` is to `now` what `other` is to `base`. */
+/** Computes `out` so that its pose relative to `now` is that of `other` relative to `base`. */
 export function relate(base: Pose, other: Pose, now: Pose, out: Pose): void {
   const [dx, dy] = [other.x_m - base.x_m, other.y_m - base.y_m];
   const turn = now.phi_rad - base.phi_rad;
@@ -215,7 +215,7 @@ export function relate(base: Pose, other: Pose, now: Pose, out: Pose): void {
   out.phi_rad = other.phi_rad + turn;
 }
 
-/** A ring on the floor between two radii. */
+/** Draws a ring on the floor between two radii. */
 function band(pen: Pen, x: number, y: number, inner: number, outer: number, colour: Colour, opacity: number): void {
   const sides = 40;
   for (let i = 0; i < sides; i++) {
@@ -231,7 +231,7 @@ function band(pen: Pen, x: number, y: number, inner: number, outer: number, colo
   }
 }
 
-/** A ring around a body of radius 1, with a tip ahead. */
+/** Ring around a body of radius 1, with a tip ahead. */
 function ring(): THREE.BufferGeometry {
   const shape = new THREE.Shape().absarc(0, 0, 1.28, 0.2, 2 * Math.PI - 0.2);
   shape.lineTo(1.62, 0);

@@ -1,4 +1,4 @@
-// Lines, triangles and points that are drawn anew for each frame into the same memory.
+// Lines, triangles and points that are redrawn for each frame in the same memory.
 
 import * as THREE from "three";
 
@@ -14,7 +14,7 @@ export class Pen {
   private readonly geometry = new THREE.BufferGeometry();
   private readonly material: THREE.Material;
 
-  /** `size_px` is that of points. */
+  /** `size_px` is the size of points. */
   constructor(kind: Kind, options: { size_px?: number; depthTest?: boolean; renderOrder?: number } = {}) {
     const look = { vertexColors: true, transparent: true, depthWrite: false, depthTest: options.depthTest ?? true };
     if (kind === "lines") {
@@ -40,12 +40,12 @@ export class Pen {
     this.reserve(64);
   }
 
-  /** Forgets what was drawn. */
+  /** Clears the drawing. */
   begin(): void {
     this.used = 0;
   }
 
-  /** Adds a corner: its place, colour and opacity. */
+  /** Adds a vertex: position, colour and opacity. */
   to(x: number, y: number, z: number, colour: Colour, opacity: number): void {
     if (this.used === this.positions.length / 3) this.reserve(2 * this.used);
     const [at, of] = [3 * this.used, 4 * this.used];
@@ -83,7 +83,7 @@ export class Pen {
     colours.set(this.colours);
     this.positions = positions;
     this.colours = colours;
-    // The renderer's memory of the old size is of no use.
+    // Frees the renderer's buffers of the old size.
     this.geometry.dispose();
     this.geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3).setUsage(THREE.DynamicDrawUsage));
     this.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 4).setUsage(THREE.DynamicDrawUsage));

@@ -1,4 +1,4 @@
-// Short texts that face the eye and keep their size: one draw call for all.
+// Short texts that face the camera at a constant size: one draw call for all.
 
 import * as THREE from "three";
 
@@ -8,17 +8,17 @@ const HEIGHT_PX = 20;
 
 export interface Text {
   text: string;
-  /** Colour of the plate behind it; none for the text alone. */
+  /** Colour of the plate behind the text; null for no plate. */
   plate: string | null;
   colour: string;
 }
 
-/** Texts, each at a place that can change. */
+/** Texts at positions that can change. */
 export class Sprites {
   readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.ShaderMaterial>;
   private readonly places: THREE.InstancedBufferAttribute;
 
-  /** Each stands so many pixels above its place. */
+  /** Each text is drawn `lift_px` pixels above its position. */
   constructor(texts: readonly Text[], lift_px: number, renderOrder = 20) {
     const rows = Math.max(1, Math.ceil(texts.length / COLUMNS));
     const canvas = document.createElement("canvas");
@@ -50,7 +50,7 @@ export class Sprites {
         screen: { value: new THREE.Vector2(1, 1) },
         lift: { value: 2 * lift_px },
       },
-      // place.w is the share of full size; 0 hides the text.
+      // place.w is the scale; 0 hides the text.
       vertexShader: `
         attribute vec4 place; attribute vec3 cell; varying vec2 at;
         uniform vec2 grid, size, screen; uniform float lift;
@@ -67,12 +67,12 @@ export class Sprites {
     this.mesh.renderOrder = renderOrder;
   }
 
-  /** Puts a text somewhere; of no size it is not seen. */
+  /** Positions a text; size 0 hides it. */
   put(text: number, x: number, y: number, z: number, size: number): void {
     this.places.setXYZW(text, x, y, z, size);
   }
 
-  /** Shows the texts where they were put, in a view of this size. */
+  /** Uploads the positions, for a view of this size. */
   end(width_px: number, height_px: number): void {
     this.places.needsUpdate = true;
     (this.mesh.material.uniforms["screen"]!.value as THREE.Vector2).set(width_px, height_px);
@@ -86,7 +86,7 @@ export class Sprites {
   }
 }
 
-/** Draws a text into its cell; how wide it is. */
+/** Draws a text into its cell; returns its width. */
 function draw(context: CanvasRenderingContext2D, { text, plate, colour }: Text, cell: number): number {
   const left = (cell % COLUMNS) * CELL.width;
   const top = Math.floor(cell / COLUMNS) * CELL.height;
@@ -108,7 +108,7 @@ function draw(context: CanvasRenderingContext2D, { text, plate, colour }: Text, 
   return width;
 }
 
-/** The colour of a text that is legible on a plate of this colour (red, green, blue from 0 to 1). */
+/** Text colour that is legible on a plate of this colour (red, green, blue from 0 to 1). */
 export function inkOn([r, g, b]: readonly [number, number, number]): string {
   return 0.299 * r + 0.587 * g + 0.114 * b > 0.6 ? "#10181a" : "#ffffff";
 }

@@ -1,9 +1,9 @@
-// Surfaces of the protocol as geometries: colours at the corners, one group for each texture.
+// Converts the protocol's meshes to geometries: vertex colours, and one group for each texture.
 
 import * as THREE from "three";
 import type { Material, Mesh } from "../protocol";
 
-/** Corners of triangles that share an image; `image` is none for those without. */
+/** Attributes of the triangle corners that share an image, or have none. */
 interface Batch {
   positions: number[];
   normals: number[];
@@ -11,12 +11,12 @@ interface Batch {
   colours: number[];
 }
 
-/** Gathers surfaces into one geometry with a group for each image. */
+/** Merges meshes into one geometry with a group for each image. */
 export class Gatherer {
   private readonly batches = new Map<number | null, Batch>();
   private readonly at = new THREE.Vector3();
 
-  /** Adds a surface, moved by a matrix. */
+  /** Adds a mesh, transformed by a matrix. */
   add(mesh: Mesh, matrix: THREE.Matrix4): void {
     const positions = floats(mesh.positions);
     const normals = mesh.normals === null ? null : floats(mesh.normals);
@@ -80,7 +80,7 @@ export class Gatherer {
   }
 }
 
-/** Numbers in base64, 32 bits each, little endian. */
+/** Decodes 32-bit little-endian floats from base64. */
 export function floats(base64: string): Float32Array {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);

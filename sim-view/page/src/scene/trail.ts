@@ -1,17 +1,17 @@
-// Where robots have been: ribbons on the floor, of bounded length.
+// Trails of robots: ribbons on the floor, of bounded length.
 
 import * as THREE from "three";
 import type { Bodies, Shown } from "./bodies";
 
-/** Pieces of ribbon of all robots together: the oldest are taken for new ones. */
+/** Most pieces of ribbon of all robots together: new pieces replace the oldest. */
 const MAX_PIECES = 24_000;
-/** Length of a piece, and half its width, in radii of the robot. */
+/** Length of a piece and half its width, in radii of the robot. */
 const STEP = 0.25;
 const HALF_WIDTH = 0.12;
-/** A robot that has come farther than this many of its radii, and was not seen driving there, was put there: the ribbon is torn. */
+/** A robot that moves farther than this many of its radii, beyond what it can drive between two frames, was placed: the ribbon is cut. */
 const LEAP = 4;
 const FASTEST_M_PER_S = 3;
-/** Longest time between two frames in which the way is known well enough. */
+/** Longest time between two frames over which the path is interpolated. */
 const BLINK_S = 0.5;
 
 export class Trails {
@@ -21,7 +21,7 @@ export class Trails {
   private readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial>;
   private next = 0;
   private used = 0;
-  /** Of each robot: where its ribbon ends, and when it was there. */
+  /** For each robot: end point of its ribbon, and the time at that point. */
   private last = new Float64Array(0);
   private t_s = 0;
   private hasChanged = false;
@@ -43,14 +43,14 @@ export class Trails {
     this.rebuild();
   }
 
-  /** Begins all ribbons anew. */
+  /** Restarts all ribbons. */
   rebuild(): void {
     this.last = new Float64Array(3 * this.bodies.robots.length).fill(NaN);
     this.next = this.used = 0;
     this.mesh.geometry.setDrawRange(0, 0);
   }
 
-  /** Lengthens the ribbons of robots that have moved; a time that goes back begins them anew. */
+  /** Extends the ribbons of robots that have moved; restarts them if time goes back. */
   update(t_s: number): void {
     if (t_s < this.t_s) this.rebuild();
     this.t_s = t_s;
@@ -77,7 +77,7 @@ export class Trails {
     last[i + 2] = this.t_s;
   }
 
-  /** Lays the piece that ends where the robot is. */
+  /** Adds the piece that ends at the robot. */
   private lay(body: Shown, dx: number, dy: number, way: number): void {
     const { x_m, y_m } = body.pose;
     const half = (HALF_WIDTH * body.extent.radius_m) / way;

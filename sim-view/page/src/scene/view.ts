@@ -1,4 +1,4 @@
-// The 3D view: puts the model's scene on the screen and keeps it there.
+// The 3D view: displays the model's scene and keeps it up to date.
 
 import * as THREE from "three";
 import { element } from "../dom";
@@ -15,15 +15,15 @@ import { Marks } from "./marks";
 import { Trails } from "./trail";
 import { World } from "./world";
 
-// Colours are mixed as cameras of the simulator mix them: as they are, without conversion.
+// Colours are mixed as in the simulator's cameras: without conversion of colour spaces.
 THREE.ColorManagement.enabled = false;
 
-/** How many frames there were, and the time of the page's own code in the last; for measuring. */
+/** Number of frames, and the times of the page's own code in the last one, for measurements. */
 export interface FrameTimes {
   frames: number;
-  /** Finding where all is and writing it down. */
+  /** Time for updating poses and buffers. */
   update_ms: number;
-  /** Handing it to the graphics card. */
+  /** Time for passing them to the graphics card. */
   render_ms: number;
 }
 
@@ -32,7 +32,7 @@ export class View {
   readonly times: FrameTimes = { frames: 0, update_ms: 0, render_ms: 0 };
   readonly bodies: Bodies;
   private readonly scene = new THREE.Scene();
-  /** What cameras do not see. */
+  /** Overlays that cameras do not see. */
   private readonly added = new THREE.Group();
   private readonly marks: Marks;
   private readonly trails: Trails;
@@ -55,7 +55,7 @@ export class View {
   private isStale = true;
   private isMoved = true;
 
-  /** Throws where there is no WebGL. */
+  /** Throws if there is no WebGL. */
   constructor(private readonly model: Model) {
     this.bodies = new Bodies(model);
     this.marks = new Marks(model, this.bodies);
@@ -91,7 +91,7 @@ export class View {
     requestAnimationFrame((now) => this.tick(now));
   }
 
-  /** The view as it is, as a PNG. */
+  /** The current view as a PNG. */
   private screenshot(): Promise<Blob> {
     this.draw();
     return new Promise((done, fail) =>
@@ -99,17 +99,17 @@ export class View {
     );
   }
 
-  /** What the last frame took to draw. */
+  /** Draw calls and triangles of the last frame. */
   get drawn(): { calls: number; triangles: number } {
     return this.renderer.info.render;
   }
 
-  /** What the graphics card holds. */
+  /** Numbers of resources on the graphics card. */
   get memory(): { geometries: number; textures: number } {
     return this.renderer.info.memory;
   }
 
-  /** Where a point of the world is on the page, in pixels of it. */
+  /** Position on the page, in its pixels, of a point of the world. */
   where(x_m: number, y_m: number, z_m: number): { x: number; y: number } {
     const at = new THREE.Vector3(x_m, y_m, z_m).project(this.eye!.camera);
     const box = this.canvas.getBoundingClientRect();
@@ -145,7 +145,7 @@ export class View {
     });
   }
 
-  /** Takes the model's scene; what belonged to the one before is freed. */
+  /** Rebuilds the view for the model's scene, and frees the resources of the one before. */
   private rebuild(): void {
     const { scene } = this.model;
     this.world?.dispose();
@@ -162,7 +162,7 @@ export class View {
     this.happenings.rebuild();
     this.guides.rebuild(scene);
     for (const layer of this.layers) layer.show(layer.isOn);
-    // The same world again is looked at from where one was.
+    // The view is kept if the same world is shown again.
     if (this.lastTitle !== scene.title) this.eye?.fit(scene);
     this.lastTitle = scene.title;
     this.isStale = this.isMoved = true;
@@ -173,7 +173,7 @@ export class View {
     this.show(now_ms);
   }
 
-  /** Shows how all is at an instant of real time, if that has changed. */
+  /** Draws a frame at an instant of real time, if anything has changed. */
   show(now_ms: number): void {
     const passed_ms = Math.min(250, now_ms - this.last_ms);
     this.last_ms = now_ms;
@@ -189,7 +189,7 @@ export class View {
     if (!this.isStale && !isHappening) return;
     this.isStale = false;
     this.world.hidden = this.eye.robot;
-    // A camera sees sky and ground whatever is chosen, and nothing that is added.
+    // A robot's camera always sees sky and ground, and no overlays.
     this.world.surroundings.visible = this.eye.mode === "robot" || this.isOn("surroundings");
     this.added.visible = this.eye.mode !== "robot";
     this.world.update();
@@ -219,7 +219,7 @@ export class View {
     this.renderer.setSize(width, height, false);
     this.eye?.resize();
     this.showEye();
-    // Another size has cleared it.
+    // Resizing has cleared the canvas.
     this.draw();
   }
 
@@ -300,7 +300,7 @@ export class View {
   }
 }
 
-/** The 3D view, or where there is no WebGL what is missing. */
+/** The 3D view, or without WebGL a message that says so. */
 export function sceneView(model: Model): { element: HTMLElement; view: View | null } {
   try {
     const view = new View(model);

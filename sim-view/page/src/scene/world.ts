@@ -1,11 +1,11 @@
-// What cameras see: world, floor, sky, light, and the bodies' surfaces, in the simulator's own colours and light.
+// The scene that cameras see: world, floor, sky, light and the bodies' meshes, in the simulator's colours and light.
 
 import * as THREE from "three";
 import type { Place, Scene } from "../protocol";
 import type { Bodies, Shown } from "./bodies";
 import { Gatherer } from "./surface";
 
-/** One surface on all bodies that have it. */
+/** An instanced mesh, and the bodies that have it. */
 interface Fleet {
   mesh: THREE.InstancedMesh;
   bodies: Shown[];
@@ -21,7 +21,7 @@ export class World {
   readonly objects = new THREE.Group();
   readonly surroundings = new THREE.Group();
   readonly sun = new THREE.DirectionalLight();
-  /** The robot through whose eyes is looked: it does not see itself. */
+  /** The robot whose camera is shown, which does not see itself. */
   hidden: Shown | null = null;
   private readonly fleets: Fleet[] = [];
   private readonly textures: THREE.Texture[] = [];
@@ -29,7 +29,7 @@ export class World {
   private readonly waste: { dispose(): void }[] = [];
   private hasTextures = true;
 
-  /** `changed` is called when a texture has come. */
+  /** `changed` is called when a texture has loaded. */
   constructor(
     private readonly scene: Scene,
     private readonly bodies: Bodies,
@@ -43,7 +43,7 @@ export class World {
     this.addBodies();
   }
 
-  /** Switches textures: without them a surface has its colour alone. */
+  /** Switches textures; without them a surface has its plain colour. */
   showTextures(isOn: boolean): void {
     this.hasTextures = isOn;
     for (const material of this.materials) this.dress(material);
@@ -54,7 +54,7 @@ export class World {
     for (const material of this.materials) material.needsUpdate = true;
   }
 
-  /** Puts the bodies' surfaces where the bodies are. */
+  /** Moves the meshes to the poses of their bodies. */
   update(): void {
     for (const { mesh, bodies } of this.fleets) {
       const numbers = mesh.instanceMatrix.array;
@@ -70,7 +70,7 @@ export class World {
     for (const item of [...this.waste, ...this.textures, ...this.materials]) item.dispose();
   }
 
-  /** The same three lights as in cameras: from everywhere, from the sun, from the side opposite to it. */
+  /** Adds the three lights of the simulator's cameras: ambient light, the sun, and a fill light from the opposite side. */
   private addLight(): void {
     const { ambient, diffuse } = this.scene.light;
     const towards = new THREE.Vector3(...this.scene.light.towards);
@@ -90,7 +90,7 @@ export class World {
     this.group.add(new THREE.AmbientLight(0xffffff, Math.PI * ambient), fill, this.sun, this.sun.target);
   }
 
-  /** Floor and ground write no depth and are drawn first, one over the other: nothing can show through them or fight with them. */
+  /** Floor and ground write no depth and are drawn first, one over the other, which excludes z-fighting. */
   private addFloor(): void {
     const { ground } = this.scene;
     if (!ground) return;
@@ -173,7 +173,7 @@ export class World {
     this.walls.add(mesh);
   }
 
-  /** Bodies that look alike are drawn at once. */
+  /** Bodies of equal appearance are drawn in one call. */
   private addBodies(): void {
     const looks = new Map<string, number[]>();
     for (const body of this.bodies.all) looks.set(`${body.what} ${body.id}`, []);
@@ -236,7 +236,7 @@ function placeKey(place: Place): string {
   return place.on === "object" ? `object ${place.object}` : "world";
 }
 
-/** The matrix of a body's frame; a body that is not there has no size. */
+/** Writes the matrix of a body's frame; it has scale 0 if the body is not in the world or not visible. */
 export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisible = true): void {
   const size = body.isThere && isVisible ? 1 : 0;
   const cos = size * Math.cos(body.pose.phi_rad);

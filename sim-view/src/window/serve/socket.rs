@@ -1,4 +1,4 @@
-//! One page: what it says and what it is told.
+//! Connection to one page: handshake, messages in both directions, and its end.
 
 use std::time::Duration;
 
@@ -13,30 +13,30 @@ use crate::window::hub::{Asked, Seen, text_of};
 
 /// Longest message of a page, in bytes.
 pub(super) const MESSAGE: usize = 64 * 1024;
-/// The first message must have come by then.
+/// Time limit for the first message.
 const HELLO: Duration = Duration::from_secs(5);
-/// A wrong token costs so long, so that nobody tries many.
+/// Delay after a wrong token, against guessing.
 const WRONG_TOKEN: Duration = Duration::from_millis(500);
-/// How often a page is asked whether it is there.
+/// Interval between two pings of a page.
 const PING: Duration = Duration::from_secs(5);
-/// A page that takes nothing, or says nothing, for so long is gone.
+/// A page that reads or sends nothing for this long is disconnected.
 const STALLED: Duration = Duration::from_secs(15);
-/// News go out at most so often: 60 times a second.
+/// Least time between two updates of a page: 60 a second.
 const NEWS: Duration = Duration::from_millis(16);
-/// Time for each message of a page, and how much of it a page may take at once: 200 messages a second, 100 at once.
+/// Rate limit of a page's messages as time for each, and the credit for bursts: 200 messages a second, 100 at once.
 const READ: Duration = Duration::from_millis(5);
 const READS: Duration = Duration::from_millis(500);
-/// So many commands of one page wait at most for their answers.
+/// Most unanswered commands of one page.
 const UNANSWERED: usize = 32;
 
-/// Why the server ends a connection.
+/// Close frame with which the server ends a connection.
 #[derive(Debug)]
 struct Goodbye {
     code: u16,
     why: String,
 }
 
-/// Codes of the protocol, after those of RFC 6455.
+/// Close codes: those of RFC 6455, then those of the protocol.
 mod code {
     pub(super) const GOING_AWAY: u16 = 1001;
     pub(super) const NOT_TEXT: u16 = 1003;
@@ -54,10 +54,10 @@ impl Goodbye {
     }
 }
 
-/// How a conversation ends: with a goodbye, or none if nobody is there to hear it.
+/// End of a connection: with a close frame, or none if the page is disconnected already.
 type End = Option<Goodbye>;
 
-/// Serves one page until it goes or has to go.
+/// Serves one page until it disconnects or is disconnected.
 pub(super) async fn serve(mut socket: WebSocket, server: &Server) {
     let mut closing = server.closing.subscribe();
     let end = tokio::select! {
@@ -69,7 +69,7 @@ pub(super) async fn serve(mut socket: WebSocket, server: &Server) {
     }
 }
 
-/// Tells a page why it is not served.
+/// Refuses a page with the reason `why`.
 pub(super) async fn turn_away(socket: WebSocket, why: &str) {
     close(socket, Goodbye::new(code::TRY_LATER, why)).await;
 }
@@ -81,7 +81,7 @@ async fn close(mut socket: WebSocket, goodbye: Goodbye) {
     let farewell = async {
         let frame = CloseFrame { code: goodbye.code, reason: why.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
-            // What the page still says is read away, or the system would throw the goodbye away with the connection.
+            // Unread messages of the page are drained: else the system would drop the close frame together with the connection.
             while let Some(Ok(_)) = socket.recv().await {}
         }
     };
@@ -109,7 +109,7 @@ async fn converse(socket: &mut WebSocket, server: &Server) -> End {
     }
 }
 
-/// Takes the first message; whether the page may act.
+/// Receives the first message; returns true if the page may act.
 async fn hello(socket: &mut WebSocket, server: &Server) -> Result<bool, End> {
     let text = loop {
         if let Some(text) = receive(socket.recv().await)? {
@@ -144,7 +144,7 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
         Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
         Some(Ok(Frame::Binary(_))) => Err(Some(Goodbye::new(code::NOT_TEXT, "messages are texts"))),
         Some(Ok(Frame::Close(_))) | None => Err(None),
-        // Errors of the connection are not told from those of the protocol: a connection that is lost hears nothing.
+        // Errors of the connection are treated like those of the protocol: a lost connection does not deliver the close frame.
         Some(Err(error)) if error.to_string().contains("too long") => {
             Err(Some(Goodbye::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
         }
@@ -157,11 +157,11 @@ async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Result<(), End> {
 }
 
 async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
-    // One that takes nothing would not hear a goodbye either.
+    // A page that reads nothing would not receive a close frame either.
     timeout(STALLED, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
 }
 
-/// A page that has said hello.
+/// A page after its `hello`.
 struct Page<'a> {
     id: u64,
     server: &'a Server,
@@ -179,7 +179,7 @@ impl Drop for Page<'_> {
 }
 
 impl Page<'_> {
-    /// Reads nothing while it writes: so a page that takes nothing cannot fill anything here.
+    /// Does not read while it writes, so that a page that reads nothing cannot fill any queue here.
     async fn run(&mut self, socket: &mut WebSocket, mut answered: mpsc::UnboundedReceiver<Answer>) -> End {
         match self.talk(socket, &mut answered).await {
             Ok(never) => match never {},
@@ -232,7 +232,7 @@ impl Page<'_> {
         }
     }
 
-    /// Does what a request asks for; whether there may be news for the page because of it.
+    /// Carries out a request; returns true if it may result in news for the page.
     fn hear(&mut self, request: Request) -> Result<bool, End> {
         match request {
             Request::Hello { .. } => Err(Some(Goodbye::new(code::MALFORMED, "`hello` is the first message only"))),
