@@ -18,7 +18,6 @@ pub(crate) mod world;
 
 use std::mem::discriminant;
 
-use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use toml::{Table, Value};
 
@@ -73,8 +72,11 @@ enum Walk<'k> {
     /// It is printed, unless it says what is so without it, as in the second table.
     Print(Table, Option<Table>),
     /// Its description is added to that of the form.
-    Describe(&'k mut SchemaGenerator, Description),
+    Describe(&'k mut Definitions, Description),
 }
+
+/// The named parts of a JSON schema (`$defs`), to which other parts refer.
+pub(crate) type Definitions = Map<String, Json>;
 
 /// What the JSON schema says of a form.
 #[derive(Default)]
@@ -162,10 +164,10 @@ impl<'k> Keys<'k> {
                 description.properties.insert("kind".to_owned(), json!({ "type": "string", "const": word(form) }));
                 description.required.push("kind");
             }
-            Walk::Describe(generator, description) => {
+            Walk::Describe(definitions, description) => {
                 let kinds = F::KINDS.iter().map(|(_, about, make)| {
                     let part = Description { variant: Some(about), ..Description::default() };
-                    describe(generator, part, |keys| make().keys(keys)).schema()
+                    describe(definitions, part, |keys| make().keys(keys)).schema()
                 });
                 description.variants = kinds.collect();
                 self.is_abandoned = true;
@@ -305,8 +307,8 @@ impl Key<'_, '_> {
                     table.insert(self.name.to_owned(), printed);
                 }
             }
-            Walk::Describe(generator, description) => {
-                let mut schema = kind.describe(generator);
+            Walk::Describe(definitions, description) => {
+                let mut schema = kind.describe(definitions);
                 if need == Need::Required {
                     description.required.push(self.name);
                 } else if need != Need::Optional {
@@ -328,7 +330,7 @@ fn is_empty(value: &Value) -> bool {
 }
 
 /// A schema that allows `null`, too.
-fn or_null(mut schema: Json) -> Json {
+pub(crate) fn or_null(mut schema: Json) -> Json {
     match schema.get("type").cloned() {
         Some(kind) => {
             schema["type"] = json!([kind, "null"]);
@@ -359,11 +361,11 @@ fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Tab
 }
 
 fn describe(
-    generator: &mut SchemaGenerator,
+    definitions: &mut Definitions,
     description: Description,
     declare: impl FnOnce(&mut Keys<'_>),
 ) -> Description {
-    let mut keys = Keys::new(Walk::Describe(generator, description));
+    let mut keys = Keys::new(Walk::Describe(definitions, description));
     declare(&mut keys);
     match keys.walk {
         Walk::Describe(_, description) => description,
@@ -372,25 +374,25 @@ fn describe(
 }
 
 /// The schema of the form that `declare` declares.
-pub(crate) fn schema(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
-    describe(generator, Description::default(), declare).schema()
+pub(crate) fn schema(definitions: &mut Definitions, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    describe(definitions, Description::default(), declare).schema()
 }
 
 /// A reference to the form that `declare` declares, among the definitions of the schema.
-pub(crate) fn reference(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
-    let description = describe(generator, Description::default(), declare);
-    definition(generator, description.name, |_| description.schema())
+pub(crate) fn reference(definitions: &mut Definitions, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    let description = describe(definitions, Description::default(), declare);
+    definition(definitions, description.name, |_| description.schema())
 }
 
 /// A reference to the definition `name` of the schema, which `make` describes.
 pub(crate) fn definition(
-    generator: &mut SchemaGenerator,
+    definitions: &mut Definitions,
     name: &str,
-    make: impl FnOnce(&mut SchemaGenerator) -> Json,
+    make: impl FnOnce(&mut Definitions) -> Json,
 ) -> Json {
-    if !generator.definitions().contains_key(name) {
-        let schema = make(generator);
-        generator.definitions_mut().insert(name.to_owned(), schema);
+    if !definitions.contains_key(name) {
+        let schema = make(definitions);
+        definitions.insert(name.to_owned(), schema);
     }
     json!({ "$ref": format!("#/$defs/{name}") })
 }

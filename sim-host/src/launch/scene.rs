@@ -146,6 +146,7 @@ impl Scene {
     }
 
     /// What it is and what its cameras see.
+    #[cfg(feature = "window")]
     pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
         let Loaded { scene, diagnostics, inputs } = self.loaded;
         let scene = Arc::new(scene);

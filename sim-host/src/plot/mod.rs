@@ -5,6 +5,7 @@
 //! what is simulated, and nothing depends on fonts or libraries of the machine.
 
 mod canvas;
+#[cfg(feature = "accuracy")]
 pub mod chart;
 mod colour;
 mod drawing;
