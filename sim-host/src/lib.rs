@@ -34,4 +34,5 @@ pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
+#[cfg(feature = "window")]
 pub mod window;

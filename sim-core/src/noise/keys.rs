@@ -7,7 +7,9 @@ use crate::unit::Quantity;
 pub struct Key<M: 'static> {
     /// Name of the key.
     pub name: &'static str,
-    /// Physical quantity, unit and range of the number.
+    /// Description for people, one sentence.
+    pub about: &'static str,
+    /// Meaning of the number, with its unit and bounds.
     pub quantity: Quantity,
     /// Accessor of the number in the model.
     pub place: Place<M>,
@@ -16,8 +18,8 @@ pub struct Key<M: 'static> {
 /// Keys of a section, in the order of a profile.
 pub type Keys<M> = &'static [Key<M>];
 
-const fn key<M>(name: &'static str, quantity: Quantity, place: Place<M>) -> Key<M> {
-    Key { name, quantity, place }
+const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, place: Place<M>) -> Key<M> {
+    Key { name, about, quantity, place }
 }
 
 /// Greatest error of a distance, mm: more than the range of any sensor.
@@ -47,75 +49,186 @@ const fn turn(name: &'static str, low: f64) -> Quantity {
 
 /// Keys of all distance sensors.
 pub const RANGE: Keys<Range> = &[
-    key("sigma_mm", spread("standard deviation"), |range| &mut range.sigma),
-    key("sigma_percent", share("standard deviation"), |range| &mut range.sigma_share),
-    key("bias_mm", offset("bias"), |range| &mut range.bias),
-    key("bias_sigma_mm", spread("standard deviation of the bias"), |range| &mut range.bias_sigma),
-    key("step_mm", spread("step"), |range| &mut range.step),
-    key("outlier", probability("probability of an outlier"), |range| &mut range.outlier),
-    key("dropout", probability("probability of a drop-out"), |range| &mut range.dropout),
-    key("drift_mm", offset("drift"), |range| &mut range.drift),
-    key("drift_s", Quantity::seconds("time of the drift").within(1e-3, 1e9), |range| &mut range.drift_time),
+    key("sigma_mm", "Standard deviation of each reading in mm.", spread("standard deviation"), |range| {
+        &mut range.sigma
+    }),
+    key(
+        "sigma_percent",
+        "Standard deviation of each reading in percent of the distance.",
+        share("standard deviation"),
+        |range| &mut range.sigma_share,
+    ),
+    key("bias_mm", "Error of all readings in mm.", offset("bias"), |range| &mut range.bias),
+    key(
+        "bias_sigma_mm",
+        "Standard deviation in mm, between sensors, of an error of all readings of a sensor.",
+        spread("standard deviation of the bias"),
+        |range| &mut range.bias_sigma,
+    ),
+    key("step_mm", "Step of the readings in mm.", spread("step"), |range| &mut range.step),
+    key(
+        "outlier",
+        "Probability of a reading anywhere in the sensor's range.",
+        probability("probability of an outlier"),
+        |range| &mut range.outlier,
+    ),
+    key("dropout", "Probability of a reading of nothing.", probability("probability of a drop-out"), |range| {
+        &mut range.dropout
+    }),
+    key("drift_mm", "Error in mm at the start of the run, which dies away.", offset("drift"), |range| &mut range.drift),
+    key(
+        "drift_s",
+        "Time in s in which it dies away to 1/e; 60 if left out.",
+        Quantity::seconds("time of the drift").within(1e-3, 1e9),
+        |range| &mut range.drift_time,
+    ),
 ];
 
-/// Additional keys of distance sensors whose own model has noise.
-pub const OWN: Keys<Range> =
-    &[key("device", Quantity::number("share of the device's own noise", 0.0, 1000.0), |range| &mut range.device)];
+/// Keys of distance sensors whose own model has noise.
+pub const OWN: Keys<Range> = &[key(
+    "device",
+    "Share of that noise, of which the sensor's own `sigma` and `mean` say how much it is; 1 for all of it.",
+    Quantity::number("share of the device's own noise", 0.0, 1000.0),
+    |range| &mut range.device,
+)];
 
 /// Keys of the compass.
 pub const COMPASS: Keys<Angle> = &[
-    key("sigma_deg", turn("standard deviation", 0.0), |angle| &mut angle.sigma),
-    key("bias_deg", turn("bias", -360.0), |angle| &mut angle.bias),
-    key("bias_sigma_deg", turn("standard deviation of the bias", 0.0), |angle| &mut angle.bias_sigma),
-    key("step_deg", turn("step", 0.0), |angle| &mut angle.step),
+    key("sigma_deg", "Standard deviation of each reading in degrees.", turn("standard deviation", 0.0), |angle| {
+        &mut angle.sigma
+    }),
+    key("bias_deg", "Error of all readings in degrees.", turn("bias", -360.0), |angle| &mut angle.bias),
+    key(
+        "bias_sigma_deg",
+        "Standard deviation in degrees, between compasses, of an error of all readings of a compass.",
+        turn("standard deviation of the bias", 0.0),
+        |angle| &mut angle.bias_sigma,
+    ),
+    key("step_deg", "Step of the readings in degrees.", turn("step", 0.0), |angle| &mut angle.step),
 ];
 
 /// Keys of the camera.
 pub const CAMERA: Keys<Image> = &[
-    key("blur", Quantity::number("blur", 0.0, 20.0), |image| &mut image.blur),
-    key("sigma", Quantity::number("standard deviation", 0.0, 255.0), |image| &mut image.sigma),
-    key("salt_and_pepper", probability("probability of salt and pepper"), |image| &mut image.salt_and_pepper),
-    key("salt", probability("share of salt"), |image| &mut image.salt),
-    key("hundreds_and_thousands", probability("probability of hundreds and thousands"), |image| {
-        &mut image.hundreds_and_thousands
-    }),
+    key(
+        "blur",
+        "Standard deviation of the lens's point spread, in pixels.",
+        Quantity::number("blur", 0.0, 20.0),
+        |image| &mut image.blur,
+    ),
+    key(
+        "sigma",
+        "Standard deviation of each channel of each pixel, of 255 levels.",
+        Quantity::number("standard deviation", 0.0, 255.0),
+        |image| &mut image.sigma,
+    ),
+    key(
+        "salt_and_pepper",
+        "Probability of a white or black pixel.",
+        probability("probability of salt and pepper"),
+        |image| &mut image.salt_and_pepper,
+    ),
+    key("salt", "Share of white among those; 0.5 if left out.", probability("share of salt"), |image| &mut image.salt),
+    key(
+        "hundreds_and_thousands",
+        "Probability of a pixel of random colour.",
+        probability("probability of hundreds and thousands"),
+        |image| &mut image.hundreds_and_thousands,
+    ),
 ];
 
 /// Keys of the errors between command and motion.
 pub const DRIVE: Keys<Motion> = &[
-    key("left_percent", Quantity::percent("error of the left wheels", -50.0, 100.0), |motion| &mut motion.left),
-    key("right_percent", Quantity::percent("error of the right wheels", -50.0, 100.0), |motion| &mut motion.right),
-    key("diameter_sigma_percent", Quantity::percent("standard deviation of the diameters", 0.0, 5.0), |motion| {
-        &mut motion.diameter_sigma
+    key(
+        "left_percent",
+        "By how many percent the left wheels are larger than their nominal diameter.",
+        Quantity::percent("error of the left wheels", -50.0, 100.0),
+        |motion| &mut motion.left,
+    ),
+    key(
+        "right_percent",
+        "By how many percent the right wheels are larger than their nominal diameter.",
+        Quantity::percent("error of the right wheels", -50.0, 100.0),
+        |motion| &mut motion.right,
+    ),
+    key(
+        "diameter_sigma_percent",
+        "Standard deviation of that in percent, drawn once for each wheel.",
+        Quantity::percent("standard deviation of the diameters", 0.0, 5.0),
+        |motion| &mut motion.diameter_sigma,
+    ),
+    key("slip_percent", "Slip in percent of a wheel's way.", Quantity::percent("slip", -100.0, 100.0), |motion| {
+        &mut motion.slip
     }),
-    key("slip_percent", Quantity::percent("slip", -100.0, 100.0), |motion| &mut motion.slip),
-    key("slip_sigma_percent", Quantity::percent("standard deviation of the slip", 0.0, 100.0), |motion| {
-        &mut motion.slip_sigma
+    key(
+        "slip_sigma_percent",
+        "Standard deviation of the slip in percent, drawn for each wheel every 10 ms.",
+        Quantity::percent("standard deviation of the slip", 0.0, 100.0),
+        |motion| &mut motion.slip_sigma,
+    ),
+    key("v_sigma_mm_s", "Standard deviation of the speed in mm/s, drawn every 10 ms.", SPEED, |motion| {
+        &mut motion.command.speed
     }),
-    key("v_sigma_mm_s", SPEED, |motion| &mut motion.command.speed),
-    key("v_sigma_percent", share("standard deviation of the speed"), |motion| &mut motion.command.speed_share),
-    key("omega_sigma_deg_s", TURN, |motion| &mut motion.command.turn),
-    key("omega_sigma_percent", share("standard deviation of the turning speed"), |motion| {
-        &mut motion.command.turn_share
-    }),
+    key(
+        "v_sigma_percent",
+        "Standard deviation of the speed in percent of it, drawn every 10 ms.",
+        share("standard deviation of the speed"),
+        |motion| &mut motion.command.speed_share,
+    ),
+    key(
+        "omega_sigma_deg_s",
+        "Standard deviation of the turning speed in degrees/s, drawn every 10 ms.",
+        TURN,
+        |motion| &mut motion.command.turn,
+    ),
+    key(
+        "omega_sigma_percent",
+        "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
+        share("standard deviation of the turning speed"),
+        |motion| &mut motion.command.turn_share,
+    ),
 ];
 
 /// Keys of the errors between motion and odometry.
 pub const ODOMETRY: Keys<Motion> = &[
-    key("v_sigma_mm_s", SPEED, |motion| &mut motion.odometry.speed),
-    key("v_sigma_percent", share("standard deviation of the speed"), |motion| &mut motion.odometry.speed_share),
-    key("omega_sigma_deg_s", TURN, |motion| &mut motion.odometry.turn),
-    key("omega_sigma_percent", share("standard deviation of the turning speed"), |motion| {
-        &mut motion.odometry.turn_share
+    key("v_sigma_mm_s", "Standard deviation of the speed in mm/s, drawn every 10 ms.", SPEED, |motion| {
+        &mut motion.odometry.speed
     }),
-    key("step_mm", spread("step"), |motion| &mut motion.resolution.length),
-    key("step_deg", turn("step", 0.0), |motion| &mut motion.resolution.angle),
+    key(
+        "v_sigma_percent",
+        "Standard deviation of the speed in percent of it, drawn every 10 ms.",
+        share("standard deviation of the speed"),
+        |motion| &mut motion.odometry.speed_share,
+    ),
+    key(
+        "omega_sigma_deg_s",
+        "Standard deviation of the turning speed in degrees/s, drawn every 10 ms.",
+        TURN,
+        |motion| &mut motion.odometry.turn,
+    ),
+    key(
+        "omega_sigma_percent",
+        "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
+        share("standard deviation of the turning speed"),
+        |motion| &mut motion.odometry.turn_share,
+    ),
+    key("step_mm", "Step of positions in mm.", spread("step"), |motion| &mut motion.resolution.length),
+    key("step_deg", "Step of headings in degrees.", turn("step", 0.0), |motion| &mut motion.resolution.angle),
 ];
 
 /// Keys of the radio's reception.
 pub const RADIO: Keys<Radio> = &[
-    key("bit_error_rate", probability("bit error rate"), |radio| &mut radio.bit_error_rate),
-    key("packet_loss", probability("probability of a lost message"), |radio| &mut radio.packet_loss),
+    key(
+        "bit_error_rate",
+        "Probability of a bit of the payload that arrives inverted.",
+        probability("bit error rate"),
+        |radio| &mut radio.bit_error_rate,
+    ),
+    key(
+        "packet_loss",
+        "Probability of a message that does not arrive.",
+        probability("probability of a lost message"),
+        |radio| &mut radio.packet_loss,
+    ),
 ];
 
 const SPEED: Quantity = Quantity::speed("standard deviation of the speed").within(0.0, FAST);

@@ -115,7 +115,7 @@ fn each<M>(
     model: &mut M,
     visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64),
 ) {
-    for Key { name, quantity, place } in keys.iter().copied().flatten() {
+    for Key { name, quantity, place, .. } in keys.iter().copied().flatten() {
         visit(table, name, quantity, place(model));
     }
 }

@@ -5,14 +5,13 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::de::DeValue;
 use toml::{Spanned, Table, Value};
 
 use super::kind::{At, Bounded, Custom, Kind, PART, TEXT, Whole, array, whole};
 use super::sensor::{device, number, position};
-use super::{Form, Keys, definition};
+use super::{Definitions, Form, Keys, definition};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
@@ -97,8 +96,8 @@ impl Kind<f64> for ArcEnd {
         good.unwrap_or(if near > 360.0 { near - 360.0 } else { near }).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        BUMPER_END.describe(generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        BUMPER_END.describe(definitions)
     }
 }
 
@@ -189,7 +188,7 @@ impl<T: Whole> Kind<Vec<(u8, T)>> for Numbered {
         by_name(values.iter().map(|(number, value)| (number.to_string(), value.number().into())))
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": whole::<T>() })
     }
 }
@@ -218,13 +217,13 @@ pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
         };
         by_name(serials.iter().map(|serial| (serial.interface.to_string(), line(&serial.line))))
     },
-    describe: |generator| {
-        let word = definition(generator, "SerialWord", |_| {
+    describe: |definitions| {
+        let word = definition(definitions, "SerialWord", |_| {
             let loopback =
                 json!({ "description": "Everything that is sent comes back.", "type": "string", "const": "loopback" });
             json!({ "description": "What needs no file.", "oneOf": [loopback] })
         });
-        let line = definition(generator, "SerialForm", |_| {
+        let line = definition(definitions, "SerialForm", |_| {
             let mut word = word;
             word["description"] = "A word.".into();
             let file = json!({

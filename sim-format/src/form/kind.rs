@@ -2,11 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::{Form, Keys, definition, print, print_beside, reference};
+use super::{Definitions, Form, Keys, definition, print, print_beside, reference};
 use crate::line::Quantity;
 use crate::print::number::in_unit;
 use crate::spec::PathRef;
@@ -28,14 +27,14 @@ pub(crate) trait Kind<T> {
     fn print(&self, value: &T) -> Value;
 
     /// Schema of the value.
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json;
+    fn describe(&self, definitions: &mut Definitions) -> Json;
 }
 
 /// Kind given by three functions.
 pub(crate) struct Custom<T> {
     pub(crate) read: fn(At<'_, '_>) -> Option<T>,
     pub(crate) print: fn(&T) -> Value,
-    pub(crate) describe: fn(&mut SchemaGenerator) -> Json,
+    pub(crate) describe: fn(&mut Definitions) -> Json,
 }
 
 impl<T> Kind<T> for Custom<T> {
@@ -47,8 +46,8 @@ impl<T> Kind<T> for Custom<T> {
         (self.print)(value)
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        (self.describe)(generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        (self.describe)(definitions)
     }
 }
 
@@ -62,7 +61,7 @@ impl Kind<f64> for Quantity {
         in_unit(self, *value).into()
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "number", "format": "double" })
     }
 }
@@ -79,7 +78,7 @@ impl Kind<f64> for Bounded {
         self.0.print(value)
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         let [minimum, maximum] = self.0.bounds();
         json!({ "type": "number", "format": "double", "minimum": minimum, "maximum": maximum })
     }
@@ -96,7 +95,7 @@ impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Qua
         Value::Array(numbers.map(|(quantity, number)| quantity.print(&number)).collect())
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         array(json!({ "type": "number", "format": "double" }), N)
     }
 }
@@ -122,7 +121,7 @@ impl Kind<String> for Text {
         value.as_str().into()
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "string" })
     }
 }
@@ -137,7 +136,7 @@ impl Kind<PathRef> for Text {
         value.text.as_str().into()
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "string" })
     }
 }
@@ -154,7 +153,7 @@ impl Kind<bool> for Flag {
         (*value).into()
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "boolean" })
     }
 }
@@ -208,7 +207,7 @@ impl<T: Whole> Kind<T> for RangeInclusive<i64> {
         value.number().into()
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         let mut schema = whole::<T>();
         (schema["minimum"], schema["maximum"]) = ((*self.start()).into(), (*self.end()).into());
         schema
@@ -227,7 +226,7 @@ impl<T: Whole> Kind<T> for Loose {
         self.0.print(value)
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         whole::<T>()
     }
 }
@@ -244,7 +243,7 @@ impl<const N: usize> Kind<[u8; N]> for Shades {
         Value::Array(value.iter().map(|shade| i64::from(*shade).into()).collect())
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         array(whole::<u8>(), N)
     }
 }
@@ -273,8 +272,8 @@ impl<W: Words> Kind<W> for Word {
         word.map_or("", |(_, word, _)| *word).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        definition(generator, W::NAME, |_| {
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        definition(definitions, W::NAME, |_| {
             let word =
                 |(_, word, about): &(W, &str, &str)| json!({ "description": about, "type": "string", "const": word });
             json!({ "description": W::ABOUT, "oneOf": W::WORDS.iter().map(word).collect::<Vec<_>>() })
@@ -297,8 +296,8 @@ impl<F: Form> Kind<F> for Part {
         print(value).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        reference(generator, |keys| F::usual().keys(keys))
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        reference(definitions, |keys| F::usual().keys(keys))
     }
 }
 
@@ -316,8 +315,8 @@ impl<T: Clone + Default> Kind<T> for PartOf<T> {
         print_beside(|keys| (self.0)(&mut whole.clone(), keys), |keys| (self.0)(&mut T::default(), keys)).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        reference(generator, |keys| (self.0)(&mut T::default(), keys))
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        reference(definitions, |keys| (self.0)(&mut T::default(), keys))
     }
 }
 
@@ -336,7 +335,7 @@ impl<F: Form> Kind<Vec<F>> for Parts {
         Value::Array(values.iter().map(|value| print(value).into()).collect())
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        json!({ "type": "array", "items": Kind::<F>::describe(&PART, generator) })
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        json!({ "type": "array", "items": Kind::<F>::describe(&PART, definitions) })
     }
 }

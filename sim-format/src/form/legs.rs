@@ -101,7 +101,7 @@ const OFFSETS: Custom<Vec<f64>> = Custom {
         Some(items.iter().filter_map(|item| at.reader.as_number(at.key, item, &OFFSET)).collect())
     },
     print: |offsets| offsets.clone().into(),
-    describe: |generator| json!({ "type": "array", "items": OFFSET.describe(generator) }),
+    describe: |definitions| json!({ "type": "array", "items": OFFSET.describe(definitions) }),
 };
 
 impl Form for LegSpec {

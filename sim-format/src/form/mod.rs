@@ -18,7 +18,6 @@ pub(crate) mod world;
 
 use std::mem::discriminant;
 
-use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use toml::{Table, Value};
 
@@ -73,10 +72,13 @@ enum Walk<'k> {
     /// Prints the key into the first table unless it equals the default in the second.
     Print(Table, Option<Table>),
     /// Adds the key's description to that of the form.
-    Describe(&'k mut SchemaGenerator, Description),
+    Describe(&'k mut Definitions, Description),
 }
 
-/// JSON schema of a form under construction.
+/// Named parts of a JSON schema (`$defs`), to which other parts refer.
+pub(crate) type Definitions = Map<String, Json>;
+
+/// Description of a form in the JSON schema.
 #[derive(Default)]
 struct Description {
     name: &'static str,
@@ -163,10 +165,10 @@ impl<'k> Keys<'k> {
                 description.properties.insert("kind".to_owned(), json!({ "type": "string", "const": word(form) }));
                 description.required.push("kind");
             }
-            Walk::Describe(generator, description) => {
+            Walk::Describe(definitions, description) => {
                 let kinds = F::KINDS.iter().map(|(_, about, make)| {
                     let part = Description { variant: Some(about), ..Description::default() };
-                    describe(generator, part, |keys| make().keys(keys)).schema()
+                    describe(definitions, part, |keys| make().keys(keys)).schema()
                 });
                 description.variants = kinds.collect();
                 self.is_abandoned = true;
@@ -306,8 +308,8 @@ impl Key<'_, '_> {
                     table.insert(self.name.to_owned(), printed);
                 }
             }
-            Walk::Describe(generator, description) => {
-                let mut schema = kind.describe(generator);
+            Walk::Describe(definitions, description) => {
+                let mut schema = kind.describe(definitions);
                 if need == Need::Required {
                     description.required.push(self.name);
                 } else if need != Need::Optional {
@@ -329,7 +331,7 @@ fn is_empty(value: &Value) -> bool {
 }
 
 /// Schema that also allows `null`.
-fn or_null(mut schema: Json) -> Json {
+pub(crate) fn or_null(mut schema: Json) -> Json {
     match schema.get("type").cloned() {
         Some(kind) => {
             schema["type"] = json!([kind, "null"]);
@@ -360,11 +362,11 @@ fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Tab
 }
 
 fn describe(
-    generator: &mut SchemaGenerator,
+    definitions: &mut Definitions,
     description: Description,
     declare: impl FnOnce(&mut Keys<'_>),
 ) -> Description {
-    let mut keys = Keys::new(Walk::Describe(generator, description));
+    let mut keys = Keys::new(Walk::Describe(definitions, description));
     declare(&mut keys);
     match keys.walk {
         Walk::Describe(_, description) => description,
@@ -373,25 +375,25 @@ fn describe(
 }
 
 /// Schema of the form that `declare` declares.
-pub(crate) fn schema(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
-    describe(generator, Description::default(), declare).schema()
+pub(crate) fn schema(definitions: &mut Definitions, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    describe(definitions, Description::default(), declare).schema()
 }
 
 /// Reference to the schema of the form that `declare` declares, which is added to the definitions.
-pub(crate) fn reference(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
-    let description = describe(generator, Description::default(), declare);
-    definition(generator, description.name, |_| description.schema())
+pub(crate) fn reference(definitions: &mut Definitions, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    let description = describe(definitions, Description::default(), declare);
+    definition(definitions, description.name, |_| description.schema())
 }
 
 /// Reference to the definition `name` of the schema; `make` creates the definition.
 pub(crate) fn definition(
-    generator: &mut SchemaGenerator,
+    definitions: &mut Definitions,
     name: &str,
-    make: impl FnOnce(&mut SchemaGenerator) -> Json,
+    make: impl FnOnce(&mut Definitions) -> Json,
 ) -> Json {
-    if !generator.definitions().contains_key(name) {
-        let schema = make(generator);
-        generator.definitions_mut().insert(name.to_owned(), schema);
+    if !definitions.contains_key(name) {
+        let schema = make(definitions);
+        definitions.insert(name.to_owned(), schema);
     }
     json!({ "$ref": format!("#/$defs/{name}") })
 }

@@ -2,20 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::de::DeValue;
 use toml::{Table, Value};
 
 use super::device::by_name;
 use super::kind::{At, Custom, Kind, PART, TEXT};
-use super::{Form, Keys, definition, print};
+use super::{Definitions, Form, Keys, definition, or_null, print};
 use crate::Span;
 use crate::code::Code;
 use crate::line::{self, Quantity};
-use crate::noise::form::{
-    CameraNoiseForm, CompassNoiseForm, DriveNoiseForm, EchoNoiseForm, OdometryNoiseForm, RadioNoiseForm, RangeNoiseForm,
-};
 use crate::noise::{PRESETS, preset};
 use crate::path;
 use crate::print::number::shortest;
@@ -47,10 +43,10 @@ pub(crate) const NOISE: Custom<NoiseRef> = Custom {
         NoiseRef::File(path) => TEXT.print(path),
         NoiseRef::Profile(spec) => print(&**spec).into(),
     },
-    describe: |generator| {
-        definition(generator, "NoiseForm", |generator| {
+    describe: |definitions| {
+        definition(definitions, "NoiseForm", |definitions| {
             let name = json!({ "description": "`none`, `mild`, `real`, `harsh`, or a file.", "type": "string" });
-            let mut profile = Kind::<NoiseSpec>::describe(&PART, generator);
+            let mut profile = Kind::<NoiseSpec>::describe(&PART, definitions);
             profile["description"] = "In place.".into();
             json!({ "description": "A noise profile.", "anyOf": [name, profile] })
         })
@@ -109,9 +105,9 @@ const BASE: Custom<Preset> = Custom {
         at.reader.preset(&base.text, base.span, "")
     },
     print: |preset| preset.name.into(),
-    describe: |generator| {
+    describe: |definitions| {
         definition(
-            generator,
+            definitions,
             "PresetForm",
             |_| json!({ "description": "A preset.", "type": "string", "enum": PRESETS }),
         )
@@ -122,10 +118,25 @@ const BASE: Custom<Preset> = Custom {
 struct Errors(NoiseSection);
 
 impl Errors {
-    /// Keys of the section.
-    fn quantities(&self) -> Vec<(&'static str, &'static Quantity)> {
-        fn of<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static Quantity)> {
-            keys.iter().map(|key| (key.name, &key.quantity))
+    /// Name and description of the section's definition in the schema.
+    fn definition(&self) -> (&'static str, &'static str) {
+        match &self.0 {
+            NoiseSection::Range(kind) if !kind.has_own_noise() => ("RangeNoiseForm", "Errors of sensors of distance."),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => {
+                ("EchoNoiseForm", "Errors of sensors of distance whose type has noise of its own.")
+            }
+            NoiseSection::Compass => ("CompassNoiseForm", "Errors of a compass."),
+            NoiseSection::Camera => ("CameraNoiseForm", "Errors of the images of a camera."),
+            NoiseSection::Drive => ("DriveNoiseForm", "Errors between commands and motion."),
+            NoiseSection::Odometry => ("OdometryNoiseForm", "Errors between motion and odometry."),
+            NoiseSection::Radio => ("RadioNoiseForm", "Errors of the messages that a radio receives."),
+        }
+    }
+
+    /// The section's keys: name, description, and quantity with unit and bounds.
+    fn quantities(&self) -> Vec<(&'static str, &'static str, &'static Quantity)> {
+        fn of<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static str, &'static Quantity)> {
+            keys.iter().map(|key| (key.name, key.about, &key.quantity))
         }
         match &self.0 {
             NoiseSection::Range(kind) if !kind.has_own_noise() => of(RANGE).collect(),
@@ -140,7 +151,7 @@ impl Errors {
 
     fn read_section(&self, reader: &mut Reader, mut part: Section<'_, '_>) -> Vec<NoiseEntry> {
         let mut entries = Vec::new();
-        for (key, quantity) in self.quantities() {
+        for (key, _, quantity) in self.quantities() {
             if let Some(value) = reader.number(&mut part, key, quantity) {
                 let span = reader.key_span(&part, key);
                 entries.push(NoiseEntry { section: self.0.clone(), key, value, span });
@@ -158,7 +169,8 @@ impl Kind<Vec<NoiseEntry>> for Errors {
     }
 
     fn print(&self, entries: &Vec<NoiseEntry>) -> Value {
-        let quantities: BTreeMap<&str, &Quantity> = self.quantities().into_iter().collect();
+        let quantities = self.quantities().into_iter().map(|(key, _, quantity)| (key, quantity));
+        let quantities: BTreeMap<&str, &Quantity> = quantities.collect();
         let number = |entry: &NoiseEntry| match quantities.get(entry.key) {
             Some(quantity) => shortest(entry.value / quantity.si(1.0), |number| quantity.si(number) == entry.value),
             // The reader admits only keys of the section.
@@ -168,17 +180,18 @@ impl Kind<Vec<NoiseEntry>> for Errors {
         Table::from_iter(own.map(|entry| (entry.key.to_owned(), number(entry).into()))).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        let schema = match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => generator.subschema_for::<RangeNoiseForm>(),
-            NoiseSection::Range(_) | NoiseSection::Sensor(_) => generator.subschema_for::<EchoNoiseForm>(),
-            NoiseSection::Compass => generator.subschema_for::<CompassNoiseForm>(),
-            NoiseSection::Camera => generator.subschema_for::<CameraNoiseForm>(),
-            NoiseSection::Drive => generator.subschema_for::<DriveNoiseForm>(),
-            NoiseSection::Odometry => generator.subschema_for::<OdometryNoiseForm>(),
-            NoiseSection::Radio => generator.subschema_for::<RadioNoiseForm>(),
-        };
-        schema.to_value()
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        let (name, about) = self.definition();
+        definition(definitions, name, |_| {
+            let keys = self.quantities().into_iter().map(|(key, about, quantity)| {
+                let [minimum, maximum] = quantity.bounds();
+                let mut schema = or_null(json!({ "type": "number", "minimum": minimum, "maximum": maximum }));
+                schema["description"] = about.into();
+                (key.to_owned(), schema)
+            });
+            let keys: Definitions = keys.collect();
+            json!({ "description": about, "type": "object", "properties": keys, "additionalProperties": false })
+        })
     }
 }
 
@@ -201,8 +214,8 @@ const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
         });
         by_name(names.map(|name| (name.clone(), Errors(NoiseSection::Sensor(name)).print(entries))))
     },
-    describe: |generator| {
+    describe: |definitions| {
         let sensor = Errors(NoiseSection::Sensor(String::new()));
-        json!({ "type": "object", "additionalProperties": sensor.describe(generator) })
+        json!({ "type": "object", "additionalProperties": sensor.describe(definitions) })
     },
 };

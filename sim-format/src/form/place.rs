@@ -1,13 +1,12 @@
 //! Entities of a scene: robots, alone and in groups, objects, starts and markers.
 
 use glam::DVec2;
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
 use super::kind::{At, Bounded, Custom, Kind, PART, Shades, TEXT, Word, Words};
 use super::noise::NOISE;
-use super::{Form, Keys, Variant, Variants};
+use super::{Definitions, Form, Keys, Variant, Variants};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::path;
@@ -44,8 +43,8 @@ impl Kind<TypeRef> for TypeName {
         TEXT.print(kind.written())
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        Kind::<PathRef>::describe(&TEXT, generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        Kind::<PathRef>::describe(&TEXT, definitions)
     }
 }
 
@@ -53,7 +52,7 @@ impl Kind<TypeRef> for TypeName {
 const FACING: Custom<Heading> = Custom {
     read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
     print: |heading| number::heading(*heading).into(),
-    describe: |generator| HEADING.describe(generator),
+    describe: |definitions| HEADING.describe(definitions),
 };
 
 /// Letters of maze cells at which a robot may start.

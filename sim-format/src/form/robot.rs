@@ -1,6 +1,5 @@
 //! Robot types, with all properties of a robi and its companion.
 
-use schemars::SchemaGenerator;
 use serde_json::Value as Json;
 use toml::Value;
 
@@ -8,7 +7,7 @@ use super::device::{HDT, SERIALS};
 use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, PartOf, TEXT, Word, Words};
 use super::legs::legs;
 use super::sensor::{PLACE, ranges};
-use super::{Form, Keys};
+use super::{Definitions, Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{drive_devices, usual_wheelbase};
@@ -200,8 +199,8 @@ impl Kind<Vec<MotorSpec>> for Motors {
         PARTS.print(motors)
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        Kind::<Vec<MotorSpec>>::describe(&PARTS, generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        Kind::<Vec<MotorSpec>>::describe(&PARTS, definitions)
     }
 }
 
@@ -219,5 +218,5 @@ const LINKS: Custom<Vec<LinkSpec>> = Custom {
         Some(sections.into_iter().filter_map(|section| reader.form(section, LinkSpec::usual())).collect())
     },
     print: |links| PARTS.print(links),
-    describe: |generator| Kind::<Vec<LinkSpec>>::describe(&PARTS, generator),
+    describe: |definitions| Kind::<Vec<LinkSpec>>::describe(&PARTS, definitions),
 };

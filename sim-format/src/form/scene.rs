@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 use toml::de::DeValue;
@@ -11,7 +10,7 @@ use super::device::by_name;
 use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
 use super::noise::NOISE;
 use super::world::World;
-use super::{Form, Keys, definition, print};
+use super::{Definitions, Form, Keys, definition, print};
 use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
@@ -105,8 +104,8 @@ impl Kind<Time> for WholeMicros {
         shortest(time.0 as f64 / 1e3, |ms| (ms * 1e3).round() as i64 == time.0).into()
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        Bounded(self.0).describe(generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        Bounded(self.0).describe(definitions)
     }
 }
 
@@ -116,7 +115,7 @@ const END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MA
 const UNTIL: Custom<Time> = Custom {
     read: |at| END.read(at, None).map(Time::from_seconds_ceil),
     print: |time| shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into(),
-    describe: |generator| END.describe(generator),
+    describe: |definitions| END.describe(definitions),
 };
 
 /// Cost table: a file, or inline.
@@ -134,9 +133,9 @@ const COSTS: Custom<CostsRef> = Custom {
         CostsRef::File(path) => TEXT.print(path),
         CostsRef::Table(table) => print(table).into(),
     },
-    describe: |generator| {
-        definition(generator, "CostsForm", |generator| {
-            let mut table = Kind::<CostTable>::describe(&PART, generator);
+    describe: |definitions| {
+        definition(definitions, "CostsForm", |definitions| {
+            let mut table = Kind::<CostTable>::describe(&PART, definitions);
             table["description"] = "In place.".into();
             let file = json!({ "description": "A file.", "type": "string" });
             json!({ "description": "A cost table.", "anyOf": [file, table] })
@@ -174,7 +173,7 @@ impl Kind<Vec<CostEntry>> for CostsOf {
         by_name(own.map(|entry| (entry.function.clone(), entry.cost.0.into())))
     }
 
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+    fn describe(&self, _: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": whole::<u32>() })
     }
 }
@@ -238,8 +237,8 @@ impl<F: Form> Kind<Vec<TypeEntry<F>>> for Types {
         Value::Array(types.iter().map(entry).collect())
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        Kind::<Vec<F>>::describe(&PARTS, generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        Kind::<Vec<F>>::describe(&PARTS, definitions)
     }
 }
 

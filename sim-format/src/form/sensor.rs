@@ -3,12 +3,11 @@
 use std::mem::discriminant;
 
 use glam::DVec3;
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
 use super::kind::{At, Bounded, Kind, Loose, PART, TEXT, Word, Words};
-use super::{Form, Keys, print, reference};
+use super::{Definitions, Form, Keys, print, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
@@ -196,8 +195,8 @@ impl Kind<Vec<RangeSpec>> for Ranges {
         Value::Array(of_kind.map(|range| print(range).into()).collect())
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        let items = reference(generator, |keys| self.usual().keys(keys));
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        let items = reference(definitions, |keys| self.usual().keys(keys));
         json!({ "type": "array", "items": items })
     }
 }

@@ -1,7 +1,6 @@
 //! Terrain of a world: a mesh, an image, a function with a seed, or blocks and stairs.
 
 use glam::DVec2;
-use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 use toml::de::DeValue;
@@ -11,7 +10,7 @@ use super::object::MESH_UNIT;
 use super::place::POINT;
 use super::sensor::PLACE;
 use super::shape::turns;
-use super::{Form, Keys, definition, print_beside, reference};
+use super::{Definitions, Form, Keys, definition, print_beside, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::spec::{
@@ -71,12 +70,12 @@ impl Kind<TerrainSpec> for Terrain {
         }
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        definition(generator, "TerrainForm", |generator| {
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        definition(definitions, "TerrainForm", |definitions| {
             let about = "A mesh file whose unit is 1 m and whose origin is that of the world.";
             let mut kinds = vec![json!({ "description": about, "type": "string" })];
             kinds.extend(ABOUT.map(|(kind, about)| {
-                let mut schema = reference(generator, |keys| terrain_keys(&mut self.shape(kind), keys));
+                let mut schema = reference(definitions, |keys| terrain_keys(&mut self.shape(kind), keys));
                 schema["description"] = about.into();
                 schema
             }));
@@ -235,8 +234,8 @@ impl Kind<[f64; 2]> for Between {
         [self.0; 2].print(ends)
     }
 
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        Kind::<[f64; 2]>::describe(&[self.0; 2], generator)
+    fn describe(&self, definitions: &mut Definitions) -> Json {
+        Kind::<[f64; 2]>::describe(&[self.0; 2], definitions)
     }
 }
 
@@ -298,7 +297,7 @@ const QUARTER_TURN: Custom<Way> = Custom {
         let ways = Way::ALL.iter().zip(WAYS);
         ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
     },
-    describe: |generator| DIRECTION.describe(generator),
+    describe: |definitions| DIRECTION.describe(definitions),
 };
 
 impl Form for Block {

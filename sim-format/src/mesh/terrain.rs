@@ -99,16 +99,14 @@ impl Grey {
     /// Source: the weights are those of Recommendation ITU-R BT.709.
     fn read(bytes: &[u8]) -> Result<Self, TextureError> {
         let image = texture::decode(bytes)?;
-        let (width, height) = (image.width(), image.height());
         let mut has_colours = false;
-        let pixels = image.into_rgb16();
-        let shades = pixels.pixels().map(|pixel| {
-            let [red, green, blue] = pixel.0.map(u32::from);
+        let shades = image.rgb16().into_iter().map(|pixel| {
+            let [red, green, blue] = pixel.map(u32::from);
             has_colours |= red != green || green != blue;
             ((2126 * red + 7152 * green + 722 * blue + 5000) / 10000) as u16
         });
         let shades = shades.collect();
-        Ok(Self { size: [width as usize, height as usize], shades, has_colours })
+        Ok(Self { size: image.size.map(|side| side as usize), shades, has_colours })
     }
 
     fn field(&self, image: &TerrainImage) -> Result<HeightField, FieldError> {

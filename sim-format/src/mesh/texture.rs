@@ -2,48 +2,150 @@
 
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageReader, Limits};
-
+use png::{BitDepth, Transformations};
 use sim_core::scene::Texture;
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
 
 /// Greatest number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
-/// Greatest memory that a decoder may allocate in addition to the image, in bytes.
-const MAX_BYTES: u64 = 16 * MAX_PIXELS;
+/// Bytes that the png decoder may ask for, besides the image itself.
+const MAX_BYTES: usize = 16 << 24;
 
-/// Reason why an image cannot be shown.
+/// Error of an image that cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum TextureError {
-    /// Unsupported format or invalid data.
+    /// The format is not supported, or the bytes are damaged.
     #[error("it is no png, jpg or bmp image that can be read: {0}")]
     Format(String),
-    /// The image is too large.
+    /// The image has more than [`MAX_PIXELS`].
     #[error("it has {0} x {1} pixels")]
-    Size(u32, u32),
+    Size(u64, u64),
 }
 
-/// Decodes the image in `bytes` as a texture.
+/// A decoded image: rows from above, the channels of a pixel side by side.
+pub(super) struct Pixels {
+    /// Width and height.
+    pub(super) size: [u32; 2],
+    /// Grey, grey and opacity, colours, or colours and opacity of each pixel.
+    samples: Samples,
+}
+
+enum Samples {
+    Bits8(Vec<u8>),
+    Bits16(Vec<u16>),
+}
+
+/// Decodes an image to a texture of 8 bits a channel.
 pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
-    let image = decode(bytes)?.into_rgba8();
-    let (width, height) = image.dimensions();
-    let pixels = image.pixels().map(|pixel| pixel.0).collect();
-    Texture::new(width, height, pixels).ok_or_else(|| TextureError::Format("it is empty".to_owned()))
+    let image = decode(bytes)?;
+    let [width, height] = image.size;
+    let pixels = match &image.samples {
+        Samples::Bits8(samples) => rgba(samples, image.channels(samples), u8::MAX).collect(),
+        // To the nearest level of 8 bits.
+        Samples::Bits16(samples) => rgba(samples, image.channels(samples), u16::MAX)
+            .map(|pixel| pixel.map(|level| ((u32::from(level) + 128) / 257) as u8))
+            .collect(),
+    };
+    Texture::new(width, height, pixels).ok_or_else(|| unreadable("it is empty"))
 }
 
-/// Decodes the image in `bytes`, with any pixel format.
-pub(super) fn decode(bytes: &[u8]) -> Result<DynamicImage, TextureError> {
-    let unreadable = |error: &dyn std::fmt::Display| TextureError::Format(error.to_string());
-    let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| unreadable(&error));
-    let (width, height) = open()?.into_dimensions().map_err(|error| unreadable(&error))?;
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err(TextureError::Size(width, height));
+/// Decodes a png, jpg or bmp image, which its first bytes tell apart.
+pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, TextureError> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
+        [0xff, 0xd8, ..] => decode_jpg(bytes),
+        [b'B', b'M', ..] => decode_bmp(bytes),
+        _ => Err(unreadable("its first bytes are of another format")),
     }
-    let mut reader = open()?;
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
-    reader.decode().map_err(|error| unreadable(&error))
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Pixels, TextureError> {
+    let limits = png::Limits { bytes: MAX_BYTES };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    // Palettes and fewer than 8 bits become 8 bits, transparent colours a channel of opacity.
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(unreadable)?;
+    let size = checked(reader.info().width, reader.info().height)?;
+    let mut samples = vec![0; reader.output_buffer_size().ok_or_else(|| unreadable("it is too large"))?];
+    let frame = reader.next_frame(&mut samples).map_err(unreadable)?;
+    samples.truncate(frame.buffer_size());
+    let samples = match frame.bit_depth {
+        BitDepth::Sixteen => {
+            Samples::Bits16(samples.as_chunks().0.iter().map(|level| u16::from_be_bytes(*level)).collect())
+        }
+        _ => Samples::Bits8(samples),
+    };
+    Ok(Pixels { size, samples })
+}
+
+fn decode_jpg(bytes: &[u8]) -> Result<Pixels, TextureError> {
+    let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(bytes));
+    decoder.decode_headers().map_err(unreadable)?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| unreadable("it has no size"))?;
+    let size = checked(width, height)?;
+    let shown = match decoder.input_colorspace() {
+        Some(ColorSpace::Luma) => ColorSpace::Luma,
+        _ => ColorSpace::RGB,
+    };
+    decoder.set_options(DecoderOptions::default().jpeg_set_out_colorspace(shown));
+    Ok(Pixels { size, samples: Samples::Bits8(decoder.decode().map_err(unreadable)?) })
+}
+
+fn decode_bmp(bytes: &[u8]) -> Result<Pixels, TextureError> {
+    // The decoder's errors have no words for people.
+    let damaged = || unreadable("its bmp data are damaged, or of a kind that is not read");
+    let most = DecoderOptions::default().set_max_width(1 << 16).set_max_height(1 << 16);
+    let mut decoder = zune_bmp::BmpDecoder::new_with_options(ZCursor::new(bytes), most);
+    decoder.decode_headers().map_err(|_| damaged())?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| unreadable("it has no size"))?;
+    let size = checked(width, height)?;
+    Ok(Pixels { size, samples: Samples::Bits8(decoder.decode().map_err(|_| damaged())?) })
+}
+
+fn unreadable(why: impl std::fmt::Display) -> TextureError {
+    TextureError::Format(why.to_string())
+}
+
+/// The size of an image, refused above [`MAX_PIXELS`], before memory is taken for its pixels.
+fn checked(width: impl TryInto<u64>, height: impl TryInto<u64>) -> Result<[u32; 2], TextureError> {
+    let [width, height] = [width.try_into().unwrap_or(u64::MAX), height.try_into().unwrap_or(u64::MAX)];
+    match (u32::try_from(width), u32::try_from(height)) {
+        (Ok(columns), Ok(rows)) if u64::from(columns) * u64::from(rows) <= MAX_PIXELS => Ok([columns, rows]),
+        _ => Err(TextureError::Size(width, height)),
+    }
+}
+
+impl Pixels {
+    /// Channels of a pixel: 1 to 4.
+    fn channels<T>(&self, samples: &[T]) -> usize {
+        let [width, height] = self.size.map(|side| side as usize);
+        (samples.len() / (width * height).max(1)).clamp(1, 4)
+    }
+
+    /// Red, green and blue of each pixel, full scale 65535.
+    pub(super) fn rgb16(&self) -> Vec<[u16; 3]> {
+        let colours = |[red, green, blue, _]: [u16; 4]| [red, green, blue];
+        match &self.samples {
+            Samples::Bits8(samples) => rgba(samples, self.channels(samples), u8::MAX)
+                .map(|pixel| colours(pixel.map(|level| 257 * u16::from(level))))
+                .collect(),
+            Samples::Bits16(samples) => rgba(samples, self.channels(samples), u16::MAX).map(colours).collect(),
+        }
+    }
+}
+
+/// Red, green, blue and opacity of each pixel; grey pixels have equal colours, pixels without opacity are `opaque`.
+fn rgba<T: Copy>(samples: &[T], channels: usize, opaque: T) -> impl Iterator<Item = [T; 4]> {
+    samples.chunks_exact(channels).map(move |pixel| match *pixel {
+        [grey] => [grey, grey, grey, opaque],
+        [grey, opacity] => [grey, grey, grey, opacity],
+        [red, green, blue] => [red, green, blue, opaque],
+        [red, green, blue, opacity, ..] => [red, green, blue, opacity],
+        [] => [opaque; 4],
+    })
 }
 
 #[cfg(test)]

@@ -3,8 +3,6 @@
 //! A profile starts from a preset and changes some of its parameters, by the kind of the device and then of individual sensors. The
 //! presets are profiles themselves, compiled in.
 
-pub(super) mod form;
-
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

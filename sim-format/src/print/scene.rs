@@ -1,11 +1,9 @@
 //! Printing of scenes in our own form, and their JSON schema.
 
-use schemars::SchemaGenerator;
-use serde_json::json;
 use toml::{Table, Value};
 
 use super::text;
-use crate::form::{Form, print, schema as schema_of};
+use crate::form::{Definitions, Form, print, schema as schema_of};
 use crate::spec::SimSpec;
 
 /// Text of a scene. The format represents everything that a spec contains.
@@ -17,12 +15,11 @@ pub fn print_scene(sim: &SimSpec) -> String {
 
 /// JSON schema of [`print_scene`]'s texts, for completion in editors.
 pub fn scene_schema() -> String {
-    let mut generator = SchemaGenerator::default();
-    let mut schema = schema_of(&mut generator, |keys| SimSpec::default().keys(keys));
+    let mut definitions = Definitions::default();
+    let mut schema = schema_of(&mut definitions, |keys| SimSpec::default().keys(keys));
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = "eyesim scene".into();
-    schema["$defs"] = json!(generator.take_definitions(true));
-    let schema = schemars::Schema::try_from(schema).unwrap_or_default();
+    schema["$defs"] = definitions.into();
     serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
 }
 

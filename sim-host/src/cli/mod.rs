@@ -8,6 +8,9 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use output::say;
 
+#[cfg(not(all(feature = "accuracy", feature = "window")))]
+mod absent;
+#[cfg(feature = "accuracy")]
 pub mod accuracy;
 pub mod cc;
 pub mod check;
@@ -21,10 +24,12 @@ pub mod new;
 pub mod output;
 pub mod plot;
 pub mod progress;
+#[cfg(feature = "window")]
 pub mod replay;
 pub mod run;
 mod shot;
 pub mod table;
+#[cfg(feature = "window")]
 mod view;
 
 /// A robot program failed.
@@ -52,9 +57,17 @@ enum Command {
     /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
     Run(Box<run::RunArgs>),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
+    #[cfg(feature = "window")]
     View(Box<view::ViewArgs>),
+    #[cfg(not(feature = "window"))]
+    #[command(hide = true)]
+    View(absent::AbsentArgs),
     /// Run once more what a trace holds, hands included
+    #[cfg(feature = "window")]
     Replay(replay::ReplayArgs),
+    #[cfg(not(feature = "window"))]
+    #[command(hide = true)]
+    Replay(absent::AbsentArgs),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
     /// Say what a diagnostic's code means, why it matters and what would be right
@@ -68,7 +81,11 @@ enum Command {
     /// Print the JSON schema of scenes in TOML, from which editors complete
     Schema,
     /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
+    #[cfg(feature = "accuracy")]
     Accuracy(accuracy::AccuracyArgs),
+    #[cfg(not(feature = "accuracy"))]
+    #[command(hide = true)]
+    Accuracy(absent::AbsentArgs),
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// A robot's process of `eyesim run --exec process`
@@ -84,15 +101,22 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),
+        #[cfg(feature = "window")]
         Command::Replay(args) => replay::run(&args),
+        #[cfg(not(feature = "window"))]
+        Command::View(_) | Command::Replay(_) => Err(absent::error("the window")),
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Shot(args) => shot::run(*args),
         Command::Convert(args) => convert::run(&args),
         Command::Schema => convert::schema(),
+        #[cfg(feature = "accuracy")]
         Command::Accuracy(args) => accuracy::run(&args),
+        #[cfg(not(feature = "accuracy"))]
+        Command::Accuracy(_) => Err(absent::error("the accuracy report")),
         Command::Cc(args) => cc::run(&args),
         Command::Child(args) => child::run(&args),
         Command::Debug(args) => debug::run(&args),

@@ -1,6 +1,7 @@
 //! `eyesim run`: runs a scene and prints its report.
 
 mod console;
+#[cfg(feature = "window")]
 mod recording;
 
 use std::ffi::OsStr;
@@ -29,8 +30,10 @@ use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
 use sim_core::record::Outcome;
 
+pub(super) use console::tell;
 pub use console::{ConsoleRun, Ran};
-pub(super) use console::{build, open, tell};
+#[cfg(feature = "window")]
+pub(super) use console::{build, open};
 
 /// Arguments of `eyesim run`.
 #[derive(Args, Clone)]

@@ -147,6 +147,7 @@ impl Scene {
     }
 
     /// The scene's specification and the scenery of its cameras.
+    #[cfg(feature = "window")]
     pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
         let Loaded { scene, diagnostics, inputs } = self.loaded;
         let scene = Arc::new(scene);

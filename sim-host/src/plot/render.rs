@@ -2,12 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::Cursor;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use glam::DVec2;
-use image::{ImageFormat, RgbImage};
 use plotters::backend::{BitMapBackend, SVGBackend};
 use sim_core::math;
 
@@ -17,6 +15,7 @@ use super::colour::{GRID, INK, PAPER};
 use super::drawing::{Backdrop, Drawing, Form, Line, Paint, Shape, Symbol};
 use super::frame::{Frame, LEFT, LEGEND, RIGHT, TOP, metres, round_step};
 use super::label::{Labels, Obstacle};
+use crate::record::png;
 
 /// Units per pixel: a quarter of a pixel is fine enough for the eye.
 const UNIT: i32 = 4;
@@ -74,7 +73,7 @@ pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, Pl
         let mut backend = BitMapBackend::with_buffer(&mut buffer, fine);
         Painter { frame: &frame, canvas: Canvas::new(&mut backend, unit) }.paint(drawing)?;
     }
-    png(width, height, mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
+    png(width, height, &mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
 }
 
 /// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. Smooths all edges.
@@ -96,12 +95,11 @@ fn mean_of_blocks(pixels: &[u8], width: usize, side: usize) -> Vec<u8> {
     means
 }
 
-fn png(width: u32, height: u32, pixels: Vec<u8>) -> Result<Vec<u8>, PlotError> {
-    let image = RgbImage::from_raw(width, height, pixels);
-    let image = image.ok_or_else(|| PlotError::Draw("the picture has no pixels".to_owned()))?;
-    let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| PlotError::Draw(error.to_string()))?;
-    Ok(bytes.into_inner())
+fn png(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, PlotError> {
+    if pixels.is_empty() {
+        return Err(PlotError::Draw("the picture has no pixels".to_owned()));
+    }
+    Ok(png::colour([width, height], pixels))
 }
 
 /// The image on the floor as an element of SVG.
@@ -110,8 +108,8 @@ fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
     let ((x, y), (right, top)) = ((from.x, from.y), (to.x, to.y));
     let (columns, rows) = backdrop.texture.size();
     let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
-    let pixels = pixels.flat_map(|(column, row)| lightened(backdrop.texture.pixel(column, row))).collect();
-    let data = BASE64_STANDARD.encode(png(columns, rows, pixels)?);
+    let pixels = pixels.flat_map(|(column, row)| lightened(backdrop.texture.pixel(column, row)));
+    let data = BASE64_STANDARD.encode(png(columns, rows, &pixels.collect::<Vec<u8>>())?);
     let unit = f64::from(UNIT);
     let mut element = String::new();
     let _ = writeln!(

@@ -5,6 +5,7 @@
 
 pub mod frame;
 pub mod log;
+#[cfg(feature = "window")]
 pub mod mcap;
 pub mod png;
 pub mod read;
@@ -15,6 +16,7 @@ pub mod trace;
 pub mod trail;
 
 pub use log::Log;
+#[cfg(feature = "window")]
 pub use mcap::Mcap;
 pub use read::{Recorded, TraceError, TraceReader};
 pub use report::Report;

@@ -2,11 +2,6 @@
 //!
 //! Source: Netpbm's formats P1 to P6.
 
-use std::io::Cursor;
-
-use image::codecs::pnm::{PnmDecoder, PnmSubtype, SampleEncoding};
-use image::{DynamicImage, ImageDecoder};
-
 use super::picture::Size;
 
 /// An image read from a file, of the requested size.
@@ -18,16 +13,22 @@ pub struct Picture {
     pub pixels: Vec<u8>,
 }
 
-/// Reason why an image cannot be read from a file.
-#[derive(Debug, thiserror::Error)]
+/// Error of a file that is no image.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PnmError {
-    /// Header or pixels cannot be decoded.
-    #[error("{0}")]
-    Damaged(#[from] image::ImageError),
+    /// The file begins with no `P1` to `P6`.
+    #[error("it is no PNM file, which begins with P1 to P6")]
+    Kind,
     /// Another format of the same family.
     #[error("it is a PAM file (P7), expected P1 to P6")]
     Pam,
-    /// The header declares more pixels than the file can contain.
+    /// A number of the header is missing or out of range.
+    #[error("its {0} is missing or out of range, expected {1}")]
+    Header(&'static str, &'static str),
+    /// A sample is no number, or larger than the header allows.
+    #[error("pixel {0} is no number from 0 to {1}")]
+    Sample(u64, u32),
+    /// The header promises more pixels than there are bytes for.
     #[error("it ends before the {0} pixels of its head")]
     Short(u64),
 }
@@ -39,31 +40,90 @@ pub enum PnmError {
 /// # Errors
 /// [`PnmError`] if the file is not a PNM file or is damaged.
 pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
-    let decoder = PnmDecoder::new(Cursor::new(file))?;
-    let kind = match decoder.subtype() {
-        PnmSubtype::Bitmap(encoding) => 1 + offset(encoding),
-        PnmSubtype::Graymap(encoding) => 2 + offset(encoding),
-        PnmSubtype::Pixmap(encoding) => 3 + offset(encoding),
-        PnmSubtype::ArbitraryMap => return Err(PnmError::Pam),
+    let (kind, rest) = match file {
+        [b'P', b'7', ..] => return Err(PnmError::Pam),
+        [b'P', kind @ b'1'..=b'6', rest @ ..] => (kind - b'0', rest),
+        _ => return Err(PnmError::Kind),
     };
-    let (width, height) = decoder.dimensions();
-    // A byte holds at most 8 pixels: no memory is allocated for pixels that the file cannot contain.
+    let mut text = Text { rest };
+    let side = "a number from 1 to 65535";
+    let width = text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("width", side))?;
+    let height = text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
+    let most = match kind {
+        1 | 4 => 1,
+        _ => text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("greatest value", side))?,
+    };
+    let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
     let pixels = u64::from(width) * u64::from(height);
+    // A byte holds 8 pixels at most: no memory is taken for pixels that cannot be there.
     if pixels > 8 * file.len() as u64 {
         return Err(PnmError::Short(pixels));
     }
-    let image = DynamicImage::from_decoder(decoder)?;
-    let (bytes, depth) = match kind {
-        3 | 6 => (image.into_rgb8().into_raw(), 3),
-        _ => (image.into_luma8().into_raw(), 1),
+    let (width, samples) = (width as usize, pixels as usize * depth);
+    let sample = |number: usize, value: Option<u32>| {
+        let value = value.filter(|value| *value <= most).ok_or(PnmError::Sample((number / depth) as u64, most))?;
+        Ok(((value * 255 + most / 2) / most) as u8)
     };
-    Ok(Picture { kind, pixels: fitted(&bytes, width as usize * depth, size.width * depth, size.height) })
+    // One blank ends the header of a binary file.
+    let data = text.rest.get(1..).unwrap_or_default();
+    let short = PnmError::Short(pixels);
+    let levels: Vec<u8> = match kind {
+        // The digits of a plain bitmap need no blanks between them.
+        1 => (0..samples).map(|at| sample(at, text.digit()).map(|level| 255 - level)).collect::<Result<_, _>>()?,
+        2 | 3 => (0..samples).map(|at| sample(at, text.number(most))).collect::<Result<_, _>>()?,
+        4 => {
+            let row = width.div_ceil(8);
+            let rows = data.get(..row * height as usize).ok_or(short)?.chunks_exact(row);
+            rows.flat_map(|row| (0..width).map(|at| if row[at / 8] >> (7 - at % 8) & 1 == 1 { 0 } else { 255 }))
+                .collect()
+        }
+        _ if most < 256 => {
+            let data = data.get(..samples).ok_or(short)?;
+            data.iter().enumerate().map(|(at, level)| sample(at, Some((*level).into()))).collect::<Result<_, _>>()?
+        }
+        _ => {
+            let levels = data.get(..2 * samples).ok_or(short)?.as_chunks().0.iter().enumerate();
+            levels.map(|(at, level)| sample(at, Some(u16::from_be_bytes(*level).into()))).collect::<Result<_, _>>()?
+        }
+    };
+    Ok(Picture { kind, pixels: fitted(&levels, width * depth, size.width * depth, size.height) })
 }
 
-fn offset(encoding: SampleEncoding) -> u8 {
-    match encoding {
-        SampleEncoding::Ascii => 0,
-        SampleEncoding::Binary => 3,
+/// The part of a file that is written as decimal numbers between blanks and comments.
+struct Text<'f> {
+    rest: &'f [u8],
+}
+
+impl Text<'_> {
+    /// Skips blanks, and comments from `#` to the end of their line.
+    fn skip(&mut self) {
+        loop {
+            match self.rest {
+                [blank, rest @ ..] if blank.is_ascii_whitespace() => self.rest = rest,
+                [b'#', ..] => {
+                    let end = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+                    self.rest = &self.rest[end.unwrap_or(self.rest.len())..];
+                }
+                _ => return,
+            }
+        }
+    }
+
+    /// The next number, at most `most`; `None` where there is none.
+    fn number(&mut self, most: u32) -> Option<u32> {
+        self.skip();
+        let length = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let (digits, rest) = self.rest.split_at(length);
+        self.rest = rest;
+        std::str::from_utf8(digits).ok()?.parse().ok().filter(|number| *number <= most)
+    }
+
+    /// The next digit, 0 or 1 in a bitmap.
+    fn digit(&mut self) -> Option<u32> {
+        self.skip();
+        let (digit, rest) = self.rest.split_first()?;
+        self.rest = rest;
+        char::from(*digit).to_digit(10)
     }
 }
 

@@ -113,8 +113,13 @@ impl ConsoleRun {
         if let Some(path) = &args.trace {
             sinks.push(Box::new(Trace::create(path, &ready.trace_header())?));
         }
+        #[cfg(feature = "window")]
         if let Some(path) = &args.record {
             sinks.push(Box::new(super::recording::create(path, &ready)?));
+        }
+        #[cfg(not(feature = "window"))]
+        if args.record.is_some() {
+            return Err(crate::cli::absent::error("recordings in MCAP"));
         }
         sinks.extend(observers.sinks);
         let mut err = progress.stderr();

@@ -1,0 +1,19 @@
+//! Features that a build with `--no-default-features` leaves out.
+
+use std::ffi::OsString;
+
+/// Arguments of a subcommand that this build does not have: any.
+#[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
+pub struct AbsentArgs {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    _any: Vec<OsString>,
+}
+
+/// Error of a request that needs `feature`, in a build without it.
+pub fn error(feature: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "this eyesim is built without {feature}: build it with all features by `cargo build --release`, \
+         without `--no-default-features`"
+    )
+}
