@@ -1,6 +1,6 @@
 //! Golden digests: every sample scene gives, to the bit, the run of its recorded digest.
 //!
-//! `goldens/digests.txt` has a line per run: scene, digest, further options of `eyesim run`. `EYESIM_RENEW_GOLDENS=1` rewrites it:
+//! `goldens/digests.txt` has a line per run: scene, digest, further options of `eyesim run`. `INSTA_UPDATE=always` rewrites it:
 //! only for a change that is meant to change runs, in a commit that says which and why.
 
 use std::collections::BTreeSet;
@@ -75,7 +75,7 @@ fn changed(goldens: &[Golden], more: &[&str]) -> Vec<(usize, String)> {
 fn assert_golden(more: &[&str]) {
     let mut goldens = goldens();
     let changed = changed(&goldens, more);
-    if std::env::var_os("EYESIM_RENEW_GOLDENS").is_some() {
+    if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
         changed.into_iter().for_each(|(place, digest)| goldens[place].digest = digest);
         let text = goldens.iter().fold(String::new(), |mut text, Golden { scene, digest, options }| {
             let _ = writeln!(text, "{}", format!("{scene} {digest} {}", options.join(" ")).trim_end());

@@ -169,11 +169,11 @@ fn docs() -> PathBuf {
 #[test]
 fn the_schema_of_the_docs_is_that_of_the_code() {
     let path = docs().join("scene.schema.json");
-    if std::env::var_os("UPDATE_SCHEMA").is_some() {
+    if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
         fs::write(&path, scene_schema()).expect("the schema is written");
     }
     let committed = fs::read_to_string(&path).unwrap_or_default();
-    assert_eq!(committed, scene_schema(), "write it anew with UPDATE_SCHEMA=1, or with `eyesim schema`");
+    assert_eq!(committed, scene_schema(), "write it anew with INSTA_UPDATE=always, or with `eyesim schema`");
 }
 
 /// Keys of a type in the schema, over all its variants.

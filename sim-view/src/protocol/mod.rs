@@ -2,7 +2,7 @@
 //!
 //! Lengths in metres, angles in radians, times in seconds, each with its unit in its name; world x to the right, y upwards, z
 //! above the floor. Colours are red, green and blue from 0 to 255. The page's types (`page/src/protocol/`) are generated from
-//! these by the tests of this crate with `UPDATE_TYPES=1`.
+//! these by the tests of this crate with `INSTA_UPDATE=always`.
 
 mod action;
 mod event;

@@ -32,7 +32,7 @@ fn declarations() -> String {
     let types: Vec<_> = types.0.into_values().collect();
     format!(
         "// What server and page say to each other, made from `sim-view/src/protocol`:\n\
-         // UPDATE_TYPES=1 cargo test -p sim-view typescript\n\n\
+         // INSTA_UPDATE=always cargo test -p sim-view typescript\n\n\
          /** Version of the protocol. */\nexport const PROTOCOL = {PROTOCOL};\n\n{}",
         tidy(&types.join("\n"))
     )
@@ -72,10 +72,10 @@ fn typescript() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/protocol/index.ts");
     let made = declarations();
     assert!(!made.contains("bigint"), "JavaScript has no integers of 64 bits");
-    if std::env::var_os("UPDATE_TYPES").is_some() {
+    if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(&path, &made).unwrap();
     }
     let there = std::fs::read_to_string(&path).unwrap();
-    assert!(there == made, "`{}` is not what the protocol says: UPDATE_TYPES=1 writes it", path.display());
+    assert!(there == made, "`{}` is not what the protocol says: INSTA_UPDATE=always writes it", path.display());
 }

@@ -1,5 +1,5 @@
 // What server and page say to each other, made from `sim-view/src/protocol`:
-// UPDATE_TYPES=1 cargo test -p sim-view typescript
+// INSTA_UPDATE=always cargo test -p sim-view typescript
 
 /** Version of the protocol. */
 export const PROTOCOL = 1;
