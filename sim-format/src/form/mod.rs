@@ -296,8 +296,22 @@ impl Key<'_, '_> {
     fn tell<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
         match &mut self.keys.walk {
             Walk::Read(..) => {}
+            Walk::Print(..) => {
+                if let Some(value) = value {
+                    self.put(kind.print(value), need);
+                }
+            }
+            Walk::Describe(definitions, _) => {
+                let schema = kind.describe(definitions);
+                self.put_schema(schema, need);
+            }
+        }
+    }
+
+    /// Adds a printed value to the table.
+    fn put(self, printed: Value, need: Need) {
+        match &mut self.keys.walk {
             Walk::Print(table, usual) => {
-                let Some(printed) = value.map(|value| kind.print(value)) else { return };
                 let is_as_usual = || usual.as_ref().is_some_and(|usual| usual.get(self.name) == Some(&printed));
                 let is_left_out = match need {
                     Need::Required | Need::Nullable => false,
@@ -308,8 +322,14 @@ impl Key<'_, '_> {
                     table.insert(self.name.to_owned(), printed);
                 }
             }
-            Walk::Describe(definitions, description) => {
-                let mut schema = kind.describe(definitions);
+            Walk::Read(..) | Walk::Describe(..) => {}
+        }
+    }
+
+    /// Adds the schema of the value to the description of the form.
+    fn put_schema(self, mut schema: Json, need: Need) {
+        match &mut self.keys.walk {
+            Walk::Describe(_, description) => {
                 if need == Need::Required {
                     description.required.push(self.name);
                 } else if need != Need::Optional {
@@ -318,6 +338,7 @@ impl Key<'_, '_> {
                 schema["description"] = self.about.into();
                 description.properties.insert(self.name.to_owned(), schema);
             }
+            Walk::Read(..) | Walk::Print(..) => {}
         }
     }
 }
@@ -355,10 +376,7 @@ pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnc
 fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Table {
     let mut keys = Keys::new(Walk::Print(Table::new(), usual));
     declare(&mut keys);
-    match keys.walk {
-        Walk::Print(table, _) => table,
-        _ => Table::new(),
-    }
+    keys.into_table()
 }
 
 fn describe(
@@ -368,9 +386,24 @@ fn describe(
 ) -> Description {
     let mut keys = Keys::new(Walk::Describe(definitions, description));
     declare(&mut keys);
-    match keys.walk {
-        Walk::Describe(_, description) => description,
-        _ => Description::default(),
+    keys.into_description()
+}
+
+impl Keys<'_> {
+    /// The table that a walk has printed.
+    fn into_table(self) -> Table {
+        match self.walk {
+            Walk::Print(table, _) => table,
+            _ => Table::new(),
+        }
+    }
+
+    /// The description that a walk has made.
+    fn into_description(self) -> Description {
+        match self.walk {
+            Walk::Describe(_, description) => description,
+            _ => Description::default(),
+        }
     }
 }
 
@@ -395,6 +428,11 @@ pub(crate) fn definition(
         let schema = make(definitions);
         definitions.insert(name.to_owned(), schema);
     }
+    link(name)
+}
+
+/// Reference to the definition `name`.
+fn link(name: &str) -> Json {
     json!({ "$ref": format!("#/$defs/{name}") })
 }
 

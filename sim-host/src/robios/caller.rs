@@ -63,12 +63,17 @@ impl<F: Flow> Caller<F> {
     /// # Errors
     /// [`Stop`] if the program must end.
     pub(crate) fn call<R>(&self, call: impl Into<Call>, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
-        let call = call.into();
+        let (mut act, mut result) = (Some(act), None);
+        self.act(call.into(), &mut |robot, world| result = act.take().map(|act| act(robot, world)))?;
+        result.ok_or(Stop)
+    }
+
+    /// As [`Caller::call`], compiled once for all functions.
+    fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let result = act(&mut robot, &caller.flow.world());
-            caller.take_turns(robot, call)?;
-            Ok(result)
+            act(&mut robot, &caller.flow.world());
+            caller.take_turns(robot, call)
         })
     }
 
@@ -79,14 +84,12 @@ impl<F: Flow> Caller<F> {
     pub(crate) fn wait<R>(
         &self,
         call: impl Into<Call>,
-        poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {
-        let call = call.into();
-        let site = self.flow.call_site();
-        self.within(call, |caller| {
-            let robot = caller.spend(call)?;
-            caller.wait_in(robot, (call, site), poll)
-        })
+        let mut result = None;
+        let poll = &mut |robot: &mut Robot, world: &World| poll(robot, world).map(|value| result = Some(value));
+        self.wait_after(call.into(), true, poll)?;
+        result.ok_or(Stop)
     }
 
     /// Calls `poll` now and whenever the awaited condition may hold; no time passes besides the wait.
@@ -96,27 +99,42 @@ impl<F: Flow> Caller<F> {
     pub(super) fn wait_at_once<R>(
         &self,
         call: SupportCall,
-        poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {
+        let mut result = None;
+        let poll = &mut |robot: &mut Robot, world: &World| poll(robot, world).map(|value| result = Some(value));
+        self.wait_after(call.into(), false, poll)?;
+        result.ok_or(Stop)
+    }
+
+    /// As [`Caller::wait`], compiled once for all functions; `call` passes its cost first if it `has_cost`.
+    fn wait_after(
+        &self,
+        call: Call,
+        has_cost: bool,
+        poll: &mut dyn FnMut(&mut Robot, &World) -> Poll<()>,
+    ) -> Result<(), Stop> {
         let site = self.flow.call_site();
-        self.within(call.into(), |caller| caller.wait_in(caller.robot(), (call.into(), site), poll))
+        self.within(call, |caller| {
+            let robot = if has_cost { caller.spend(call)? } else { caller.robot() };
+            caller.wait_in(robot, (call, site), poll)
+        })
     }
 
     /// Waits in `call`, made at `site`, until `poll` is ready; the robot's other tasks run meanwhile.
-    fn wait_in<'a, R>(
+    fn wait_in<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
         (call, site): (Call, Site),
-        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
-    ) -> Result<R, Stop> {
+        poll: &mut dyn FnMut(&mut Robot, &World) -> Poll<()>,
+    ) -> Result<(), Stop> {
         let since = robot.now;
         loop {
             let polled = poll(&mut robot, &self.flow.world());
             let (at, waits_for) = match polled {
-                Poll::Ready(result) => {
+                Poll::Ready(()) => {
                     robot.tasks.end_wait();
-                    self.take_turns(robot, call)?;
-                    return Ok(result);
+                    return self.take_turns(robot, call);
                 }
                 Poll::Until { at, waits_for } => (at, waits_for),
             };
@@ -287,14 +305,20 @@ impl<F: Flow> Caller<F> {
     /// Runs `body` as the host's work for the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         if !self.flow.enter(call) {
-            let robot = self.robot();
-            let task = robot.tasks.scheduler().map(|_| robot.tasks.name(robot.tasks.current().number));
-            let task = task.map(|task| format!(" of {task}")).unwrap_or_default();
-            return Err(self.fail(robot, format!("stack overflow in `{}`{task}", call.name())));
+            return Err(self.overflow(call));
         }
         let result = if self.flow.is_leaving() { Err(Stop) } else { body(self) };
         self.flow.leave();
         result
+    }
+
+    /// Ends the program, whose stack has no room for the host's work.
+    #[cold]
+    fn overflow(&self, call: Call) -> Stop {
+        let robot = self.robot();
+        let task = robot.tasks.scheduler().map(|_| robot.tasks.name(robot.tasks.current().number));
+        let task = task.map(|task| format!(" of {task}")).unwrap_or_default();
+        self.fail(robot, format!("stack overflow in `{}`{task}", call.name()))
     }
 
     /// Lets the virtual time that `call` costs pass.

@@ -188,14 +188,20 @@ impl Line for ProgramLine {
     }
 
     fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
-        let mut call = Vec::with_capacity(128);
-        table.put(&mut call);
-        function.put(&mut call);
-        put_call_site(&mut call);
+        let mut call = call_of(table, function);
         arguments(&mut call);
         let reply = self.converse(kind::CALL, &call);
         if reply.kind == kind::OK { Ok(reply.body) } else { Err(Stop) }
     }
+}
+
+/// The body of a CALL message before the arguments.
+fn call_of(table: u32, function: u32) -> Vec<u8> {
+    let mut call = Vec::with_capacity(128);
+    table.put(&mut call);
+    function.put(&mut call);
+    put_call_site(&mut call);
+    call
 }
 
 /// Appends the program's call site.
