@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use robios_sys::robios6::FALSE;
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use crate::device::Device;
 use crate::error::checked;
@@ -67,7 +67,7 @@ impl Audio<'_> {
     /// [`Error::Refused`] if nothing can be recorded.
     #[track_caller]
     pub fn record(&self, room: &mut [u8], rate: Frequency) -> Result<Frequency> {
-        let rate: i32 = robios!(self.0, AURecordSample(ByteRoom::from(room), rate.as_hertz().round() as i64));
+        let rate: i32 = robios!(self.0, AURecordSample(ByteBuffer::from(room), rate.as_hertz().round() as i64));
         rate_of("AURecordSample", Device::Microphone, rate)
     }
 

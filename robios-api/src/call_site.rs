@@ -7,17 +7,17 @@ use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering};
 
 use robios_sys::CallSite;
 
-/// Reader of the location.
-pub(crate) enum Reader {
+/// Recorder of the location.
+pub(crate) enum Recorder {
     /// The host that has loaded this library: it reads the variable that [`of_library`] points to.
     Host,
     /// A fake host in the same library.
-    Fake(Arc<LastPlace>),
+    Fake(Arc<LastCallSite>),
 }
 
-impl Reader {
+impl Recorder {
     /// Records the location of the call that starts now. Only this function publishes locations.
-    pub(crate) fn note(&self, place: &'static Location<'static>) {
+    pub(crate) fn record(&self, place: &'static Location<'static>) {
         match self {
             Self::Fake(last) => last.0.store(std::ptr::from_ref(place).cast_mut(), Ordering::Relaxed),
             Self::Host => {
@@ -32,12 +32,12 @@ impl Reader {
 
 /// Location of the last call made by a program of the same library.
 #[derive(Debug, Default)]
-pub(crate) struct LastPlace(AtomicPtr<Location<'static>>);
+pub(crate) struct LastCallSite(AtomicPtr<Location<'static>>);
 
-impl LastPlace {
+impl LastCallSite {
     /// Location of the last call; `None` before the first.
     pub(crate) fn get(&self) -> Option<&'static Location<'static>> {
-        // SAFETY: the pointer is null or comes from a `&'static Location` in `Reader::note`.
+        // SAFETY: the pointer is null or comes from a `&'static Location` in `Recorder::record`.
         unsafe { self.0.load(Ordering::Relaxed).as_ref() }
     }
 }

@@ -1,6 +1,6 @@
 //! The camera of RoBIOS 6: images of 80 x 60 pixels.
 
-use robios_sys::ByteRoom;
+use robios_sys::ByteBuffer;
 use robios_sys::robios6::{
     AUTOBRIGHTNESS, FPS0_9375, FPS0_46875, FPS1_875, FPS3_75, FPS7_5, FPS15, FPS30, FPS60, INITERROR, NOAUTOBRIGHTNESS,
     NORMAL, TELE, WIDE,
@@ -182,7 +182,7 @@ impl Camera {
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; Self::SIZE.pixels()];
-        let room = ByteRoom { data: mm.as_mut_ptr().cast(), len: mm.len() };
+        let room = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
         checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(room)))?;
         Ok(DepthImage { size: Self::SIZE, mm })
     }
@@ -191,7 +191,7 @@ impl Camera {
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; Self::SIZE.pixels()];
-        let room = ByteRoom { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
         checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(room)))?;
         Ok(LabelImage { size: Self::SIZE, numbers })
     }

@@ -169,7 +169,7 @@ pub unsafe fn run<M: Machine, O: Outcome>(
     main: fn(&M) -> O,
 ) -> c_int {
     // SAFETY: the caller vouches for the arguments.
-    unsafe { run_for(call_site::Reader::Host, host, context, argc, argv, main) }
+    unsafe { run_for(call_site::Recorder::Host, host, context, argc, argv, main) }
 }
 
 /// As [`run`], with a given reader of call sites.
@@ -177,7 +177,7 @@ pub unsafe fn run<M: Machine, O: Outcome>(
 /// # Safety
 /// As for [`run`].
 pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
-    reader: call_site::Reader,
+    reader: call_site::Recorder,
     host: *const Host,
     context: *mut c_void,
     argc: c_int,
@@ -189,14 +189,14 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     let arguments = unsafe { arguments(argc, argv) };
     // SAFETY: the caller vouches for host and context, and the robot is closed below.
     let robot = unsafe { Robot::new(host, context, arguments, reader) };
-    let code = contain(&robot, || main(&M::of(&robot)).failure());
+    let code = catch_failure(&robot, || main(&M::of(&robot)).failure());
     robot.end_tasks();
     robot.close();
     robot.common().failure.get().copied().unwrap_or(code)
 }
 
 /// Runs a task's function, reports its failure to the host and returns its exit code.
-fn contain(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
+fn catch_failure(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     let outcome = {
         let _inside = Inside::enter();
         panic::catch_unwind(AssertUnwindSafe(function))
@@ -217,7 +217,7 @@ fn contain(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
 
 /// Runs the function of a task other than `main`; its failure is a failure of the program.
 pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>) -> Status {
-    match contain(robot, function) {
+    match catch_failure(robot, function) {
         0 => Status::OK,
         EXIT_STOPPED => Status::STOP,
         code => {
@@ -228,7 +228,7 @@ pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>)
 }
 
 /// Reports the panic of a timer's function; the enclosing call then ends the program. [`Stopped`] is not reported.
-pub(crate) fn leave_callback(robot: &Robot, payload: Box<dyn Any + Send>) {
+pub(crate) fn report_callback_panic(robot: &Robot, payload: Box<dyn Any + Send>) {
     if !payload.is::<Stopped>() {
         report(robot, failure::PANIC, &panic_text(payload));
         let _first_counts = robot.common().failure.set(EXIT_PANICKED);

@@ -1,6 +1,6 @@
 //! Legs, for both generations: an extension of this simulator, not part of RoBIOS.
 
-use robios_sys::ByteRoom;
+use robios_sys::ByteBuffer;
 
 use crate::device::Device;
 use crate::error::checked;
@@ -192,7 +192,7 @@ impl Legs {
     #[track_caller]
     pub fn link(&self, leg: Leg, link: LegLink) -> Result<LinkPose> {
         let mut numbers = [0_f32; 6];
-        let room = ByteRoom { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
         checked("LEGGetLink", Device::Legs, leg!(&self.robot, LEGGetLink(leg.0.into(), link as i32, room)))?;
         let [x, y, z, roll, pitch, yaw] = numbers.map(f64::from);
         let [x, y, z] = [x, y, z].map(Length::millimetres);

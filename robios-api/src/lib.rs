@@ -104,8 +104,10 @@ pub use random::Random;
 pub use robot::Robot;
 pub use sensor::{Bumper, Calibration, Compass, Infrared};
 pub use serial::{Baud, Handshake, Serial, SerialAt};
-pub use task::{Forbidden, Permit, Priority, Semaphore, Shared, SharedGuard, Task, TaskMode, TaskSettings, Tasks};
-pub use time::{Ticker, TimeOfDay, Timer, TimersHeld};
+pub use task::{
+    Permit, PreemptionGuard, Priority, Semaphore, Shared, SharedGuard, Task, TaskMode, TaskSettings, Tasks,
+};
+pub use time::{Ticker, TimeOfDay, Timer, TimerGuard};
 pub use tv_remote::{TvCode, TvCoding, TvMode, TvRemote, TvSettings};
 pub use unit::{Angle, Frequency, Length, Ratio, Speed, TurnRate, Units};
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use robios_sys::robios6::{HDTEntry, PLATFORM, WALKER, hdt_type};
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use crate::device::{BumperAt, Device, EncoderAt, InfraredAt, MotorAt, PsdAt, ServoAt};
 use crate::error::checked;
@@ -46,7 +46,7 @@ impl Robot {
     #[track_caller]
     pub fn version(&self) -> String {
         let mut text = [0; 64];
-        let len: i32 = robios!(self, OSVersion(ByteRoom::from(&mut text[..])));
+        let len: i32 = robios!(self, OSVersion(ByteBuffer::from(&mut text[..])));
         text_of(&text, len)
     }
 
@@ -54,7 +54,7 @@ impl Robot {
     #[track_caller]
     pub fn name(&self) -> String {
         let mut text = [0; 64];
-        let len: i32 = robios!(self, OSMachineName(ByteRoom::from(&mut text[..])));
+        let len: i32 = robios!(self, OSMachineName(ByteBuffer::from(&mut text[..])));
         text_of(&text, len)
     }
 

@@ -83,7 +83,7 @@ impl Ports<'_> {
 
     /// Switches the analogue converter to idle.
     #[track_caller]
-    pub fn rest_analog(&self) {
+    pub fn idle_analog(&self) {
         let _: i32 = robios!(self.0, OSOffAD(1));
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use robios_sys::ByteRoom;
+use robios_sys::ByteBuffer;
 use robios_sys::robios6::{FALSE, PSD_OUT_OF_RANGE, PSDHandle, TRUE};
 
 use crate::device::{Device, PsdAt};
@@ -183,7 +183,7 @@ impl Robot {
     #[track_caller]
     pub fn laser_scan(&self) -> Result<Vec<Option<Length>>> {
         let mut distances_mm = vec![0_i32; MAX_POINTS];
-        let room = ByteRoom { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        let room = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
         let points: i32 = robios!(self, LIDARScan(room));
         let points = usize::try_from(points).ok().ok_or(Error::Unavailable(Device::Lidar))?;
         distances_mm.truncate(points);

@@ -5,14 +5,14 @@
 use std::time::Duration;
 
 use robios_sys::robios6::{BROADCAST, MAXMSGLEN, RadioIOParameters, RadioStatus as RawStatus};
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use crate::device::Device;
 #[cfg(feature = "serde")]
 use crate::encoding;
 use crate::error::checked;
 use crate::os::RobotNumber;
-use crate::robot::{Common, locked, release, robios};
+use crate::robot::{ProgramState, locked, release, robios};
 use crate::serial::Baud;
 use crate::{Error, Result, Robot};
 
@@ -20,7 +20,7 @@ use crate::{Error, Result, Robot};
 pub const MAX_MESSAGE: usize = MAXMSGLEN as usize;
 
 /// Polling interval of calls that wait for a message with a timeout.
-pub(crate) const LOOK: Duration = Duration::from_millis(1);
+pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
 /// The radio, switched on; dropping the last instance switches it off.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ impl Message {
     }
 }
 
-impl Common {
+impl ProgramState {
     /// Counts a new radio; returns true for the first, which switches the radio on.
     pub(crate) fn add_radio(&self) -> bool {
         let mut radios = locked(&self.radios);
@@ -182,7 +182,7 @@ impl Radio {
     #[track_caller]
     pub fn receive(&self) -> Result<Message> {
         let (mut from, mut len, mut room) = (0, 0, [0; MAX_MESSAGE]);
-        let code = robios!(&self.robot, RADIORecv(&mut from, &mut len, ByteRoom::from(&mut room[..])));
+        let code = robios!(&self.robot, RADIORecv(&mut from, &mut len, ByteBuffer::from(&mut room[..])));
         checked("RADIORecv", Device::Radio, code)?;
         let len = usize::try_from(len).unwrap_or(0).min(MAX_MESSAGE);
         Ok(Message { from: RobotNumber(from), bytes: room[..len].to_vec() })
@@ -209,7 +209,7 @@ impl Radio {
             if message.is_some() || self.robot.now() >= end {
                 return Ok(message);
             }
-            self.robot.sleep(LOOK);
+            self.robot.sleep(POLL_INTERVAL);
         }
     }
 

@@ -15,7 +15,7 @@ use crate::lcd::Lcd;
 use crate::port::Ports;
 use crate::psd::PsdState;
 use crate::random::Random;
-use crate::robios7::State as State7;
+use crate::robios7::DeviceSettings;
 use crate::task::TaskState;
 
 /// The robot, from which all devices and services are obtained.
@@ -29,14 +29,14 @@ pub(crate) struct Inner {
     /// `None` once the task has ended: calls of a device that outlives the task (in a thread-local, say) then do nothing.
     tables: Cell<Option<Tables>>,
     is_stopped: Cell<bool>,
-    pub(crate) robios7: State7,
-    pub(crate) common: Arc<Common>,
+    pub(crate) robios7: DeviceSettings,
+    pub(crate) common: Arc<ProgramState>,
 }
 
 /// State shared by all tasks of a program. None of its locks is held during a call.
-pub(crate) struct Common {
+pub(crate) struct ProgramState {
     arguments: Vec<String>,
-    call_site: call_site::Reader,
+    call_site: call_site::Recorder,
     pub(crate) psd: Mutex<PsdState>,
     /// Number of [`Radio`](crate::Radio)s, of either generation.
     pub(crate) radios: Mutex<usize>,
@@ -80,12 +80,12 @@ impl Robot {
         host: *const Host,
         context: *mut c_void,
         arguments: Vec<String>,
-        call_site: call_site::Reader,
+        call_site: call_site::Recorder,
     ) -> Self {
         // SAFETY: the caller vouches for `host`.
         let host = unsafe { &*host };
         let tables = Tables { support: host.support, robios: host.robios6, robios7: host.robios7, context };
-        let common = Common {
+        let common = ProgramState {
             arguments,
             call_site,
             psd: Mutex::default(),
@@ -97,17 +97,17 @@ impl Robot {
     }
 
     /// Creates the robot of one task. The caller must close it before the task ends.
-    pub(crate) fn of_task(tables: Tables, common: Arc<Common>) -> Self {
+    pub(crate) fn of_task(tables: Tables, common: Arc<ProgramState>) -> Self {
         Self(Rc::new(Inner {
             tables: Cell::new(Some(tables)),
             is_stopped: Cell::new(false),
-            robios7: State7::default(),
+            robios7: DeviceSettings::default(),
             common,
         }))
     }
 
     /// State shared by all tasks of the program.
-    pub(crate) fn common(&self) -> &Arc<Common> {
+    pub(crate) fn common(&self) -> &Arc<ProgramState> {
         &self.0.common
     }
 
@@ -124,7 +124,7 @@ impl Robot {
     ///
     /// During unwinding (a call in a `drop`) a second unwinding would abort the host: the call then returns a result of 0
     /// instead.
-    pub(crate) fn obey(&self, status: Status) {
+    pub(crate) fn unwind_if_stopped(&self, status: Status) {
         if status != Status::OK {
             self.0.is_stopped.set(true);
             if !std::thread::panicking() {
@@ -135,9 +135,9 @@ impl Robot {
 
     /// Records the location of a call. After the first call that was answered with [`Status::STOP`] the location is kept:
     /// calls made while the program unwinds do not replace it.
-    pub(crate) fn note_call_site(&self, place: &'static Location<'static>) {
+    pub(crate) fn record_call_site(&self, place: &'static Location<'static>) {
         if !self.0.is_stopped.get() {
-            self.0.common.call_site.note(place);
+            self.0.common.call_site.record(place);
         }
     }
 
@@ -212,13 +212,13 @@ pub(crate) use support;
 macro_rules! call {
     ($robot:expr, $table:ident, $name:ident($($argument:expr),*)) => {{
         let robot: &$crate::Robot = $robot;
-        robot.note_call_site(std::panic::Location::caller());
+        robot.record_call_site(std::panic::Location::caller());
         let mut result = Default::default();
         if let Some(tables) = robot.tables() {
             // SAFETY: table and context are valid as long as the robot is not closed; pointers among the arguments
             // come from references that live until the call returns.
             let status = unsafe { ((*tables.$table).$name)(tables.context, $($argument,)* &mut result) };
-            robot.obey(status);
+            robot.unwind_if_stopped(status);
         }
         result
     }};

@@ -13,7 +13,7 @@ use robios_sys::{Callback, Status};
 
 use crate::device::Device;
 use crate::error::checked;
-use crate::robot::{Common, Tables, locked, release, robios, support};
+use crate::robot::{ProgramState, Tables, locked, release, robios, support};
 use crate::{Error, Result, Robot, entry};
 
 /// RoBIOS calls timers on a grid of 10 ms.
@@ -99,9 +99,9 @@ impl Robot {
 
     /// Holds timers back until the guard is dropped, like disabling interrupts.
     #[track_caller]
-    pub fn hold_timers(&self) -> TimersHeld {
+    pub fn hold_timers(&self) -> TimerGuard {
         let _: i32 = robios!(self, OSDisable());
-        TimersHeld { robot: self.clone() }
+        TimerGuard { robot: self.clone() }
     }
 
     /// The robot's clock; it starts at 0:00:00.
@@ -165,7 +165,7 @@ fn scale_of(period: Duration) -> Result<i32> {
 pub struct Timer {
     robot: Robot,
     handle: TimerHandle,
-    /// An `Rc<Job>` or an `Arc<SendJob>`.
+    /// An `Rc<TimerJob>` or an `Arc<SendTimerJob>`.
     job: Option<Box<dyn Any>>,
     detach: fn(&Robot, TimerHandle) -> bool,
 }
@@ -176,12 +176,12 @@ impl Timer {
     #[track_caller]
     pub(crate) fn attach(
         robot: &Robot,
-        function: Box<Function>,
+        function: Box<TimerFunction>,
         attach: impl FnOnce(Callback) -> TimerHandle,
         detach: fn(&Robot, TimerHandle) -> bool,
     ) -> Result<Self> {
-        robot.admit_timer()?;
-        let job = Rc::new(Job { robot: robot.clone(), function: RefCell::new(function) });
+        robot.count_timer()?;
+        let job = Rc::new(TimerJob { robot: robot.clone(), function: RefCell::new(function) });
         let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
         match attach(callback) {
             0 => Err(Error::Unavailable(Device::Timer)),
@@ -191,10 +191,10 @@ impl Timer {
 
     /// Creates a timer whose function may be called on the thread of any task.
     #[track_caller]
-    pub(crate) fn of_any_task(robot: &Robot, period: Duration, function: Box<SendFunction>) -> Result<Self> {
+    pub(crate) fn of_any_task(robot: &Robot, period: Duration, function: Box<SendTimerFunction>) -> Result<Self> {
         let scale = scale_of(period)?;
         let Some(tables) = robot.tables() else { return Err(Error::Unavailable(Device::Timer)) };
-        let job = Arc::new(SendJob { tables, common: Arc::clone(robot.common()), function: Mutex::new(function) });
+        let job = Arc::new(SendTimerJob { tables, common: Arc::clone(robot.common()), function: Mutex::new(function) });
         let callback = Callback { code: Some(call_send_job), data: Arc::as_ptr(&job).cast_mut().cast() };
         match robios!(robot, OSAttachTimer(scale, callback)) {
             0 => Err(Error::Unavailable(Device::Timer)),
@@ -224,44 +224,44 @@ impl std::fmt::Debug for Timer {
 /// Guard that holds timers back, see [`Robot::hold_timers`].
 #[derive(Debug)]
 #[must_use = "timers are held back only while it lives"]
-pub struct TimersHeld {
+pub struct TimerGuard {
     robot: Robot,
 }
 
-impl Drop for TimersHeld {
+impl Drop for TimerGuard {
     fn drop(&mut self) {
         release!(&self.robot, OSEnable());
     }
 }
 
 /// Function of a timer, with its robot.
-struct Job {
+struct TimerJob {
     robot: Robot,
-    function: RefCell<Box<Function>>,
+    function: RefCell<Box<TimerFunction>>,
 }
 
-impl Drop for Job {
+impl Drop for TimerJob {
     fn drop(&mut self) {
         locked(&self.robot.common().tasks).timers -= 1;
     }
 }
 
 /// Function of a timer.
-pub(crate) type Function = dyn FnMut(&Robot);
+pub(crate) type TimerFunction = dyn FnMut(&Robot);
 
 /// Function of a timer that may be called on the thread of any task.
-struct SendJob {
+struct SendTimerJob {
     tables: Tables,
-    common: Arc<Common>,
-    function: Mutex<Box<SendFunction>>,
+    common: Arc<ProgramState>,
+    function: Mutex<Box<SendTimerFunction>>,
 }
 
 /// Function of a timer in a program with tasks.
-pub(crate) type SendFunction = dyn FnMut(&Robot) + Send;
+pub(crate) type SendTimerFunction = dyn FnMut(&Robot) + Send;
 
-impl SendJob {
+impl SendTimerJob {
     fn run(&self, robot: &Robot) {
-        // As `Job::run`.
+        // As `TimerJob::run`.
         match self.function.try_lock() {
             Ok(mut function) => function(robot),
             Err(TryLockError::Poisoned(function)) => function.into_inner()(robot),
@@ -270,7 +270,7 @@ impl SendJob {
     }
 }
 
-impl Job {
+impl TimerJob {
     fn run(&self) {
         // The host never nests these calls; a nested call would be skipped.
         if let Ok(mut function) = self.function.try_borrow_mut() {
@@ -282,9 +282,9 @@ impl Job {
 /// Callback of a timer, called by the host.
 ///
 /// # Safety
-/// `data` is the `Job` of a [`Timer`] that has not been detached, on the thread of its robot.
+/// `data` is the `TimerJob` of a [`Timer`] that has not been detached, on the thread of its robot.
 unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
-    let job = data.cast_const().cast::<Job>();
+    let job = data.cast_const().cast::<TimerJob>();
     // SAFETY: the timer holds one reference to the job that the pointer came from. A second one keeps the job alive if
     // the function drops its own timer.
     let job = unsafe {
@@ -292,7 +292,7 @@ unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
         Rc::from_raw(job)
     };
     let robot = job.robot.clone();
-    contain(&robot, || {
+    catch_failure(&robot, || {
         job.run();
         drop(job);
     })
@@ -301,16 +301,16 @@ unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
 /// Callback of a timer of [`Timer::of_any_task`], called by the host.
 ///
 /// # Safety
-/// `data` is the `SendJob` of a [`Timer`] that has not been detached, on the thread of a task of its robot.
+/// `data` is the `SendTimerJob` of a [`Timer`] that has not been detached, on the thread of a task of its robot.
 unsafe extern "C" fn call_send_job(data: *mut c_void) -> Status {
-    let job = data.cast_const().cast::<SendJob>();
+    let job = data.cast_const().cast::<SendTimerJob>();
     // SAFETY: as in `call_job`.
     let job = unsafe {
         Arc::increment_strong_count(job);
         Arc::from_raw(job)
     };
     let robot = Robot::of_task(job.tables, Arc::clone(&job.common));
-    let status = contain(&robot, || {
+    let status = catch_failure(&robot, || {
         job.run(&robot);
         drop(job);
     });
@@ -319,11 +319,11 @@ unsafe extern "C" fn call_send_job(data: *mut c_void) -> Status {
 }
 
 /// Calls a timer's function and catches its panics.
-fn contain(robot: &Robot, function: impl FnOnce()) -> Status {
+fn catch_failure(robot: &Robot, function: impl FnOnce()) -> Status {
     match catch_unwind(AssertUnwindSafe(function)) {
         Ok(()) => Status::OK,
         Err(payload) => {
-            entry::leave_callback(robot, payload);
+            entry::report_callback_panic(robot, payload);
             Status::STOP
         }
     }

@@ -122,7 +122,7 @@ quantity! {
     Ratio in "percent": percent, as_percent
 }
 
-macro_rules! crossing {
+macro_rules! robios6_conversion {
     ($($Name:ident),*) => {$(
         impl $Name {
             /// Converts to the number passed to RoBIOS 6.
@@ -137,9 +137,9 @@ macro_rules! crossing {
         }
     )*};
 }
-crossing!(Length, Angle, Speed, TurnRate);
+robios6_conversion!(Length, Angle, Speed, TurnRate);
 
-macro_rules! crossing7 {
+macro_rules! robios7_conversion {
     ($($Name:ident: $new:ident, $get:ident, $unit:literal;)*) => {$(
         impl $Name {
             #[doc = concat!("Converts to the number passed to RoBIOS-7: whole ", $unit, ", rounded.")]
@@ -154,7 +154,7 @@ macro_rules! crossing7 {
         }
     )*};
 }
-crossing7! {
+robios7_conversion! {
     Length: millimetres, as_millimetres, "millimetres";
     Angle: degrees, as_degrees, "degrees";
     Speed: millimetres_per_second, as_millimetres_per_second, "millimetres per second";

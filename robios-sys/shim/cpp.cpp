@@ -27,7 +27,7 @@ HIDDEN std::uint32_t eyesim_entropy();
 namespace {
 
 // Exception that leaves the program; its type is private, so that no handler names it.
-struct Leaving {
+struct StopException {
     _Unwind_Exception exception; // first: the unwinder hands it back
     struct frame *frame;
 };
@@ -45,9 +45,9 @@ _Unwind_Reason_Code step(int, _Unwind_Action actions, _Unwind_Exception_Class, _
 }
 
 // Called if a `catch (...)` does not rethrow: the rest of the stack is left without destructors.
-void swallowed(_Unwind_Reason_Code, _Unwind_Exception *exception)
+void not_rethrown(_Unwind_Reason_Code, _Unwind_Exception *exception)
 {
-    eyesim_jump(reinterpret_cast<Leaving *>(exception)->frame);
+    eyesim_jump(reinterpret_cast<StopException *>(exception)->frame);
 }
 
 // Demangled name of a type. May allocate, since the program has ended.
@@ -86,11 +86,11 @@ const char *name_of(const std::type_info &type)
 // Runs the destructors between here and `frame`, and jumps there. Returns if the stack cannot be walked.
 extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
 {
-    Leaving *leaving = static_cast<Leaving *>(std::calloc(1, sizeof(Leaving)));
+    StopException *leaving = static_cast<StopException *>(std::calloc(1, sizeof(StopException)));
     if (leaving == nullptr)
         return;
     leaving->frame = frame;
-    leaving->exception.exception_cleanup = swallowed;
+    leaving->exception.exception_cleanup = not_rethrown;
     _Unwind_ForcedUnwind(&leaving->exception, step, frame);
 }
 

@@ -47,7 +47,7 @@ static void send_line(struct console *console)
                                                      bytes_of(console->line, console->used), &result);
         self.frame = frame;
         if (status == EYESIM_STOP)
-            self.wants_out = 1;
+            self.stop_pending = 1;
     }
     console->used = 0;
 }
@@ -121,7 +121,7 @@ static void flush_console(void)
 /* Runs after output, with no FILE in use: leaves the program if the host has stopped it, and lets other tasks run. */
 static int written(int result)
 {
-    if (self.wants_out && !self.frame->is_left)
+    if (self.stop_pending && !self.frame->is_left)
         leave(EYESIM_EXIT_STOPPED);
     turn();
     return result;

@@ -222,7 +222,7 @@ static _Noreturn void unwind_task(struct task *task)
     }
     if (task->start_plain != NULL && !task->base->is_left) {
         task->base->is_left = 1;
-        task->base->way_out = TASK_ENDS;
+        task->base->jump_value = TASK_ENDS;
         eyesim_unwind(task->base);
     }
     longjmp(task->base->place, TASK_ENDS);

@@ -50,7 +50,7 @@ struct frame {
     struct task *task;
     const void *thread; /* which runs it */
     int is_left; /* by unwinding, which runs destructors */
-    int way_out; /* what unwinding brings to it in the end; 0 is LEAVES */
+    int jump_value; /* what unwinding brings to it in the end; 0 is LEAVES */
 };
 
 /* Values that longjmp passes to a frame. */
@@ -81,7 +81,7 @@ static struct {
     int is_leaving;
     int exit_code;
     int ignored_calls; /* of destructors of a program that is being left */
-    int wants_out; /* the host has stopped the program while it could not be left */
+    int stop_pending; /* the host has stopped the program while it could not be left */
     struct console out, err;
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
@@ -115,7 +115,7 @@ HIDDEN void eyesim_unwind(struct frame *frame);
 /* Jumps to a frame at the end of unwinding. */
 HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
 {
-    longjmp(frame->place, frame->way_out);
+    longjmp(frame->place, frame->jump_value);
 }
 #else
 #define eyesim_unwind(frame) ((void)(frame))
@@ -224,13 +224,13 @@ static int32_t called_back(void *data)
     frame.outer = frame_of_thread();
     frame.task = frame.outer->task;
     frame.thread = this_thread();
-    frame.is_left = frame.way_out = 0;
+    frame.is_left = frame.jump_value = 0;
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
         call_outermost(function);
         self.frame = frame.outer;
         self.call_site = outer_site;
-        return self.wants_out ? EYESIM_STOP : 0;
+        return self.stop_pending ? EYESIM_STOP : 0;
     }
     self.frame = frame.outer;
     return EYESIM_STOP;
@@ -314,7 +314,7 @@ HIDDEN _Noreturn void eyesim_uncaught(const char *text)
 {
     if (text != NULL)
         fail(FAILED_EXCEPTION, text);
-    if (!self.is_leaving && self.frame->way_out == TASK_ENDS)
+    if (!self.is_leaving && self.frame->jump_value == TASK_ENDS)
         longjmp(self.frame->place, TASK_ENDS);
     leave(EYESIM_EXIT_STOPPED);
 }
@@ -365,7 +365,7 @@ static void construct(int argc, char **argv)
 }
 
 /* Runs the whole program; no exception is propagated beyond this frame. */
-static __attribute__((noinline)) _Noreturn void live(int argc, char **argv)
+static __attribute__((noinline)) _Noreturn void run_program(int argc, char **argv)
 {
     int exit_code = 0;
     OUTERMOST;
@@ -385,9 +385,9 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     frame.outer = NULL;
     frame.task = &main_task;
     frame.thread = main_task.thread = this_thread();
-    frame.is_left = frame.way_out = 0;
+    frame.is_left = frame.jump_value = 0;
     main_task.base = &frame;
-    self.is_leaving = self.wants_out = self.ignored_calls = 0;
+    self.is_leaving = self.stop_pending = self.ignored_calls = 0;
     self.host = host;
     self.robot = robot;
     self.frame = &frame;
@@ -395,7 +395,7 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     case 0:
         if (arguments == NULL)
             fail(1, "no memory for the arguments");
-        live(argc, arguments);
+        run_program(argc, arguments);
     case TASK_ENDS:
         end_main_task();
         end_program(0);

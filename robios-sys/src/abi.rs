@@ -201,14 +201,14 @@ impl Program {
     ///
     /// # Errors
     /// The reason why it cannot, to be shown to the user.
-    pub fn check(&self) -> Result<(), Misfit> {
+    pub fn check(&self) -> Result<(), Incompatibility> {
         if self.abi != ABI_VERSION {
-            return Err(Misfit::Abi { program: self.abi });
+            return Err(Incompatibility::Abi { program: self.abi });
         }
         let table = match self.generation {
             6 => size_of::<Robios6Table>(),
             7 => size_of::<Robios7Table>(),
-            other => return Err(Misfit::Generation(other)),
+            other => return Err(Incompatibility::Generation(other)),
         };
         let offered = [size_of::<SupportTable>(), table];
         if [self.support_size as usize, self.robios_size as usize]
@@ -216,7 +216,7 @@ impl Program {
             .zip(offered)
             .any(|(known, size)| *known > size)
         {
-            return Err(Misfit::Newer);
+            return Err(Incompatibility::Newer);
         }
         Ok(())
     }
@@ -224,7 +224,7 @@ impl Program {
 
 /// Reason why a host refuses a program, see [`Program::check`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Misfit {
+pub enum Incompatibility {
     /// Built against another ABI version.
     Abi {
         /// ABI version of the program.
@@ -236,7 +236,7 @@ pub enum Misfit {
     Newer,
 }
 
-impl std::fmt::Display for Misfit {
+impl std::fmt::Display for Incompatibility {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Abi { program } => {
@@ -250,7 +250,7 @@ impl std::fmt::Display for Misfit {
     }
 }
 
-impl std::error::Error for Misfit {}
+impl std::error::Error for Incompatibility {}
 
 #[cfg(test)]
 mod tests {
@@ -267,11 +267,11 @@ mod tests {
         let older = Program { robios_size: good().robios_size - 8, ..good() };
         assert_eq!(older.check(), Ok(()), "a table is only appended to");
         let newer = Program { robios_size: good().robios_size + 8, ..good() };
-        assert_eq!(newer.check(), Err(Misfit::Newer));
+        assert_eq!(newer.check(), Err(Incompatibility::Newer));
         let other = Program { abi: ABI_VERSION + 1, ..good() };
-        assert_eq!(other.check(), Err(Misfit::Abi { program: ABI_VERSION + 1 }));
+        assert_eq!(other.check(), Err(Incompatibility::Abi { program: ABI_VERSION + 1 }));
         assert_eq!(Program::robios7(language::C, run, std::ptr::null()).check(), Ok(()));
         let eighth = Program { generation: 8, ..good() };
-        assert_eq!(eighth.check(), Err(Misfit::Generation(8)));
+        assert_eq!(eighth.check(), Err(Incompatibility::Generation(8)));
     }
 }

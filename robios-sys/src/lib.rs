@@ -20,7 +20,9 @@ pub mod table;
 pub mod wire;
 
 pub use abi::*;
-pub use param::{ByteRoom, ByteSlice, Bytes, Callback, In, InOut, Out, OutBytes, OutFloats, OutInts, OutNumbers, Text};
+pub use param::{
+    ByteBuffer, ByteSlice, Bytes, Callback, In, InOut, Out, OutBytes, OutFloats, OutInts, OutNumbers, Text,
+};
 pub use robios6::{Robios6, Robios6Call, Robios6Table};
 pub use robios7::{Robios7, Robios7Call, Robios7Table};
 pub use support::{Support, SupportCall, SupportTable};

@@ -43,24 +43,24 @@ pub trait Param {
     fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
 
     /// In the program's process: appends to a request the part of the argument that the method needs.
-    fn send(held: &Self::Held, request: &mut Vec<u8>);
+    fn write_request(held: &Self::Held, request: &mut Vec<u8>);
 
-    /// In the host: reads an argument written by [`send`](Self::send).
+    /// In the host: reads an argument written by [`write_request`](Self::write_request).
     ///
     /// # Errors
     /// [`Malformed`] if the bytes are no such argument.
-    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
 
     /// In the host: appends to a reply the outputs set by the method.
-    fn answer(held: &Self::Held, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Self::Held, reply: &mut Vec<u8>) {
         let _ = (held, reply);
     }
 
-    /// In the program's process: reads outputs written by [`answer`](Self::answer).
+    /// In the program's process: reads outputs written by [`write_reply`](Self::write_reply).
     ///
     /// # Errors
     /// [`Malformed`] if the bytes are no such outputs.
-    fn hear(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let _ = (held, reply);
         Ok(())
     }
@@ -69,13 +69,13 @@ pub trait Param {
 /// Result type of a function.
 pub trait Return: Copy {
     /// Appends the result to a reply.
-    fn answer(&self, reply: &mut Vec<u8>);
+    fn write_reply(&self, reply: &mut Vec<u8>);
 
     /// Reads the result from a reply.
     ///
     /// # Errors
     /// [`Malformed`] if there are too few bytes.
-    fn hear(reply: &mut Reader<'_>) -> Result<Self, Malformed>;
+    fn read_reply(reply: &mut Reader<'_>) -> Result<Self, Malformed>;
 
     /// Formats the result for a log of calls; nothing for `()`.
     ///
@@ -99,18 +99,18 @@ macro_rules! plain {
             fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
                 held.fmt(f)
             }
-            fn send(held: &Self, request: &mut Vec<u8>) {
+            fn write_request(held: &Self, request: &mut Vec<u8>) {
                 held.put(request);
             }
-            fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+            fn read_request(request: &mut Request<'_>) -> Result<Self, Malformed> {
                 request.arguments.get()
             }
         }
         impl Return for $number {
-            fn answer(&self, reply: &mut Vec<u8>) {
+            fn write_reply(&self, reply: &mut Vec<u8>) {
                 self.put(reply);
             }
-            fn hear(reply: &mut Reader<'_>) -> Result<Self, Malformed> {
+            fn read_reply(reply: &mut Reader<'_>) -> Result<Self, Malformed> {
                 reply.get()
             }
             fn show(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -122,8 +122,8 @@ macro_rules! plain {
 plain!(u8, i32, u32, i64, u64, f32, f64);
 
 impl Return for () {
-    fn answer(&self, _: &mut Vec<u8>) {}
-    fn hear(_: &mut Reader<'_>) -> Result<Self, Malformed> {
+    fn write_reply(&self, _: &mut Vec<u8>) {}
+    fn read_reply(_: &mut Reader<'_>) -> Result<Self, Malformed> {
         Ok(())
     }
     fn show(&self, _: &mut Formatter<'_>) -> fmt::Result {
@@ -161,14 +161,14 @@ impl From<&str> for ByteSlice {
 /// Buffer of a program in the ABI: pointer and length. A null pointer means "not wanted".
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct ByteRoom {
+pub struct ByteBuffer {
     /// First byte, or null.
     pub data: *mut u8,
     /// Number of bytes that may be written.
     pub len: usize,
 }
 
-impl From<&mut [u8]> for ByteRoom {
+impl From<&mut [u8]> for ByteBuffer {
     fn from(room: &mut [u8]) -> Self {
         Self { data: room.as_mut_ptr(), len: room.len() }
     }
@@ -198,10 +198,10 @@ impl Param for Text {
             None => f.write_str("NULL"),
         }
     }
-    fn send(held: &Self::Held, request: &mut Vec<u8>) {
+    fn write_request(held: &Self::Held, request: &mut Vec<u8>) {
         put_bytes(held.as_deref(), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
         Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
     }
 }
@@ -228,10 +228,10 @@ impl Param for Bytes {
             None => f.write_str("NULL"),
         }
     }
-    fn send(held: &Self::Held, request: &mut Vec<u8>) {
+    fn write_request(held: &Self::Held, request: &mut Vec<u8>) {
         put_bytes(held.as_deref(), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
         Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
     }
 }
@@ -267,10 +267,10 @@ impl<T: Plain> Param for In<T> {
     fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.is_some() { "..." } else { "NULL" })
     }
-    fn send(held: &Option<T>, request: &mut Vec<u8>) {
+    fn write_request(held: &Option<T>, request: &mut Vec<u8>) {
         put_option(held.as_ref(), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
         get_option(&mut request.arguments)
     }
 }
@@ -315,16 +315,16 @@ impl<T: Plain> Param for InOut<T> {
     fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.is_some() { "..." } else { "NULL" })
     }
-    fn send(held: &Option<T>, request: &mut Vec<u8>) {
+    fn write_request(held: &Option<T>, request: &mut Vec<u8>) {
         put_option(held.as_ref(), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
         get_option(&mut request.arguments)
     }
-    fn answer(held: &Option<T>, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Option<T>, reply: &mut Vec<u8>) {
         put_option(held.as_ref(), reply);
     }
-    fn hear(held: &mut Option<T>, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Option<T>, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         // Only where there is a pointer to write to.
         if let (Some(held), Some(value)) = (held.as_mut(), get_option(reply)?) {
             *held = value;
@@ -396,16 +396,16 @@ impl<T: Plain + ShowOut> Param for Out<T> {
             None => f.write_str("&?"),
         }
     }
-    fn send(held: &Self, request: &mut Vec<u8>) {
+    fn write_request(held: &Self, request: &mut Vec<u8>) {
         request.push(u8::from(!held.is_null));
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self, Malformed> {
         Ok(Self { is_null: request.arguments.get::<u8>()? == 0, value: None })
     }
-    fn answer(held: &Self, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Self, reply: &mut Vec<u8>) {
         put_option(held.value.as_ref(), reply);
     }
-    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         held.value = get_option(reply)?;
         Ok(())
     }
@@ -483,17 +483,17 @@ impl OutBytes {
 }
 
 impl Param for OutBytes {
-    type Abi = ByteRoom;
+    type Abi = ByteBuffer;
     type Held = Self;
     type View<'a> = &'a mut Self;
 
-    unsafe fn take(abi: ByteRoom) -> Self {
+    unsafe fn take(abi: ByteBuffer) -> Self {
         if abi.data.is_null() { Self::null() } else { Self::with_capacity(abi.len) }
     }
     fn view(held: &mut Self) -> &mut Self {
         held
     }
-    unsafe fn give(abi: ByteRoom, held: Self) {
+    unsafe fn give(abi: ByteBuffer, held: Self) {
         if !held.bytes.is_empty() {
             // SAFETY: bytes are kept only if there is room for them, so the pointer is not null, and the caller
             // vouches for the length.
@@ -503,16 +503,16 @@ impl Param for OutBytes {
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         if held.is_null { f.write_str("NULL") } else { write!(f, "&\"{}\"", held.bytes.escape_ascii()) }
     }
-    fn send(held: &Self, request: &mut Vec<u8>) {
+    fn write_request(held: &Self, request: &mut Vec<u8>) {
         put_capacity((!held.is_null).then_some(held.capacity), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self, Malformed> {
         Ok(get_capacity(&mut request.arguments)?.map_or(Self::null(), Self::with_capacity))
     }
-    fn answer(held: &Self, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Self, reply: &mut Vec<u8>) {
         put_bytes(Some(&held.bytes), reply);
     }
-    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         held.set(reply.bytes()?.unwrap_or_default());
         Ok(())
     }
@@ -529,7 +529,7 @@ fn get_capacity(from: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
     Ok((capacity != NULL).then_some(capacity as usize))
 }
 
-/// Buffer for numbers: [`ByteRoom`] with a capacity of `len` numbers in the ABI; the host gets `&mut OutNumbers` and
+/// Buffer for numbers: [`ByteBuffer`] with a capacity of `len` numbers in the ABI; the host gets `&mut OutNumbers` and
 /// [sets](Self::set) them. In the lists [`OutInts`] and [`OutFloats`].
 ///
 /// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is unchanged.
@@ -583,17 +583,17 @@ impl<T: Copy> OutNumbers<T> {
 }
 
 impl<T: Plain> Param for OutNumbers<T> {
-    type Abi = ByteRoom;
+    type Abi = ByteBuffer;
     type Held = Self;
     type View<'a> = &'a mut Self;
 
-    unsafe fn take(abi: ByteRoom) -> Self {
+    unsafe fn take(abi: ByteBuffer) -> Self {
         if abi.data.is_null() { Self::null() } else { Self::with_capacity(abi.len) }
     }
     fn view(held: &mut Self) -> &mut Self {
         held
     }
-    unsafe fn give(abi: ByteRoom, held: Self) {
+    unsafe fn give(abi: ByteBuffer, held: Self) {
         if !held.numbers.is_empty() {
             let bytes = held.numbers.len() * size_of::<T>();
             // SAFETY: numbers are kept only if there is room for them, so the pointer is not null, and the caller
@@ -604,17 +604,17 @@ impl<T: Plain> Param for OutNumbers<T> {
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         if held.is_null { f.write_str("NULL") } else { write!(f, "&[{} numbers]", held.numbers.len()) }
     }
-    fn send(held: &Self, request: &mut Vec<u8>) {
+    fn write_request(held: &Self, request: &mut Vec<u8>) {
         put_capacity((!held.is_null).then_some(held.capacity), request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self, Malformed> {
         Ok(get_capacity(&mut request.arguments)?.map_or(Self::null(), Self::with_capacity))
     }
-    fn answer(held: &Self, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Self, reply: &mut Vec<u8>) {
         (held.numbers.len() as u32).put(reply);
         held.numbers.iter().for_each(|number| number.put(reply));
     }
-    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let count: u32 = reply.get()?;
         let numbers: Vec<T> = (0..count).map(|_| reply.get()).collect::<Result<_, _>>()?;
         held.set(&numbers);
@@ -673,11 +673,11 @@ impl Param for Callback {
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.code.is_some() { "function" } else { "NULL" })
     }
-    fn send(held: &Self, request: &mut Vec<u8>) {
+    fn write_request(held: &Self, request: &mut Vec<u8>) {
         (held.code.map_or(0, |code| code as usize) as u64).put(request);
         (held.data.expose_provenance() as u64).put(request);
     }
-    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self, Malformed> {
         let (code, data): (u64, u64) = (request.arguments.get()?, request.arguments.get()?);
         Ok(if code == 0 { Self::NONE } else { (request.callback)(code, data) })
     }

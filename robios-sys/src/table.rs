@@ -197,7 +197,7 @@ macro_rules! function_table {
 
             /// The table of a program in another process than its host: each entry sends the call on the `L` of the
             /// calling thread and waits for the reply.
-            pub const fn remote<L: $crate::wire::Line>() -> Self {
+            pub const fn remote<L: $crate::wire::HostConnection>() -> Self {
                 Self {
                     size: size_of::<Self>() as u32,
                     version: Self::VERSION,
@@ -376,12 +376,12 @@ macro_rules! function_table {
         mod client {
             use super::*;
             use $crate::param::{Param, Return};
-            use $crate::wire::{Line, Reader};
+            use $crate::wire::{HostConnection, Reader};
             $($(
                 /// # Safety
                 /// `context` is what was passed to the program's `run`; every other pointer is null or valid as its
                 /// kind says.
-                pub unsafe extern "C" fn $name<L: Line>(
+                pub unsafe extern "C" fn $name<L: HostConnection>(
                     context: *mut ::std::ffi::c_void,
                     $($parameter: <$kind as Param>::Abi,)*
                     result: *mut $result,
@@ -391,16 +391,16 @@ macro_rules! function_table {
                     // SAFETY: the caller vouches for the pointers.
                     $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
                     let reply = line.exchange($Call::TABLE, $Call::$name as u32, |_request| {
-                        $(<$kind as Param>::send(&$parameter.1, _request);)*
+                        $(<$kind as Param>::write_request(&$parameter.1, _request);)*
                     });
                     let Ok(reply) = reply else { return $crate::abi::Status::STOP };
                     let mut reply = Reader::new(&reply);
                     $(
-                        if <$kind as Param>::hear(&mut $parameter.1, &mut reply).is_err() {
+                        if <$kind as Param>::read_reply(&mut $parameter.1, &mut reply).is_err() {
                             return $crate::abi::Status::STOP;
                         }
                     )*
-                    let Ok(value) = <$result as Return>::hear(&mut reply) else { return $crate::abi::Status::STOP };
+                    let Ok(value) = <$result as Return>::read_reply(&mut reply) else { return $crate::abi::Status::STOP };
                     // SAFETY: the caller vouches for the pointers.
                     $(unsafe { <$kind as Param>::give($parameter.0, $parameter.1) };)*
                     if !result.is_null() {
@@ -424,12 +424,12 @@ macro_rules! function_table {
                     _request: &mut Request<'_>,
                     reply: &mut Vec<u8>,
                 ) -> Result<$crate::abi::Status, Malformed> {
-                    $(let mut $parameter = <$kind as Param>::receive(_request)?;)*
+                    $(let mut $parameter = <$kind as Param>::read_request(_request)?;)*
                     let Ok(value) = method::$name(host, $(&mut $parameter),*) else {
                         return Ok($crate::abi::Status::STOP);
                     };
-                    $(<$kind as Param>::answer(&$parameter, reply);)*
-                    Return::answer(&value, reply);
+                    $(<$kind as Param>::write_reply(&$parameter, reply);)*
+                    Return::write_reply(&value, reply);
                     Ok($crate::abi::Status::OK)
                 }
             )*)*

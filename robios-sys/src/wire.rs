@@ -1,7 +1,7 @@
 //! Encoding of calls as bytes, for programs in separate processes: little endian, without padding, outputs before the result.
 //!
 //! The layout of each kind of parameter is in `docs/protocol.md`. This module neither waits nor maps memory: on the
-//! program's side a [`Line`] carries a request to the host and returns the reply.
+//! program's side a [`HostConnection`] carries a request to the host and returns the reply.
 
 use std::ffi::c_void;
 
@@ -27,7 +27,7 @@ impl std::fmt::Display for Malformed {
 impl std::error::Error for Malformed {}
 
 /// The program's end of a connection to its host, used by the entries of a remote table.
-pub trait Line {
+pub trait HostConnection {
     /// The line of the calling thread; `None` answers the call with [`Status::STOP`].
     ///
     /// # Safety

@@ -6,8 +6,8 @@ use std::ptr::{from_ref, null_mut};
 
 use robios_sys::robios6::PositionType;
 use robios_sys::{
-    ByteRoom, ByteSlice, CallContext, CallRecord, Callback, Out, OutBytes, Robios6, Robios6Call, Robios6Table, Status,
-    Stop,
+    ByteBuffer, ByteSlice, CallContext, CallRecord, Callback, Out, OutBytes, Robios6, Robios6Call, Robios6Table,
+    Status, Stop,
 };
 
 #[derive(Default)]
@@ -112,7 +112,7 @@ fn no_more_bytes_are_written_than_there_is_room_for() {
     let mut room = *b"........";
     let mut result = 99;
     // SAFETY: the robot lives, and four of the eight bytes are offered.
-    let status = unsafe { (TABLE.OSVersion)(context(&robot), ByteRoom::from(&mut room[..4]), &mut result) };
+    let status = unsafe { (TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut room[..4]), &mut result) };
     assert_eq!((status, result, &room), (Status::OK, 4, b"6.5 ...."));
 }
 

@@ -5,10 +5,10 @@ use std::ffi::c_void;
 use std::ptr::{from_ref, null_mut};
 
 use robios_sys::robios6::{HDTEntry, IMAGE_COLUMNS, IMAGE_ROWS, Image, PositionType};
-use robios_sys::wire::{Line, Malformed, NULL, Plain as _, Reader, Request};
+use robios_sys::wire::{HostConnection, Malformed, NULL, Plain as _, Reader, Request};
 use robios_sys::{
-    ByteRoom, ByteSlice, CallContext, CallRecord, Callback, Out, OutBytes, Robios6, Robios6Call, Robios6Table, Status,
-    Stop,
+    ByteBuffer, ByteSlice, CallContext, CallRecord, Callback, Out, OutBytes, Robios6, Robios6Call, Robios6Table,
+    Status, Stop,
 };
 
 /// A host and the line to it: every call and reply is encoded as bytes.
@@ -75,7 +75,7 @@ extern "C" fn count(data: *mut c_void) -> Status {
     Status::OK
 }
 
-impl Line for Robot {
+impl HostConnection for Robot {
     unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self> {
         // SAFETY: the tests pass their robot.
         unsafe { context.cast::<Self>().as_ref() }
@@ -143,9 +143,9 @@ fn texts_images_and_rooms_cross_whole() {
         assert_eq!(result, 4);
         assert_eq!((TABLE.LCDPutString)(context(&robot), ByteSlice::NULL, &mut result), Status::OK);
         assert_eq!(result, -1);
-        assert_eq!((TABLE.OSVersion)(context(&robot), ByteRoom::from(&mut room[..3]), &mut result), Status::OK);
+        assert_eq!((TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut room[..3]), &mut result), Status::OK);
         assert_eq!((result, &room[..4]), (3, &b"6.5x"[..]));
-        let nowhere = ByteRoom { data: null_mut(), len: 3 };
+        let nowhere = ByteBuffer { data: null_mut(), len: 3 };
         assert_eq!((TABLE.OSVersion)(context(&robot), nowhere, &mut result), Status::OK);
         assert_eq!(result, 0);
         assert_eq!((TABLE.IPLaplace)(context(&robot), &image, &mut turned, &mut result), Status::OK);

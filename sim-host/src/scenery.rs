@@ -16,8 +16,8 @@ use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 pub struct LazyScenery {
     /// The scene and its files; `None` for a black sky.
     source: Option<Source>,
-    built: OnceLock<Built>,
-    present: Mutex<Present>,
+    built: OnceLock<SceneryReads>,
+    state: Mutex<SceneryState>,
     /// Files that were read for the scene itself.
     of_scene: Vec<InputFile>,
 }
@@ -26,12 +26,12 @@ struct Source {
     scene: Arc<SceneSpec>,
     files: Box<dyn Files + Send + Sync>,
     /// Diagnostics that the user has seen already.
-    told: Vec<Diagnostic>,
+    reported: Vec<Diagnostic>,
 }
 
 /// Diagnostics and files of a scenery that was built.
 #[derive(Debug)]
-pub struct Built {
+pub struct SceneryReads {
     /// Mistakes in meshes and images, without those that the user has seen already.
     pub diagnostics: Vec<Diagnostic>,
     /// The files read, in order; files that the scene itself needed may be among them.
@@ -40,40 +40,40 @@ pub struct Built {
 
 /// Present state of the scenery.
 #[derive(Default)]
-struct Present {
+struct SceneryState {
     visuals: Option<Visuals>,
     /// Robots and objects added to the run that are not yet in `visuals`.
-    newcomers: Vec<Newcomer>,
+    spawned: Vec<Newcomer>,
 }
 
 impl LazyScenery {
-    /// The scenery of `scene`, with meshes and images from `files`; `told` are the diagnostics that the user has seen already, and
+    /// The scenery of `scene`, with meshes and images from `files`; `reported` are the diagnostics that the user has seen already, and
     /// `of_scene` the files that were read for the scene.
     pub fn new(
         scene: Arc<SceneSpec>,
         files: impl Files + Send + Sync + 'static,
-        told: Vec<Diagnostic>,
+        reported: Vec<Diagnostic>,
         of_scene: Vec<InputFile>,
     ) -> Self {
-        let source = Some(Source { scene, files: Box::new(files), told });
-        Self { source, built: OnceLock::new(), present: Mutex::default(), of_scene }
+        let source = Some(Source { scene, files: Box::new(files), reported });
+        Self { source, built: OnceLock::new(), state: Mutex::default(), of_scene }
     }
 
     /// The present scenery. The first caller builds it, while others wait.
     pub fn get(&self) -> Arc<Scenery> {
-        let mut present = self.present.lock();
-        let Present { visuals, newcomers } = &mut *present;
+        let mut state = self.state.lock();
+        let SceneryState { visuals, spawned } = &mut *state;
         let visuals = visuals.get_or_insert_with(|| self.build());
         if let Some(source) = &self.source {
             // The types of added robots and objects are built in, or were read for the scene: there are no new diagnostics.
-            visuals.add(newcomers.drain(..), &mut MeshReader::new(&*source.files));
+            visuals.add(spawned.drain(..), &mut MeshReader::new(&*source.files));
         }
         Arc::clone(visuals.scenery())
     }
 
     fn build(&self) -> Visuals {
-        let Some(Source { scene, files, told }) = &self.source else {
-            self.built.get_or_init(|| Built { diagnostics: Vec::new(), inputs: Vec::new() });
+        let Some(Source { scene, files, reported }) = &self.source else {
+            self.built.get_or_init(|| SceneryReads { diagnostics: Vec::new(), inputs: Vec::new() });
             let light = Light { towards: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
             let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
             return Visuals::of(Scenery::new(Vec::new(), None, light, sky));
@@ -81,18 +81,18 @@ impl LazyScenery {
         let mut reader = MeshReader::new(&**files);
         let visuals = Visuals::new(scene, &mut reader);
         let (mut diagnostics, inputs) = reader.finish();
-        diagnostics.retain(|diagnostic| !told.contains(diagnostic));
-        self.built.get_or_init(|| Built { diagnostics, inputs });
+        diagnostics.retain(|diagnostic| !reported.contains(diagnostic));
+        self.built.get_or_init(|| SceneryReads { diagnostics, inputs });
         visuals
     }
 
     /// Adds a spawned robot or object, which is visible from now on.
-    pub fn add(&self, newcomer: Newcomer) {
-        self.present.lock().newcomers.push(newcomer);
+    pub fn add(&self, spawned: Newcomer) {
+        self.state.lock().spawned.push(spawned);
     }
 
     /// Diagnostics and files of the scenery; `None` until it is built.
-    pub fn built(&self) -> Option<&Built> {
+    pub fn built(&self) -> Option<&SceneryReads> {
         self.built.get()
     }
 
@@ -106,7 +106,7 @@ impl LazyScenery {
 impl Default for LazyScenery {
     /// Nothing but a black sky.
     fn default() -> Self {
-        Self { source: None, built: OnceLock::new(), present: Mutex::default(), of_scene: Vec::new() }
+        Self { source: None, built: OnceLock::new(), state: Mutex::default(), of_scene: Vec::new() }
     }
 }
 

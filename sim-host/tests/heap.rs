@@ -7,8 +7,8 @@ use std::thread;
 
 use common::{DRIVE, has_compiler, run, scene, try_run};
 use sim_core::record::Outcome;
-use sim_host::executive::conductor::End;
 use sim_host::executive::damage::is_heap_lost;
+use sim_host::executive::dispatcher::End;
 use sim_host::executive::interrupt::Interrupt;
 
 /// The allocator of `eyesim`, whose heap is not the one that breaks.

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use sim_host::executive::conductor::End;
+use sim_host::executive::dispatcher::End;
 use sim_host::executive::program::Exec;
 use sim_host::launch::{Options, Scene, serve_child};
 

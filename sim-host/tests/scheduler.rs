@@ -11,7 +11,7 @@ use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_host::executive::conductor::{Boundary, End};
+use sim_host::executive::dispatcher::{Boundary, End};
 use sim_host::executive::scheduler::{Ended, Progress, Scheduler, SnapshotError};
 use sim_host::launch::{Observers, Options, Ready, Scene};
 use sim_host::record::{RecordError, Sink};
@@ -88,7 +88,7 @@ impl Sink for Callers {
 }
 
 #[test]
-fn whoever_stops_before_each_slot_and_looks_changes_nothing() {
+fn pausing_and_observing_every_slot_changes_nothing() {
     if !has_compiler() {
         return;
     }
@@ -103,7 +103,7 @@ fn whoever_stops_before_each_slot_and_looks_changes_nothing() {
             assert_eq!(run.world().slot_start(), following);
             boundaries.push((following, next));
             // Robots are suspended, so that their state can be read; listening to a robot changes nothing either.
-            run.listen_to(RobotId(2), true);
+            run.set_verbose(RobotId(2), true);
             assert_eq!(run.robot(RobotId(1)).id, RobotId(1));
             let Some(next) = next else { return };
             assert_eq!(scheduler.advance_to(next), Progress::Paused);
@@ -122,7 +122,7 @@ fn whoever_stops_before_each_slot_and_looks_changes_nothing() {
 }
 
 #[test]
-fn a_run_that_waits_for_somebody_goes_on_when_he_acts() {
+fn a_run_waiting_for_user_input_continues_after_it() {
     if !has_compiler() {
         return;
     }
@@ -150,7 +150,7 @@ fn a_run_that_waits_for_somebody_goes_on_when_he_acts() {
 }
 
 #[test]
-fn what_is_refused_lets_no_time_pass() {
+fn refused_actions_let_no_time_pass() {
     if !has_compiler() {
         return;
     }
@@ -190,7 +190,7 @@ fn an_action_never_comes_after_what_is_due() {
 }
 
 #[test]
-fn its_owner_ends_a_run_wherever_it_stands() {
+fn the_owner_can_end_a_run_at_any_time() {
     if !has_compiler() {
         return;
     }

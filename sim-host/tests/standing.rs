@@ -8,7 +8,7 @@ use sim_core::pose::Pose;
 use sim_core::record::Outcome;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_host::executive::conductor::End;
+use sim_host::executive::dispatcher::End;
 use sim_host::executive::scheduler::{Ended, Progress};
 use sim_host::launch::{Observers, Options, Scene};
 use sim_host::record::Trace;

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use common::{DRIVE, has_compiler, run, scene, try_run};
 use sim_core::record::Outcome;
-use sim_host::executive::conductor::End;
 use sim_host::executive::damage::lost_flows;
+use sim_host::executive::dispatcher::End;
 use sim_host::executive::interrupt::Interrupt;
 
 /// Faults in its own code while the other robots of the process run.

@@ -9,4 +9,4 @@ pub mod protocol;
 pub mod window;
 
 pub use page::Page;
-pub use window::{Access, Asked, Commands, Download, Look, OpenError, Options, Window};
+pub use window::{Access, Commands, Download, Look, OpenError, Options, PendingCommand, Window};

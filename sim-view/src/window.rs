@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 pub use access::{Access, random_token};
-pub use hub::{Asked, Commands};
+pub use hub::{Commands, PendingCommand};
 pub use serve::Download;
 
 use crate::page::Page;

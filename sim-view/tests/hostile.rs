@@ -36,12 +36,12 @@ impl Witness {
         window.show(snapshot(t_s), vec![]);
         while self.page.hear_type("snapshot")["t_s"] != t_s {}
         self.page.act(self.number);
-        let mut asked = None;
+        let mut pending = None;
         until("the command", || {
-            asked = window.commands().recv_timeout(Duration::from_millis(50));
-            asked.is_some()
+            pending = window.commands().recv_timeout(Duration::from_millis(50));
+            pending.is_some()
         });
-        asked.unwrap().accept();
+        pending.unwrap().accept();
         assert_eq!(self.page.hear_answer(), (u64::from(self.number), None));
     }
 }
@@ -308,7 +308,7 @@ fn a_flood_of_commands_is_refused() {
             assert_eq!(page.hear_answer(), (number, Some("too many commands wait already".into())));
         }
     }
-    assert_eq!(std::iter::from_fn(|| window.commands().try_recv()).map(|asked| asked.accept()).count(), 256);
+    assert_eq!(std::iter::from_fn(|| window.commands().try_recv()).map(|pending| pending.accept()).count(), 256);
     for page in &mut pages[..8] {
         (1..=32).for_each(|number| assert_eq!(page.hear_answer(), (number, None)));
     }

@@ -9,15 +9,15 @@ use std::time::Duration;
 use common::*;
 use serde_json::json;
 use sim_view::protocol::{Action, Build, Command, PROTOCOL, Seed};
-use sim_view::{Asked, Look, Window};
+use sim_view::{Look, PendingCommand, Window};
 
-fn next(window: &Window) -> Asked {
-    let mut asked = None;
+fn next(window: &Window) -> PendingCommand {
+    let mut pending = None;
     until("a command", || {
-        asked = window.commands().recv_timeout(Duration::from_millis(50));
-        asked.is_some()
+        pending = window.commands().recv_timeout(Duration::from_millis(50));
+        pending.is_some()
     });
-    asked.unwrap()
+    pending.unwrap()
 }
 
 #[test]
@@ -87,9 +87,9 @@ fn only_who_has_the_token_may_act() {
     let (mut teacher, welcome) = Client::hello(&window, Some("secret"));
     assert_eq!(welcome["may_act"], true);
     teacher.act(8);
-    let asked = next(&window);
-    assert_eq!(asked.command, Command::Step {});
-    asked.accept();
+    let pending = next(&window);
+    assert_eq!(pending.command, Command::Step {});
+    pending.accept();
     assert_eq!(teacher.hear_answer(), (8, None));
     watcher.look(Some(1), false);
     until("watchers may look", || !window.looks().is_empty());
@@ -107,12 +107,12 @@ fn commands_are_answered_by_their_numbers() {
     ] {
         page.say(&json!({ "type": "act", "number": number, "command": command }));
     }
-    let asked = [next(&window), next(&window), next(&window)];
+    let pending = [next(&window), next(&window), next(&window)];
     let action = Action::PlaceRobot { robot: 1, x_m: 0.1, y_m: 0.2, phi_rad: 0.3 };
-    assert_eq!(asked[0].command, Command::Act { action });
-    assert_eq!(asked[1].command, Command::Speed { factor: None });
-    assert_eq!(asked[2].command, Command::Restart { seed: Seed::Number("18446744073709551615".into()) });
-    let [first, second, third] = asked;
+    assert_eq!(pending[0].command, Command::Act { action });
+    assert_eq!(pending[1].command, Command::Speed { factor: None });
+    assert_eq!(pending[2].command, Command::Restart { seed: Seed::Number("18446744073709551615".into()) });
+    let [first, second, third] = pending;
     second.refuse("not now");
     assert_eq!(page.hear_answer(), (2, Some("not now".into())));
     first.accept();

@@ -10,7 +10,7 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use parking_lot::Mutex;
 use sim_core::time::Time;
-use sim_host::executive::conductor::End;
+use sim_host::executive::dispatcher::End;
 use sim_host::launch::{self, Observers, Options};
 use sim_host::record::Sink;
 

@@ -10,19 +10,19 @@ use crate::robios7::{Color, ImageSize};
 use crate::unit::Length;
 
 /// Script of a camera: value of a pixel at a moment.
-type Script<T> = Box<dyn Fn(&Moment, Pixel) -> T + Send>;
+type PixelScript<T> = Box<dyn Fn(&Moment, Pixel) -> T + Send>;
 
 /// Scripts of the camera.
 #[derive(Default)]
-pub(super) struct Scripts {
-    color: Option<Script<Color>>,
-    depth: Option<Script<Option<Length>>>,
-    labels: Option<Script<Seen>>,
+pub(super) struct CameraScripts {
+    color: Option<PixelScript<Color>>,
+    depth: Option<PixelScript<Option<Length>>>,
+    labels: Option<PixelScript<Seen>>,
 }
 
 /// Settings of the camera while it is on.
 #[derive(Clone, Copy)]
-pub(super) struct Setting {
+pub(super) struct CameraState {
     pub size: ImageSize,
     pub numbers: [i32; 3],
     /// Time of the last image.
@@ -53,7 +53,7 @@ impl FakeRobot {
     /// Switches the camera on; returns false if the robot has none.
     pub(super) fn switch_camera_on(&self, state: &mut State, size: ImageSize) -> bool {
         let is_there = self.fake.camera.color.is_some();
-        state.camera = is_there.then_some(Setting { size, numbers: [128; 3], taken_us: None });
+        state.camera = is_there.then_some(CameraState { size, numbers: [128; 3], taken_us: None });
         is_there
     }
 

@@ -4,7 +4,7 @@ use robios_sys::robios6::{LCD_COLUMNS, LCD_HEIGHT, LCD_ROWS, LCD_WIDTH};
 
 /// Text and pixels in separate buffers: pixels hold only drawings.
 #[derive(Debug)]
-pub struct Lcd {
+pub struct LcdBuffer {
     text: Vec<Vec<u8>>,
     pixels: Vec<bool>,
     row: usize,
@@ -12,7 +12,7 @@ pub struct Lcd {
     pub is_scrolling: bool,
 }
 
-impl Lcd {
+impl LcdBuffer {
     /// Display of RoBIOS 6.
     pub fn new() -> Self {
         Self::with_size(LCD_ROWS, LCD_COLUMNS)
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn text_wraps_and_scrolls() {
-        let mut lcd = Lcd::new();
+        let mut lcd = LcdBuffer::new();
         lcd.write(b"0123456789abcdefX\nsecond");
         assert_eq!(lcd.lines()[..3], ["0123456789abcdef", "X", "second"]);
         lcd.write(b"\n\n\n\n\nfirst");
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_line_has_both_ends_and_stays_inside() {
-        let mut lcd = Lcd::new();
+        let mut lcd = LcdBuffer::new();
         lcd.line((-2, -2), (2, 2), 1);
         assert_eq!((lcd.pixel(0, 0), lcd.pixel(2, 2), lcd.pixel(3, 3)), (Some(true), Some(true), Some(false)));
         assert_eq!(lcd.pixel(128, 0), None);

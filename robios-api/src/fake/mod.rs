@@ -48,7 +48,7 @@ use std::time::Duration;
 use robios_sys::{Host, Program, Robios6Table, Robios7Table, SupportTable};
 
 use crate::Robot;
-use crate::call_site::{self, LastPlace};
+use crate::call_site::{self, LastCallSite};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::drive::Position;
 use crate::entry::{self, Machine, Outcome};
@@ -99,7 +99,7 @@ pub struct Fake {
     psds: Vec<(PsdName, Script<Option<Length>>)>,
     signals: Vec<(PsdName, Script<Signal>)>,
     lidar: Option<robios7::Scanner>,
-    camera: camera::Scripts,
+    camera: camera::CameraScripts,
     touches: robios7::Touches,
     /// Script of the state of each leg.
     legs: Vec<Script<FakeLeg>>,
@@ -137,7 +137,7 @@ impl Fake {
             psds: Vec::new(),
             signals: Vec::new(),
             lidar: None,
-            camera: camera::Scripts::default(),
+            camera: camera::CameraScripts::default(),
             touches: Vec::new(),
             legs: Vec::new(),
             body_height: None,
@@ -242,8 +242,8 @@ impl Fake {
     }
 
     fn run_machine<M: Machine, O: Outcome>(self, main: impl FnOnce(&M) -> O) -> Run {
-        self.run_with(M::GENERATION, |last_place, host, context, argc, argv| {
-            let reader = call_site::Reader::Fake(last_place);
+        self.run_with(M::GENERATION, |last_call_site, host, context, argc, argv| {
+            let reader = call_site::Recorder::Fake(last_call_site);
             // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
             unsafe { entry::run_for(reader, host, context, argc, argv, main) }
         })
@@ -257,8 +257,8 @@ impl Fake {
     /// # Panics
     /// If the program was built against another version of the ABI.
     pub unsafe fn run_library(self, program: &Program) -> Run {
-        if let Err(misfit) = program.check() {
-            panic!("{misfit}");
+        if let Err(incompatibility) = program.check() {
+            panic!("{incompatibility}");
         }
         self.run_with(program.generation, |_, host, context, argc, argv| {
             // SAFETY: the caller vouches for the program; host, context and arguments live until the call returns.
@@ -269,7 +269,7 @@ impl Fake {
     fn run_with(
         mut self,
         generation: u32,
-        program: impl FnOnce(Arc<LastPlace>, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
+        program: impl FnOnce(Arc<LastCallSite>, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
     ) -> Run {
         static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
         static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
@@ -285,7 +285,7 @@ impl Fake {
         argv.push(std::ptr::null());
         let robot = FakeRobot::new(self, generation);
         let context = std::ptr::from_ref(&robot).cast_mut().cast();
-        let code = program(robot.last_place.clone(), host, context, arguments.len() as c_int, argv.as_ptr());
+        let code = program(robot.last_call_site.clone(), host, context, arguments.len() as c_int, argv.as_ptr());
         robot.end_tasks();
         robot.finish(code)
     }
@@ -363,7 +363,7 @@ impl Run {
     /// Otherwise, with the program's end, console and last calls.
     #[track_caller]
     pub fn expect_finished(self) -> Self {
-        assert!(self.end == End::Finished, "the program {}", self.story());
+        assert!(self.end == End::Finished, "the program {}", self.summary());
         self
     }
 
@@ -373,7 +373,7 @@ impl Run {
     /// Otherwise, with the program's end, console and last calls.
     #[track_caller]
     pub fn expect_time_up(self) -> Self {
-        assert!(matches!(self.end, End::TimeUp { .. }), "the program {}", self.story());
+        assert!(matches!(self.end, End::TimeUp { .. }), "the program {}", self.summary());
         self
     }
 
@@ -385,11 +385,11 @@ impl Run {
     pub fn expect_failed(&self) -> &str {
         match &self.end {
             End::Failed { reason, .. } => reason,
-            _ => panic!("the program {}", self.story()),
+            _ => panic!("the program {}", self.summary()),
         }
     }
 
-    fn story(&self) -> String {
+    fn summary(&self) -> String {
         let last = self.calls.len().saturating_sub(10);
         let calls: Vec<String> = self.calls[last..].iter().map(|call| format!("  {call}")).collect();
         format!("{}\nconsole:\n{}\nlast calls:\n{}", self.end, self.console, calls.join("\n"))

@@ -25,7 +25,7 @@ pub struct Sent {
 pub(super) type Answers = Box<dyn FnMut(&Sent) -> Option<(Duration, Message)> + Send>;
 
 /// State of the radio.
-pub(super) struct Station {
+pub(super) struct RadioState {
     answers: Option<Answers>,
     settings: RadioIOParameters,
     is_on: bool,
@@ -35,7 +35,7 @@ pub(super) struct Station {
     received: i32,
 }
 
-impl Station {
+impl RadioState {
     pub(super) fn new(fake: &mut Fake) -> Self {
         let settings =
             RadioIOParameters { interface: SERIAL1, speed: SER115200, id: 1, ..RadioIOParameters::default() };

@@ -13,7 +13,7 @@ use super::PsdName;
 use super::leg::leg_functions;
 use super::motion::Pose;
 use super::radio::MAX_ROBIOS6;
-use super::robot::{FakeRobot, PSD_CYCLE_US, PsdRun, TICKS_PER_METRE, TIMER_TICK_US, Timer, VW};
+use super::robot::{FakeRobot, PSD_CYCLE_US, PsdMeasurement, TICKS_PER_METRE, TIMER_TICK_US, TimerEntry, VW};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::image::ImageSize;
 use crate::os::RobotNumber;
@@ -250,7 +250,7 @@ impl Robios6 for FakeRobot {
             let handle = state.next_timer;
             state.next_timer += 1;
             let next_us = state.now_us / TIMER_TICK_US * TIMER_TICK_US + period_us;
-            state.timers.push(Timer { handle, period_us, next_us, callback });
+            state.timers.push(TimerEntry { handle, period_us, next_us, callback });
             handle
         })
     }
@@ -322,11 +322,11 @@ impl Robios6 for FakeRobot {
     }
 
     fn OSSemP(&self, sem: i32) -> Result<i32, Stop> {
-        self.pass_semaphore(sem)
+        self.take_permit(sem)
     }
 
     fn OSSemV(&self, sem: i32) -> Result<i32, Stop> {
-        self.leave_semaphore(sem)
+        self.return_permit(sem)
     }
 
     fn RADIOInit(&self) -> Result<i32, Stop> {
@@ -400,7 +400,7 @@ impl Robios6 for FakeRobot {
                 return 1;
             }
             let last = if cycle == FALSE { Some(1) } else { None };
-            state.psd = Some(PsdRun { start_us: state.now_us, mask, last });
+            state.psd = Some(PsdMeasurement { start_us: state.now_us, mask, last });
             0
         })
     }
@@ -677,7 +677,7 @@ impl Robios6 for FakeRobot {
 
     fn VWGetPosition(&self, handle: i32, pos: &mut Out<PositionType>) -> Result<i32, Stop> {
         self.with_drive(handle, |state| {
-            let Pose { x, y, phi } = state.belief();
+            let Pose { x, y, phi } = state.odometry_pose();
             let turns = (phi / std::f64::consts::TAU).round();
             let phi = phi - turns * std::f64::consts::TAU;
             pos.set(PositionType { x: x as f32, y: y as f32, phi: phi as f32 });

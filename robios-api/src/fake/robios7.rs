@@ -8,7 +8,7 @@ use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Stop};
 use super::camera::is_resolution;
 use super::leg::leg_functions;
 use super::motion::Pose;
-use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
+use super::robot::{FakeRobot, State, TICKS_PER_METRE, TimerEntry};
 use super::{Fake, Moment, PsdName};
 use crate::robios7::{Color, ImageSize, RobotNumber};
 use crate::unit::{Angle, Length};
@@ -258,7 +258,7 @@ impl Robios7 for FakeRobot {
             let handle = state.next_timer;
             state.next_timer += 1;
             let next_us = state.now_us / TICK_US * TICK_US + period_us;
-            state.timers.push(Timer { handle, period_us, next_us, callback });
+            state.timers.push(TimerEntry { handle, period_us, next_us, callback });
             handle
         })
     }
@@ -384,19 +384,19 @@ impl Robios7 for FakeRobot {
     }
 
     fn CAMGet(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
-        self.act(|state| given(self.colors(state, None), |bytes| _ = buf.set(&bytes)))
+        self.act(|state| pass_on(self.colors(state, None), |bytes| _ = buf.set(&bytes)))
     }
 
     fn CAMGetGray(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
-        self.act(|state| given(self.grays(state), |bytes| _ = buf.set(&bytes)))
+        self.act(|state| pass_on(self.grays(state), |bytes| _ = buf.set(&bytes)))
     }
 
     fn CAMGetDepth(&self, mm: &mut OutFloats) -> Result<i32, Stop> {
-        self.act(|state| given(self.depths(state), |depths| _ = mm.set(&depths)))
+        self.act(|state| pass_on(self.depths(state), |depths| _ = mm.set(&depths)))
     }
 
     fn CAMGetLabels(&self, labels: &mut OutInts) -> Result<i32, Stop> {
-        self.act(|state| given(self.labels(state), |numbers| _ = labels.set(&numbers)))
+        self.act(|state| pass_on(self.labels(state), |numbers| _ = labels.set(&numbers)))
     }
 
     fn LIDARGet(&self, distance: &mut OutInts) -> Result<i32, Stop> {
@@ -466,7 +466,7 @@ impl Robios7 for FakeRobot {
     }
 
     fn VWGetPosition(&self, x: &mut Out<i32>, y: &mut Out<i32>, phi: &mut Out<i32>) -> Result<i32, Stop> {
-        let [at_x, at_y, at_phi] = shown(self.act(|state| state.belief())?);
+        let [at_x, at_y, at_phi] = shown(self.act(|state| state.odometry_pose())?);
         x.set(at_x);
         y.set(at_y);
         phi.set(at_phi);
@@ -587,7 +587,7 @@ impl Robios7 for FakeRobot {
 }
 
 /// Passes a value to `give`; returns 0, or 1 if there is none.
-fn given<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
+fn pass_on<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
     i32::from(what.map(give).is_none())
 }
 

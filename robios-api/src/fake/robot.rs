@@ -9,12 +9,12 @@ use std::time::Duration;
 use robios_sys::robios6::PSDHandle;
 use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
 
-use super::lcd::Lcd;
+use super::lcd::LcdBuffer;
 use super::motion::{FULL_SPEED_MPS, Motion, Pose, TRACK_M};
-use super::radio::Station;
-use super::task::{Baton, Tasks};
+use super::radio::RadioState;
+use super::task::{RunToken, TaskTable};
 use super::{Call, End, Fake, Moment, Run};
-use crate::call_site::LastPlace;
+use crate::call_site::LastCallSite;
 use crate::robios7::Color;
 
 /// Virtual time of a call that does not wait, in microseconds: that of a slow processor, so that polling loops end.
@@ -29,8 +29,8 @@ pub(super) const VW: i32 = 1;
 /// A robot that follows the script of a [`Fake`].
 pub(super) struct FakeRobot {
     pub fake: Fake,
-    pub last_place: Arc<LastPlace>,
-    pub baton: Baton,
+    pub last_call_site: Arc<LastCallSite>,
+    pub run_token: RunToken,
     /// Never borrowed across a callback.
     pub state: RefCell<State>,
 }
@@ -48,7 +48,7 @@ pub(super) struct State {
     pub ticks_zero: [f64; 2],
     pub rolled_zero: [f64; 2],
     pub servos: Vec<i32>,
-    pub psd: Option<PsdRun>,
+    pub psd: Option<PsdMeasurement>,
     pub bumps_read: Vec<usize>,
     pub keys_read: usize,
     pub touches_read: usize,
@@ -56,17 +56,17 @@ pub(super) struct State {
     /// Setting of a scan: angle in degrees, and number of points.
     pub scan: (i32, i32),
     /// The camera, while it is on.
-    pub camera: Option<super::camera::Setting>,
-    pub radio: Station,
-    pub tasks: Tasks,
+    pub camera: Option<super::camera::CameraState>,
+    pub radio: RadioState,
+    pub tasks: TaskTable,
     /// The digital lines, line 1 in the lowest bit.
     pub lines: i32,
     pub is_compass_ready: bool,
-    pub timers: Vec<Timer>,
+    pub timers: Vec<TimerEntry>,
     pub next_timer: i32,
     pub are_timers_held: bool,
     pub is_in_callback: bool,
-    pub lcd: Lcd,
+    pub lcd: LcdBuffer,
     pub console: String,
     pub random: BTreeMap<u32, u64>,
     pub variables: [i32; 16],
@@ -76,14 +76,14 @@ pub(super) struct State {
 
 /// Measurement of the distance sensors.
 #[derive(Clone, Copy)]
-pub(super) struct PsdRun {
+pub(super) struct PsdMeasurement {
     pub start_us: u64,
     pub mask: PSDHandle,
     /// The last cycle; `None` in continuous mode.
     pub last: Option<u64>,
 }
 
-impl PsdRun {
+impl PsdMeasurement {
     /// Number of complete cycles.
     pub(super) fn cycles(self, now_us: u64) -> u64 {
         let cycles = now_us.saturating_sub(self.start_us) / PSD_CYCLE_US;
@@ -91,7 +91,7 @@ impl PsdRun {
     }
 }
 
-pub(super) struct Timer {
+pub(super) struct TimerEntry {
     pub handle: i32,
     pub period_us: u64,
     pub next_us: u64,
@@ -118,22 +118,22 @@ impl FakeRobot {
             pixels: BTreeMap::new(),
             scan: (360, 360),
             camera: None,
-            radio: Station::new(&mut fake),
-            tasks: Tasks::new(),
+            radio: RadioState::new(&mut fake),
+            tasks: TaskTable::new(),
             lines: 0,
             is_compass_ready: false,
             timers: Vec::new(),
             next_timer: 1,
             are_timers_held: false,
             is_in_callback: false,
-            lcd: if generation == 7 { Lcd::large() } else { Lcd::new() },
+            lcd: if generation == 7 { LcdBuffer::large() } else { LcdBuffer::new() },
             console: String::new(),
             random: BTreeMap::new(),
             variables: [0; 16],
             clock_offset_us: 0,
             calls: Vec::new(),
         };
-        Self { fake, last_place: Arc::default(), baton: Baton::default(), state: RefCell::new(state) }
+        Self { fake, last_call_site: Arc::default(), run_token: RunToken::default(), state: RefCell::new(state) }
     }
 
     /// Record of the run, after the program has returned its exit code.
@@ -284,7 +284,7 @@ impl State {
     }
 
     /// Pose of the program's odometry.
-    pub(super) fn belief(&self) -> Pose {
+    pub(super) fn odometry_pose(&self) -> Pose {
         let (true_then, said) = self.origin;
         said.compose(true_then.relative(self.motion.pose(self.now_us)))
     }
@@ -342,7 +342,7 @@ impl CallContext for FakeRobot {
             time: Duration::from_micros(state.now_us),
             name: record.name,
             text: record.to_string(),
-            place: self.last_place.get(),
+            place: self.last_call_site.get(),
         };
         state.calls.push(call);
     }

@@ -17,48 +17,48 @@ const MAIN: usize = 0;
 
 /// Run token: its holder runs, and passes it on to another task.
 #[derive(Default)]
-pub(super) struct Baton {
+pub(super) struct RunToken {
     holder: Mutex<usize>,
-    handed: Condvar,
+    passed: Condvar,
 }
 
-impl Baton {
-    fn hand_to(&self, task: usize) {
+impl RunToken {
+    fn pass_to(&self, task: usize) {
         let mut holder = locked(&self.holder);
         *holder = task;
-        self.handed.notify_all();
+        self.passed.notify_all();
     }
 
     fn wait_for(&self, task: usize) {
         let holder = locked(&self.holder);
         // The lock is never poisoned: nothing panics while it is held.
-        drop(self.handed.wait_while(holder, |holder| *holder != task));
+        drop(self.passed.wait_while(holder, |holder| *holder != task));
     }
 }
 
 /// All tasks of a robot.
-pub(super) struct Tasks {
+pub(super) struct TaskTable {
     mode: Option<i32>,
     is_permitted: bool,
-    list: Vec<Task>,
+    list: Vec<TaskEntry>,
     current: usize,
     slice_end_us: u64,
     /// Number of transitions to ready so far.
-    readied: u64,
+    ready_count: u64,
     semaphores: Vec<Semaphore>,
     threads: Vec<JoinHandle<()>>,
     /// `main` has returned: the other tasks must end.
     is_leaving: bool,
 }
 
-struct Task {
+struct TaskEntry {
     name: String,
     priority: i32,
     uid: i32,
     code: Callback,
     status: Status,
     /// Order of becoming ready: lower is earlier.
-    place: u64,
+    ready_order: u64,
     has_begun: bool,
     /// The task that has killed this one, and resumes when this one has ended.
     killer: Option<usize>,
@@ -78,15 +78,15 @@ struct Semaphore {
     waiting: VecDeque<usize>,
 }
 
-impl Tasks {
+impl TaskTable {
     pub(super) fn new() -> Self {
-        let main = Task {
+        let main = TaskEntry {
             name: "main".to_owned(),
             priority: MIN_PRI - 1,
             uid: 0,
             code: Callback::NONE,
             status: Status::Ready,
-            place: 0,
+            ready_order: 0,
             has_begun: true,
             killer: None,
         };
@@ -96,7 +96,7 @@ impl Tasks {
             list: vec![main],
             current: MAIN,
             slice_end_us: TIMER_TICK_US,
-            readied: 0,
+            ready_count: 0,
             semaphores: Vec::new(),
             threads: Vec::new(),
             is_leaving: false,
@@ -116,9 +116,9 @@ impl Tasks {
         if self.list[task].status == Status::Ended {
             return;
         }
-        self.readied += 1;
+        self.ready_count += 1;
         self.list[task].status = Status::Ready;
-        self.list[task].place = self.readied;
+        self.list[task].ready_order = self.ready_count;
     }
 
     /// Makes the tasks ready whose sleep is over.
@@ -138,7 +138,7 @@ impl Tasks {
     /// The ready task of the highest priority; ties go to the one that has been ready longest.
     fn next(&self) -> Option<usize> {
         let ready = self.list.iter().enumerate().filter(|(_, task)| task.status == Status::Ready);
-        ready.min_by_key(|(_, task)| (-task.priority, task.place)).map(|(index, _)| index)
+        ready.min_by_key(|(_, task)| (-task.priority, task.ready_order)).map(|(index, _)| index)
     }
 
     fn switch_to(&mut self, task: usize, now_us: u64) {
@@ -158,7 +158,7 @@ impl Tasks {
     }
 
     /// Message that names what each task waits for.
-    fn story(&self) -> String {
+    fn deadlock_message(&self) -> String {
         let waiting = self.list.iter().filter(|task| task.status != Status::Ended);
         let parts = waiting.map(|task| match task.status {
             Status::AtSemaphore(index) => format!("`{}` waits at semaphore {}", task.name, index + 1),
@@ -182,11 +182,11 @@ impl State {
 }
 
 /// Pointer to a fake robot, for the thread of one of its tasks.
-struct Shared(*const FakeRobot);
+struct FakeRobotPtr(*const FakeRobot);
 
 // SAFETY: all of a fake robot is `Send`, see `is_send` below, and only the holder of the run token accesses it. The token is
 // passed under a lock, so the next holder sees the writes of the previous one.
-unsafe impl Send for Shared {}
+unsafe impl Send for FakeRobotPtr {}
 
 const fn is_send<T: Send>() {}
 const _: () = is_send::<FakeRobot>();
@@ -198,7 +198,7 @@ impl FakeRobot {
             let state = &mut *self.state.borrow_mut();
             state.tasks.rotates() && !state.is_in_callback && state.is_preempted()
         };
-        if is_preempted { self.give_way() } else { Ok(()) }
+        if is_preempted { self.run_next() } else { Ok(()) }
     }
 
     /// Time until which the running task keeps the processor while it waits for `until_us`.
@@ -212,7 +212,7 @@ impl FakeRobot {
     }
 
     /// Lets the next task run; returns when this task runs again.
-    fn give_way(&self) -> Result<(), Stop> {
+    fn run_next(&self) -> Result<(), Stop> {
         let next = self.next_task()?;
         self.switch(next)
     }
@@ -231,8 +231,8 @@ impl FakeRobot {
                 let timer_us = state.timers.iter().map(|timer| timer.next_us).min();
                 let Some(until_us) = wake_us.into_iter().chain(timer_us).min() else {
                     state.is_over = true;
-                    let story = state.tasks.story();
-                    state.failure.get_or_insert(story);
+                    let message = state.tasks.deadlock_message();
+                    state.failure.get_or_insert(message);
                     return Err(Stop);
                 };
                 until_us
@@ -252,15 +252,15 @@ impl FakeRobot {
             current
         };
         self.begin(next);
-        self.baton.hand_to(next);
-        self.baton.wait_for(current);
+        self.run_token.pass_to(next);
+        self.run_token.wait_for(current);
         let state = self.state.borrow();
         if state.is_over || state.tasks.is_leaving() { Err(Stop) } else { Ok(()) }
     }
 
     /// Body of a task's thread.
-    fn live(&self, task: usize) {
-        self.baton.wait_for(task);
+    fn run_thread(&self, task: usize) {
+        self.run_token.wait_for(task);
         let code = {
             let state = self.state.borrow();
             (!state.is_over && !state.tasks.is_leaving).then(|| state.tasks.list[task].code)
@@ -280,16 +280,16 @@ impl FakeRobot {
             state.tasks.switch_to(next, state.now_us);
         }
         self.begin(next);
-        self.baton.hand_to(next);
+        self.run_token.pass_to(next);
     }
 
     /// Starts the thread of a task that has none.
     fn begin(&self, task: usize) {
         let state = &mut *self.state.borrow_mut();
         if !std::mem::replace(&mut state.tasks.list[task].has_begun, true) {
-            let robot = Shared(self);
+            let robot = FakeRobotPtr(self);
             // SAFETY: the robot lives until `end_tasks` has joined the thread.
-            let life = move || unsafe { (*{ robot }.0).live(task) };
+            let life = move || unsafe { (*{ robot }.0).run_thread(task) };
             let name = state.tasks.list[task].name.replace('\0', "");
             let thread = std::thread::Builder::new().name(name).spawn(life).expect("the system has room for a thread");
             state.tasks.threads.push(thread);
@@ -312,8 +312,8 @@ impl FakeRobot {
                 is_there
             };
             if is_there {
-                self.baton.hand_to(task);
-                self.baton.wait_for(MAIN);
+                self.run_token.pass_to(task);
+                self.run_token.wait_for(MAIN);
             }
         }
         let threads = std::mem::take(&mut self.state.borrow_mut().tasks.threads);
@@ -321,7 +321,7 @@ impl FakeRobot {
     }
 
     /// Suspends the running task with a status; fails inside a timer's function, which must not wait.
-    fn leave_processor(&self, name: &str, status: Status) -> Result<(), Stop> {
+    fn block(&self, name: &str, status: Status) -> Result<(), Stop> {
         {
             let state = &mut *self.state.borrow_mut();
             if state.is_in_callback {
@@ -330,7 +330,7 @@ impl FakeRobot {
             let current = state.tasks.current;
             state.tasks.list[current].status = status;
         }
-        self.give_way()
+        self.run_next()
     }
 
     pub(super) fn start_tasks(&self, mode: u8) -> Result<i32, Stop> {
@@ -353,13 +353,13 @@ impl FakeRobot {
             if state.tasks.mode.is_none() || !(MIN_PRI..=MAX_PRI).contains(&priority) {
                 return 0;
             }
-            state.tasks.list.push(Task {
+            state.tasks.list.push(TaskEntry {
                 name: String::from_utf8_lossy(name.unwrap_or_default()).into_owned(),
                 priority,
                 uid,
                 code,
                 status: Status::Suspended,
-                place: 0,
+                ready_order: 0,
                 has_begun: false,
                 killer: None,
             });
@@ -397,7 +397,7 @@ impl FakeRobot {
         })?;
         match which {
             Which::None => return Ok(-1),
-            Which::Own => self.leave_processor(name, Status::Suspended)?,
+            Which::Own => self.block(name, Status::Suspended)?,
             Which::Other => {}
         }
         Ok(0)
@@ -412,7 +412,7 @@ impl FakeRobot {
         if !has_tasks {
             return Ok(-1);
         }
-        self.leave_processor("OSReschedule", Status::Ready)?;
+        self.block("OSReschedule", Status::Ready)?;
         Ok(0)
     }
 
@@ -463,7 +463,7 @@ impl FakeRobot {
     pub(super) fn sleep_until(&self, call: &'static str, end_us: u64) -> Result<i32, Stop> {
         let has_tasks = self.state.borrow().tasks.mode.is_some();
         if has_tasks {
-            self.leave_processor(call, Status::AsleepUntil(end_us))?;
+            self.block(call, Status::AsleepUntil(end_us))?;
         } else {
             self.wait(call, Some(end_us))?;
         }
@@ -489,7 +489,7 @@ impl FakeRobot {
         })
     }
 
-    pub(super) fn pass_semaphore(&self, number: i32) -> Result<i32, Stop> {
+    pub(super) fn take_permit(&self, number: i32) -> Result<i32, Stop> {
         let full = self.act(|state| {
             let current = state.tasks.current;
             let (index, semaphore) = state.tasks.semaphore(number)?;
@@ -505,12 +505,12 @@ impl FakeRobot {
         match full {
             None => Ok(-1),
             Some(None) => Ok(0),
-            Some(Some(index)) => self.leave_processor("OSSemP", Status::AtSemaphore(index)).map(|()| 0),
+            Some(Some(index)) => self.block("OSSemP", Status::AtSemaphore(index)).map(|()| 0),
         }
     }
 
     /// Also carried out for a task that is ending: its destructors return its permits.
-    pub(super) fn leave_semaphore(&self, number: i32) -> Result<i32, Stop> {
+    pub(super) fn return_permit(&self, number: i32) -> Result<i32, Stop> {
         let is_left = {
             let state = self.state.borrow();
             state.is_over || state.tasks.is_leaving()

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use super::Robot;
 use crate::Result;
@@ -67,7 +67,7 @@ impl Audio<'_> {
     #[track_caller]
     pub fn record(&self, room: &mut [u8], rate: Frequency) -> Result {
         let rate_hz = rate.as_hertz().round() as i64;
-        checked("AURecord", Device::Microphone, robios7!(self.0, AURecord(ByteRoom::from(room), rate_hz)))
+        checked("AURecord", Device::Microphone, robios7!(self.0, AURecord(ByteBuffer::from(room), rate_hz)))
     }
 
     /// Returns true if a recording is in progress.

@@ -1,6 +1,6 @@
 //! The camera: images of any size, with their depths and labels.
 
-use robios_sys::ByteRoom;
+use robios_sys::ByteBuffer;
 use robios_sys::robios7::{CUSTOM, RESOLUTIONS};
 
 use super::Robot;
@@ -60,7 +60,7 @@ impl Camera<'_> {
         if image.size != self.size {
             *image = ColorImage::new(self.size);
         }
-        let room = ByteRoom::from(&mut image.bytes[..]);
+        let room = ByteBuffer::from(&mut image.bytes[..]);
         checked("CAMGet", Device::Camera, robios7!(self.robot, CAMGet(room)))
     }
 
@@ -78,7 +78,7 @@ impl Camera<'_> {
         if image.size != self.size {
             *image = GrayImage::new(self.size);
         }
-        let room = ByteRoom::from(&mut image.bytes[..]);
+        let room = ByteBuffer::from(&mut image.bytes[..]);
         checked("CAMGetGray", Device::Camera, robios7!(self.robot, CAMGetGray(room)))
     }
 
@@ -86,7 +86,7 @@ impl Camera<'_> {
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; self.size.pixels()];
-        let room = ByteRoom { data: mm.as_mut_ptr().cast(), len: mm.len() };
+        let room = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
         checked("CAMGetDepth", Device::Camera, robios7!(self.robot, CAMGetDepth(room)))?;
         Ok(DepthImage { size: self.size, mm })
     }
@@ -95,7 +95,7 @@ impl Camera<'_> {
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; self.size.pixels()];
-        let room = ByteRoom { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
         checked("CAMGetLabels", Device::Camera, robios7!(self.robot, CAMGetLabels(room)))?;
         Ok(LabelImage { size: self.size, numbers })
     }

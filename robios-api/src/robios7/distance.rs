@@ -1,6 +1,6 @@
 //! Distance sensors: PSD sensors, which measure on request, and the laser scanner.
 
-use robios_sys::ByteRoom;
+use robios_sys::ByteBuffer;
 
 use super::Robot;
 use crate::device::Device;
@@ -135,7 +135,7 @@ impl Lidar<'_> {
     pub fn scan(&self) -> Result<Scan> {
         let (range_deg, points) = self.0.state().scan.get();
         let mut distances_mm = vec![0_i32; points.into()];
-        let room = ByteRoom { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        let room = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
         checked("LIDARGet", Device::Lidar, robios7!(self.0, LIDARGet(room)))?;
         let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
         Ok(Scan {

@@ -1,6 +1,6 @@
 //! Image files and filters of RoBIOS-7.
 
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use super::Robot;
 use crate::device::Device;
@@ -39,7 +39,7 @@ impl Images<'_> {
     #[track_caller]
     fn read(&self, path: &str, size: ImageSize, room: &mut [u8]) -> Result {
         let (columns, rows) = size.to_robios7();
-        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteRoom::from(room)));
+        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteBuffer::from(room)));
         checked("IPReadFile", Device::Image, code)
     }
 
@@ -75,7 +75,7 @@ impl Images<'_> {
     pub fn laplace(&self, image: &GrayImage) -> GrayImage {
         let mut edges = GrayImage::new(image.size);
         let (columns, rows) = image.size.to_robios7();
-        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut edges.bytes[..]));
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteBuffer::from(&mut edges.bytes[..]));
         let () = robios7!(self.0, IPLaplace(columns, rows, from, to));
         edges
     }
@@ -85,7 +85,7 @@ impl Images<'_> {
     pub fn sobel(&self, image: &GrayImage) -> GrayImage {
         let mut edges = GrayImage::new(image.size);
         let (columns, rows) = image.size.to_robios7();
-        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut edges.bytes[..]));
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteBuffer::from(&mut edges.bytes[..]));
         let () = robios7!(self.0, IPSobel(columns, rows, from, to));
         edges
     }
@@ -94,7 +94,7 @@ impl Images<'_> {
     #[track_caller]
     pub fn to_gray(&self, image: &ColorImage) -> GrayImage {
         let mut gray = GrayImage::new(image.size);
-        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut gray.bytes[..]));
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteBuffer::from(&mut gray.bytes[..]));
         let () = robios7!(self.0, IPCol2Gray(from, to));
         gray
     }
@@ -103,7 +103,7 @@ impl Images<'_> {
     #[track_caller]
     pub fn to_color(&self, image: &GrayImage) -> ColorImage {
         let mut color = ColorImage::new(image.size);
-        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut color.bytes[..]));
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteBuffer::from(&mut color.bytes[..]));
         let () = robios7!(self.0, IPGray2Col(from, to));
         color
     }
@@ -112,7 +112,7 @@ impl Images<'_> {
     #[track_caller]
     pub fn to_hsi(&self, image: &ColorImage) -> [GrayImage; 3] {
         let mut parts = [(); 3].map(|()| GrayImage::new(image.size));
-        let [hue, saturation, intensity] = parts.each_mut().map(|part| ByteRoom::from(&mut part.bytes[..]));
+        let [hue, saturation, intensity] = parts.each_mut().map(|part| ByteBuffer::from(&mut part.bytes[..]));
         let () = robios7!(self.0, IPCol2HSI(ByteSlice::from(image.bytes()), hue, saturation, intensity));
         parts
     }
@@ -132,7 +132,7 @@ impl Images<'_> {
         }
         let mut both = ColorImage::new(below.size);
         let (from, over) = (ByteSlice::from(below.bytes()), ByteSlice::from(above.bytes()));
-        let () = robios7!(self.0, IPOverlay(from, over, ByteRoom::from(&mut both.bytes[..])));
+        let () = robios7!(self.0, IPOverlay(from, over, ByteBuffer::from(&mut both.bytes[..])));
         Ok(both)
     }
 }

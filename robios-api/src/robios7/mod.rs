@@ -66,7 +66,7 @@ pub use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage,
 pub use crate::leg::{Gait, Leg, LegJoint, LegLink, Legs, LinkPose};
 pub use crate::radio::Message;
 
-pub(crate) use robot::State;
+pub(crate) use robot::DeviceSettings;
 
 /// Items that most programs import: `use robios_api::robios7::prelude::*;`.
 pub mod prelude {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use robios_sys::robios7::{MAX_NAME, MAX_OUTPUT, PLATFORM, WALKER};
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use super::Robot;
 use crate::device::Device;
@@ -88,7 +88,7 @@ impl Robot {
     #[track_caller]
     pub fn version(&self) -> String {
         let mut text = [0; MAX_NAME];
-        let _: i32 = robios7!(self, OSVersion(ByteRoom::from(&mut text[..])));
+        let _: i32 = robios7!(self, OSVersion(ByteBuffer::from(&mut text[..])));
         text_of(&text)
     }
 
@@ -96,7 +96,7 @@ impl Robot {
     #[track_caller]
     pub fn name(&self) -> String {
         let mut text = [0; MAX_NAME];
-        let _: i32 = robios7!(self, OSMachineName(ByteRoom::from(&mut text[..])));
+        let _: i32 = robios7!(self, OSMachineName(ByteBuffer::from(&mut text[..])));
         text_of(&text)
     }
 
@@ -147,7 +147,7 @@ impl Robot {
     #[track_caller]
     pub fn execute(&self, command: &str) -> Result<String> {
         let mut output = [0; MAX_OUTPUT];
-        let code = robios7!(self, OSExecute(ByteSlice::from(command), ByteRoom::from(&mut output[..])));
+        let code = robios7!(self, OSExecute(ByteSlice::from(command), ByteBuffer::from(&mut output[..])));
         checked("OSExecute", Device::Shell, code)?;
         Ok(text_of(&output))
     }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use robios_sys::robios7::MAX_RADIO_IDS;
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use super::Robot;
 use crate::device::Device;
@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::encoding;
 use crate::error::checked;
 use crate::os::RobotNumber;
-use crate::radio::{LOOK, Message};
+use crate::radio::{Message, POLL_INTERVAL};
 use crate::robot::{release, robios7};
 use crate::{Error, Result};
 
@@ -99,7 +99,7 @@ impl Radio {
     #[track_caller]
     pub fn receive(&self) -> Result<Message> {
         let (mut from, mut room) = (0, [0; MAX_MESSAGE + 1]);
-        let code = robios7!(self.robot, RADIOReceive(&mut from, ByteRoom::from(&mut room[..])));
+        let code = robios7!(self.robot, RADIOReceive(&mut from, ByteBuffer::from(&mut room[..])));
         checked("RADIOReceive", Device::Radio, code)?;
         let len = room.iter().position(|byte| *byte == 0).unwrap_or(MAX_MESSAGE);
         Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: room[..len].to_vec() })
@@ -126,7 +126,7 @@ impl Radio {
             if message.is_some() || self.robot.now() >= end {
                 return Ok(message);
             }
-            self.robot.sleep(LOOK);
+            self.robot.sleep(POLL_INTERVAL);
         }
     }
 
@@ -148,7 +148,7 @@ impl Radio {
     #[track_caller]
     pub fn robots(&self) -> Vec<RobotNumber> {
         let mut ids = [0_i32; MAX_RADIO_IDS];
-        let room = ByteRoom { data: ids.as_mut_ptr().cast(), len: ids.len() };
+        let room = ByteBuffer { data: ids.as_mut_ptr().cast(), len: ids.len() };
         let count: i32 = robios7!(self.robot, RADIOStatus(room));
         let count = usize::try_from(count).unwrap_or(0).min(MAX_RADIO_IDS);
         ids[..count].iter().map(|id| RobotNumber((*id).clamp(0, 255) as u8)).collect()

@@ -14,21 +14,21 @@ pub struct Robot(pub(crate) crate::Robot);
 
 /// Settings that cannot be queried from RoBIOS-7.
 #[derive(Debug)]
-pub(crate) struct State {
+pub(crate) struct DeviceSettings {
     /// The last drive was a turn on the spot.
     pub is_turning: Cell<bool>,
     /// Setting of the laser scanner: angle in degrees, and number of points.
     pub scan: Cell<(u16, u16)>,
 }
 
-impl Default for State {
+impl Default for DeviceSettings {
     fn default() -> Self {
         Self { is_turning: Cell::new(false), scan: Cell::new((360, 360)) }
     }
 }
 
 impl Robot {
-    pub(crate) fn state(&self) -> &State {
+    pub(crate) fn state(&self) -> &DeviceSettings {
         &self.0.0.robios7
     }
 

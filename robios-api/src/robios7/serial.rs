@@ -1,7 +1,7 @@
 //! Serial interfaces.
 
 use robios_sys::robios7::MAX_SERIAL;
-use robios_sys::{ByteRoom, ByteSlice};
+use robios_sys::{ByteBuffer, ByteSlice};
 
 use super::Robot;
 use crate::Result;
@@ -57,7 +57,7 @@ impl Serial {
     #[track_caller]
     pub fn read(&self) -> Vec<u8> {
         let mut room = [0; MAX_SERIAL];
-        let len: i32 = robios7!(self.robot, SERReceive(self.number.into(), ByteRoom::from(&mut room[..])));
+        let len: i32 = robios7!(self.robot, SERReceive(self.number.into(), ByteBuffer::from(&mut room[..])));
         room[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
     }
 

@@ -19,7 +19,7 @@ use robios_sys::{ByteSlice, Callback, Status};
 use crate::device::Device;
 use crate::entry::{self, Outcome};
 use crate::error::checked;
-use crate::robot::{Common, Tables, locked, release, robios};
+use crate::robot::{ProgramState, Tables, locked, release, robios};
 use crate::time::Timer;
 use crate::{Error, Result, Robot};
 
@@ -71,7 +71,7 @@ pub struct Task(robios_sys::robios6::Task);
 /// Guard that keeps pre-emption off, see [`Tasks::forbid`].
 #[derive(Debug)]
 #[must_use = "pre-emption is off only while it lives"]
-pub struct Forbidden<'a> {
+pub struct PreemptionGuard<'a> {
     robot: &'a Robot,
     was_permitted: bool,
 }
@@ -84,7 +84,7 @@ pub(crate) struct TaskState {
     /// Number of timers whose functions are bound to the thread of `main`.
     pub timers: usize,
     /// Tasks that have not ended, in order of creation.
-    jobs: Vec<Arc<Job>>,
+    jobs: Vec<Arc<TaskJob>>,
 }
 
 impl TaskSettings {
@@ -168,12 +168,12 @@ impl Robot {
             if let Some(task) = job.task.get() {
                 release!(self, OSKill(*task));
             }
-            job.forget();
+            job.remove();
         }
     }
 
     /// Counts a timer whose function is bound to this thread.
-    pub(crate) fn admit_timer(&self) -> Result {
+    pub(crate) fn count_timer(&self) -> Result {
         let tasks = &mut *locked(&self.common().tasks);
         if tasks.is_on {
             return Err(Error::Unsuitable { what: "`Robot::every` with tasks", instead: "`Tasks::every`" });
@@ -221,7 +221,7 @@ impl<'a> Tasks<'a> {
         function: impl FnOnce(&Robot) -> O + Send + 'static,
     ) -> Result<Task> {
         let Some(tables) = self.0.tables() else { return Err(Error::Unavailable(Device::Tasks)) };
-        let job = Arc::new(Job {
+        let job = Arc::new(TaskJob {
             tables,
             common: Arc::clone(self.0.common()),
             function: Mutex::new(Some(Box::new(move |robot| function(robot).failure()))),
@@ -233,7 +233,7 @@ impl<'a> Tasks<'a> {
         let stack = i32::try_from(settings.stack_bytes).unwrap_or(i32::MAX);
         match robios!(self.0, OSSpawn(name, callback, stack, settings.priority as i32, settings.uid)) {
             0 => {
-                job.forget();
+                job.remove();
                 Err(Error::Unavailable(Device::Tasks))
             }
             task => {
@@ -311,10 +311,10 @@ impl<'a> Tasks<'a> {
     /// # Errors
     /// [`Error::Refused`] without multi-tasking.
     #[track_caller]
-    pub fn forbid(self) -> Result<Forbidden<'a>> {
+    pub fn forbid(self) -> Result<PreemptionGuard<'a>> {
         checked("OSForbid", Device::Tasks, robios!(self.0, OSForbid()))?;
         let was_permitted = std::mem::replace(&mut locked(&self.0.common().tasks).is_permitted, false);
-        Ok(Forbidden { robot: self.0, was_permitted })
+        Ok(PreemptionGuard { robot: self.0, was_permitted })
     }
 
     /// Calls a function periodically, as [`Robot::every`] does, in a program with tasks.
@@ -374,7 +374,7 @@ impl Task {
     }
 }
 
-impl Drop for Forbidden<'_> {
+impl Drop for PreemptionGuard<'_> {
     fn drop(&mut self) {
         if self.was_permitted {
             locked(&self.robot.common().tasks).is_permitted = true;
@@ -384,30 +384,30 @@ impl Drop for Forbidden<'_> {
 }
 
 /// A task that has not ended.
-struct Job {
+struct TaskJob {
     tables: Tables,
-    common: Arc<Common>,
+    common: Arc<ProgramState>,
     /// Function of the task; `None` once it has begun.
-    function: Mutex<Option<Box<Function>>>,
+    function: Mutex<Option<Box<TaskFunction>>>,
     /// Number of the task, set once it is known.
     task: OnceLock<robios_sys::robios6::Task>,
 }
 
 /// Function of a task; returns the text of its failure.
-type Function = dyn FnOnce(&Robot) -> Option<String> + Send;
+type TaskFunction = dyn FnOnce(&Robot) -> Option<String> + Send;
 
-impl Job {
+impl TaskJob {
     fn begin(&self) -> Status {
         let Some(function) = locked(&self.function).take() else { return Status::OK };
         let robot = Robot::of_task(self.tables, Arc::clone(&self.common));
         let status = entry::run_task(&robot, || function(&robot));
         robot.close();
-        self.forget();
+        self.remove();
         status
     }
 
     /// Removes the task from the list of those that have not ended.
-    fn forget(&self) {
+    fn remove(&self) {
         let mut tasks = locked(&self.common.tasks);
         let place = tasks.jobs.iter().position(|job| std::ptr::eq(&**job, self));
         let job = place.map(|place| tasks.jobs.remove(place));
@@ -420,9 +420,9 @@ impl Job {
 /// Entry point of a task, called by the host when the task first runs.
 ///
 /// # Safety
-/// `data` is a [`Job`] that has not begun, and its program's `main` has not returned.
+/// `data` is a [`TaskJob`] that has not begun, and its program's `main` has not returned.
 unsafe extern "C" fn begin(data: *mut c_void) -> Status {
-    let job = data.cast_const().cast::<Job>();
+    let job = data.cast_const().cast::<TaskJob>();
     // SAFETY: the list of tasks holds one reference to the job; a second one keeps it alive until the task ends.
     let job = unsafe {
         Arc::increment_strong_count(job);

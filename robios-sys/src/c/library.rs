@@ -4,7 +4,7 @@
 /// Interposed symbols of the C library, and their behaviour in the shim.
 ///
 /// A library built without the shim that imports one of them acts outside of its robot or of virtual time.
-pub const REPLACED: &[(&str, &str)] = &[
+pub const INTERPOSED: &[(&str, &str)] = &[
     ("exit", ENDS),
     ("_exit", ENDS_AT_ONCE),
     ("_Exit", ENDS_AT_ONCE),
@@ -365,7 +365,7 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 
 /// Reason why a symbol imported by a library built elsewhere is outside the guarantee; `None` if it is inside.
 ///
-/// Without the shim, most [interposed](REPLACED) symbols are outside too, except those that almost every library imports and
+/// Without the shim, most [interposed](INTERPOSED) symbols are outside too, except those that almost every library imports and
 /// those that matter only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
@@ -373,7 +373,7 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
         |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what);
     let is_everywhere = ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"]
         .contains(&symbol);
-    match reason(REPLACED) {
+    match reason(INTERPOSED) {
         Some(what) if is_harmless(what) || is_everywhere => None,
         Some(_) => Some("acts on the process, and not on the robot, in a library built without the shim"),
         None => reason(OUTSIDE_GUARANTEE),
@@ -396,7 +396,7 @@ mod tests {
 
     #[test]
     fn no_symbol_is_in_both_lists_or_twice() {
-        let mut names: Vec<_> = REPLACED.iter().chain(OUTSIDE_GUARANTEE).map(|(name, _)| name).collect();
+        let mut names: Vec<_> = INTERPOSED.iter().chain(OUTSIDE_GUARANTEE).map(|(name, _)| name).collect();
         names.sort_unstable();
         let count = names.len();
         names.dedup();

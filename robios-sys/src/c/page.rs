@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{OUTSIDE_GUARANTEE, REPLACED};
+use super::{INTERPOSED, OUTSIDE_GUARANTEE};
 
 const BEGIN: &str = "\
 # The C library inside a robot program
@@ -72,7 +72,7 @@ What the C library itself finds broken (`free(): invalid pointer`) ends in a sig
 
 /// The text of `docs/c-library.md`.
 pub fn c_library_page() -> String {
-    [BEGIN, &rows(REPLACED), MIDDLE, &rows(OUTSIDE_GUARANTEE), END].concat()
+    [BEGIN, &rows(INTERPOSED), MIDDLE, &rows(OUTSIDE_GUARANTEE), END].concat()
 }
 
 /// One row for each reason, in the order of their first symbols.

@@ -15,7 +15,7 @@ use clap::Args;
 use super::diagnostic::print;
 use super::output::check_outputs;
 use crate::plot::chart;
-use crate::record::report::write_whole;
+use crate::record::report::write_atomically;
 
 /// Arguments of `eyesim accuracy`.
 #[derive(Args)]
@@ -50,7 +50,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     if let Some(folder) = &args.plots {
         check_folder(folder).with_context(|| format!("--plots `{}`", folder.display()))?;
     }
-    let mut page = args.page.as_deref().map(Page::read).transpose()?;
+    let mut page = args.page.as_deref().map(MarkdownPage::read).transpose()?;
     if let Some(page) = &mut page {
         // Checked before measuring, which takes long.
         studies.iter().try_for_each(|study| page.place(study.name).map(|_| ()))?;
@@ -77,7 +77,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
         let text = serde_json::to_string_pretty(&rows).context("--json")? + "\n";
         match json_file {
             Some(path) => {
-                write_whole(path, text.as_bytes()).with_context(|| format!("--json `{}`", path.display()))?;
+                write_atomically(path, text.as_bytes()).with_context(|| format!("--json `{}`", path.display()))?;
             }
             None => print(&text).context("--json")?,
         }
@@ -112,7 +112,7 @@ fn write_figures(folder: &Path, study: &Study, outcome: &Outcome) -> anyhow::Res
     for figure in plot.iter().chain(&outcome.figures) {
         let path = folder.join(&figure.name).with_extension("svg");
         let svg = chart::to_svg(figure)?;
-        write_whole(&path, svg.as_bytes()).with_context(|| format!("--plots `{}`", path.display()))?;
+        write_atomically(&path, svg.as_bytes()).with_context(|| format!("--plots `{}`", path.display()))?;
     }
     Ok(())
 }
@@ -161,7 +161,7 @@ fn markdown_table(rows: &[Row]) -> String {
 }
 
 /// Page with marked places for tables.
-struct Page {
+struct MarkdownPage {
     path: PathBuf,
     text: String,
 }
@@ -169,7 +169,7 @@ struct Page {
 /// End mark of a place.
 const END: &str = "<!-- end -->";
 
-impl Page {
+impl MarkdownPage {
     fn read(path: &Path) -> anyhow::Result<Self> {
         let text = fs::read_to_string(path).with_context(|| format!("--page `{}`", path.display()))?;
         Ok(Self { path: path.to_owned(), text })
@@ -198,7 +198,7 @@ impl Page {
     }
 
     fn write(self) -> anyhow::Result<()> {
-        write_whole(&self.path, self.text.as_bytes()).with_context(|| format!("--page `{}`", self.path.display()))
+        write_atomically(&self.path, self.text.as_bytes()).with_context(|| format!("--page `{}`", self.path.display()))
     }
 }
 
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_table_goes_between_its_marks_again_and_again() {
-        let mut page = Page {
+        let mut page = MarkdownPage {
             path: PathBuf::from("p.md"),
             text: "a\n<!-- accuracy: drive -->\nold\n<!-- end -->\nb <!-- end -->\n".to_owned(),
         };

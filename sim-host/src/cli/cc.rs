@@ -11,7 +11,7 @@ use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
 use crate::program::compile::Kits;
 use crate::program::language::Language;
-use crate::program::{Generation, Wanted};
+use crate::program::{Generation, GenerationHint};
 
 /// Arguments of `eyesim cc`.
 #[derive(Args, Debug)]
@@ -41,7 +41,7 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
     let cache = Cache::of_user().context("no folder to build in")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
-    let wanted = Wanted { api: args.api, dialect: None };
+    let wanted = GenerationHint { api: args.api, dialect: None };
     let (choice, commands, output) = builder.build_to(&args.files, wanted, &args.output, &args.flags)?;
     choice.remark(&args.files[0]).iter().for_each(say);
     if args.verbose {

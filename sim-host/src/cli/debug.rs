@@ -12,10 +12,10 @@ use sim_format::load_scene_with;
 
 use super::run::{self, RunArgs, parse_seconds};
 use crate::executive::interrupt;
-use crate::executive::load::Debug;
+use crate::executive::load::DebugTarget;
 use crate::executive::process::Debugger;
 use crate::files::DiskFiles;
-use crate::launch::settings::{ProgramOption, give_programs, index_of};
+use crate::launch::settings::{ProgramOption, assign_programs, index_of};
 
 /// Limit of processor time within a slot that no program reaches, in seconds.
 const NO_TIMEOUT: f64 = 1e9;
@@ -84,7 +84,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     if breakpoints.is_empty() {
         breakpoints.push(main_of(&program));
     }
-    run.debug = Some(Debug { robot, debugger: Debugger { breakpoints, arguments: args.gdb.clone() } });
+    run.debug = Some(DebugTarget { robot, debugger: Debugger { breakpoints, arguments: args.gdb.clone() } });
     interrupt::leave_interrupts_to_debugger();
     run::run(&run)
 }
@@ -93,7 +93,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
     let mut scene = load_scene_with(&files.name(&args.sim), args.seed, &files).scene;
-    give_programs(&mut scene, &args.programs)?;
+    assign_programs(&mut scene, &args.programs)?;
     let index = match args.robot {
         Some(robot) => index_of(&scene, robot).context("--robot")?,
         None => scene.robots.iter().position(|robot| robot.program.is_some()).unwrap_or(0),

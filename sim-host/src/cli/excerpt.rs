@@ -7,7 +7,7 @@ use console::measure_text_width;
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use sim_core::spec::Span;
 
-use crate::record::log::steers;
+use crate::record::log::is_terminal_control;
 
 /// Columns from one tab stop to the next.
 const TAB: usize = 4;
@@ -41,7 +41,7 @@ impl Excerpt {
         let columns = width.saturating_sub(last_number.to_string().len() + 5).max(MIN_COLUMNS);
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
-        let window = Window::around(text, start..end, columns);
+        let window = LineWindow::around(text, start..end, columns);
         let mut shown = String::new();
         let mut lines = 1;
         let mut first_line = (span.line as usize).saturating_sub(1);
@@ -85,14 +85,14 @@ impl SourceCode for Excerpt {
 }
 
 /// The part of a line around a mistake that fits into a number of columns.
-struct Window {
+struct LineWindow {
     text: String,
     label: Range<usize>,
     /// The beginning of the line is cut off.
     is_shifted: bool,
 }
 
-impl Window {
+impl LineWindow {
     /// Reads no more of the line than can be shown, since lines may be of any length.
     fn around(text: &str, span: Range<usize>, columns: usize) -> Self {
         let before_span = text[..span.start].char_indices().rev();
@@ -180,7 +180,7 @@ impl Cells {
 
 /// The first `columns` of a line.
 fn head(line: &str, columns: usize) -> String {
-    Window::around(line, 0..0, columns).text
+    LineWindow::around(line, 0..0, columns).text
 }
 
 /// Line above that of byte `place`; none if it is too long to be of help.
@@ -220,7 +220,7 @@ fn cell(c: char, column: usize) -> String {
 
 /// Replaces characters by which a file could control the terminal or reorder a line.
 fn safe(c: char) -> char {
-    if steers(c) { char::REPLACEMENT_CHARACTER } else { c }
+    if is_terminal_control(c) { char::REPLACEMENT_CHARACTER } else { c }
 }
 
 /// Printable form of a message, with its line breaks.

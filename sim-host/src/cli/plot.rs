@@ -12,7 +12,7 @@ use super::check::is_scene;
 use super::diagnostic::{self, Colour, Format, Screen};
 use super::output::check_outputs;
 use crate::files::DiskFiles;
-use crate::plot::{self, Drawing, Kind};
+use crate::plot::{self, Drawing, PictureKind};
 
 /// Least and greatest width and height of a picture in pixels.
 const SIZES: std::ops::RangeInclusive<u32> = 480..=4000;
@@ -38,7 +38,7 @@ pub struct PlotArgs {
 /// # Errors
 /// If the file is missing or cannot be drawn, or the picture is of an unknown kind or cannot be written.
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
-    Kind::of(&args.output)?;
+    PictureKind::of(&args.output)?;
     let mut files = DiskFiles::of_environment();
     let name = files.name(&args.file);
     let (drawing, loaded) = draw(&name, &files)?;
@@ -55,39 +55,39 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
 
 /// Drawing of a file, and the diagnostics of all files read for it; no drawing if the file itself cannot be read.
 fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loaded)> {
-    let mut looks = MeshReader::new(files);
+    let mut mesh_reader = MeshReader::new(files);
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     let (drawing, mut loaded) = match extension.to_lowercase().as_str() {
-        "sim" => draw_scene(sim_format::load_scene(name, files), &mut looks),
-        "toml" if is_scene(name, files) => draw_scene(sim_format::load_scene(name, files), &mut looks),
-        "wld" => draw_scene(sim_format::load_world(name, files), &mut looks),
-        "maz" | "maze" => draw_scene(sim_format::load_maze(name, files), &mut looks),
-        "robi" => draw_robi(name, files, &mut looks),
-        "toml" => draw_robi(&format!("{stem}.robi"), files, &mut looks),
+        "sim" => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
+        "toml" if is_scene(name, files) => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
+        "wld" => draw_scene(sim_format::load_world(name, files), &mut mesh_reader),
+        "maz" | "maze" => draw_scene(sim_format::load_maze(name, files), &mut mesh_reader),
+        "robi" => draw_robi(name, files, &mut mesh_reader),
+        "toml" => draw_robi(&format!("{stem}.robi"), files, &mut mesh_reader),
         "esobj" => {
             let (object, loaded) = sim_format::load_object(name, files);
-            (object.map(|object| plot::draw_object_type(&object, &mut looks)), loaded)
+            (object.map(|object| plot::draw_object_type(&object, &mut mesh_reader)), loaded)
         }
         _ => {
             let kinds = ".sim, .scene.toml, .wld, .maz, .maze, .robi, .toml or .esObj";
             bail!("`{name}` cannot be drawn: expected a name that ends in {kinds}")
         }
     };
-    let (diagnostics, inputs) = looks.finish();
+    let (diagnostics, inputs) = mesh_reader.finish();
     loaded.diagnostics.extend(diagnostics);
     loaded.inputs.extend(inputs);
     Ok((drawing, loaded))
 }
 
 /// Drawing of a scene; none if not even its own file was read.
-fn draw_scene(loaded: Loaded, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
-    let drawing = (!loaded.inputs.is_empty()).then(|| plot::draw_scene(&loaded.scene, looks));
+fn draw_scene(loaded: Loaded, mesh_reader: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
+    let drawing = (!loaded.inputs.is_empty()).then(|| plot::draw_scene(&loaded.scene, mesh_reader));
     (drawing, loaded)
 }
 
-fn draw_robi(name: &str, files: &DiskFiles, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
+fn draw_robi(name: &str, files: &DiskFiles, mesh_reader: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
     let (robi, loaded) = sim_format::load_robi(name, files);
-    (robi.map(|robi| plot::draw_robi(&robi, looks)), loaded)
+    (robi.map(|robi| plot::draw_robi(&robi, mesh_reader)), loaded)
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use parking_lot::Mutex;
 use sim_core::time::Time;
 
-use crate::program::build::Watch;
+use crate::program::build::BuildObserver;
 use crate::program::find::ProgramSource;
 
 /// Least time between two updates of the bar.
@@ -41,15 +41,15 @@ impl Building {
     }
 }
 
-impl Watch for Building {
-    fn begins(&self, source: &ProgramSource) {
+impl BuildObserver for Building {
+    fn begin(&self, source: &ProgramSource) {
         let mut names = self.names.lock();
         names.push(name(source.path()));
         self.show(&names);
         self.bar.enable_steady_tick(PERIOD);
     }
 
-    fn ends(&self, source: &ProgramSource) {
+    fn end(&self, source: &ProgramSource) {
         let mut names = self.names.lock();
         let name = name(source.path());
         if let Some(place) = names.iter().position(|other| *other == name) {
@@ -306,13 +306,13 @@ mod tests {
         assert_eq!(*screen.0.lock(), "", "nothing is shown where everything was built before");
         let maze = ProgramSource::of_files(vec!["sims/maze.c".into(), "sims/map.c".into()]);
         let avoid = ProgramSource::Cargo("example-programs/avoid".into());
-        building.begins(&maze);
-        building.begins(&avoid);
+        building.begin(&maze);
+        building.begin(&avoid);
         assert_eq!(building.bar.message(), "maze.c, avoid");
         assert!(screen.0.lock().contains("building maze.c"), "{:?}", screen.0.lock());
-        building.ends(&maze);
+        building.end(&maze);
         assert_eq!(building.bar.message(), "avoid");
-        building.ends(&avoid);
+        building.end(&avoid);
         drop(building);
         assert!(screen.0.lock().ends_with("<clear>"), "{:?}", screen.0.lock());
     }

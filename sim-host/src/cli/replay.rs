@@ -18,7 +18,7 @@ use sim_core::spec::{ObjectSpec, RobotSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::page::Page;
-use sim_view::protocol::{Recording, Workshop};
+use sim_view::protocol::{AddableTypes, Recording};
 use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
@@ -26,17 +26,17 @@ use super::output::check_outputs;
 use super::output::say;
 use super::run::{self, ConsoleRun, RunArgs, print};
 use super::view::{open_browser, open_window};
-use crate::executive::conductor::End;
+use crate::executive::dispatcher::End;
 use crate::executive::interrupt;
 use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
 use crate::executive::spawn::roster_of;
 use crate::launch::{Error, Observers, Scene};
-use crate::record::report::{Input, write_whole};
+use crate::record::report::{Input, write_atomically};
 use crate::record::{RecordError, Recorded, Sink, TraceReader};
 use crate::scenery::Newcomer;
 use crate::window::recording::recording;
-use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
+use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
 
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
@@ -77,7 +77,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         let inputs = recorded.header.inputs.iter().map(|input| input.path.as_str());
         check_outputs(&[("--html", path)], inputs.chain([&*trace]))?;
         let text = page.with_recording(&recording).map_err(anyhow::Error::msg)?;
-        write_whole(path, text.as_bytes()).with_context(|| format!("--html `{}`", path.display()))?;
+        write_atomically(path, text.as_bytes()).with_context(|| format!("--html `{}`", path.display()))?;
         print(&format!("{}\n", path.display()))?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -114,9 +114,8 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let remarks = remarks(recorded, &present_inputs(recorded));
     remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
-    let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
-    let mut objects: Vec<ObjectSubject> =
-        (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
+    let mut robots: Vec<RobotInput> = spec.robots.iter().map(subject_of_robot).collect();
+    let mut objects: Vec<ObjectInput> = (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
     let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
@@ -125,18 +124,18 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
                 let id = RobotId::from_index(robots.len());
                 scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
-                robots.push(RobotSubject { id, robi, program: String::new(), position, has_colours: false });
+                robots.push(RobotInput { id, robi, program: String::new(), position, has_colours: false });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
                 let kind = roster.object_types.find(kind)?;
                 let id = ObjectId::from_index(objects.len());
                 scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
-                objects.push(ObjectSubject { id, kind, position: DVec2::new(*x_m, *y_m) });
+                objects.push(ObjectInput { id, kind, position: DVec2::new(*x_m, *y_m) });
             }
             _ => {}
         }
     }
-    let subject = Subject {
+    let input = SceneInput {
         run: 1,
         seed: recorded.header.seed,
         slot,
@@ -144,13 +143,13 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         scenery: &scenery.get(),
         robots,
         objects,
-        workshop: Workshop::default(),
+        workshop: AddableTypes::default(),
     };
-    Ok(recording(TraceReader::open(trace)?, subject.scene(), &spec, remarks)?)
+    Ok(recording(TraceReader::open(trace)?, input.scene(), &spec, remarks)?)
 }
 
-fn subject_of_robot(spec: &RobotSpec) -> RobotSubject {
-    RobotSubject {
+fn subject_of_robot(spec: &RobotSpec) -> RobotInput {
+    RobotInput {
         id: spec.id,
         robi: Arc::clone(&spec.robi),
         program: spec.program_name().to_owned(),
@@ -159,8 +158,8 @@ fn subject_of_robot(spec: &RobotSpec) -> RobotSubject {
     }
 }
 
-fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectSubject {
-    ObjectSubject { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
+fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
+    ObjectInput { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
 /// Files that determined the run, as they are now.
@@ -192,7 +191,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&comparison))];
     let observers = Observers { sinks, interrupt, ..Observers::default() };
     let mut running = ConsoleRun::start(ready, &run, observers, true)?;
-    run_until_parting(running.scheduler(), &mut script, &comparison);
+    run_until_divergence(running.scheduler(), &mut script, &comparison);
     let ran = running.finish().finished;
     for (at, why) in script.refused() {
         say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
@@ -201,9 +200,9 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         bail!("the run cannot go on: {error}");
     }
     let comparison = comparison.lock();
-    Ok(match (&comparison.parting, recorded.end) {
-        (Some(parting), _) => {
-            print(&format!("{parting}\n"))?;
+    Ok(match (&comparison.divergence, recorded.end) {
+        (Some(divergence), _) => {
+            print(&format!("{divergence}\n"))?;
             ExitCode::from(EXIT_PROGRAM)
         }
         (None, Some((_, digest))) => {
@@ -279,12 +278,12 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
 struct Comparison {
     expected: VecDeque<(Time, Digest)>,
     end: Option<(Time, Digest)>,
-    parting: Option<Parting>,
+    divergence: Option<Divergence>,
 }
 
 /// First difference between two runs.
 #[derive(Clone, Debug, PartialEq)]
-enum Parting {
+enum Divergence {
     /// The digests of this slot differ.
     Slot { end: Time, expected: Digest, found: Digest },
     /// Only one of the runs has events in this slot.
@@ -293,7 +292,7 @@ enum Parting {
     End { expected: Time, found: Time },
 }
 
-impl std::fmt::Display for Parting {
+impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Slot { end, expected, found } => write!(
@@ -315,24 +314,24 @@ impl std::fmt::Display for Parting {
 
 impl Comparison {
     fn new(recorded: &Recorded) -> Self {
-        Self { expected: recorded.slots.iter().copied().collect(), end: recorded.end, parting: None }
+        Self { expected: recorded.slots.iter().copied().collect(), end: recorded.end, divergence: None }
     }
 
     /// Returns true if a difference was found or nothing is left to compare.
     fn is_over(&self) -> bool {
-        self.parting.is_some() || self.end.is_none() && self.expected.is_empty()
+        self.divergence.is_some() || self.end.is_none() && self.expected.is_empty()
     }
 
     fn compare(&mut self, end: Time, found: Digest) {
         if self.is_over() {
             return;
         }
-        self.parting = match self.expected.pop_front() {
+        self.divergence = match self.expected.pop_front() {
             Some((other, expected)) if other == end => {
-                (expected != found).then_some(Parting::Slot { end, expected, found })
+                (expected != found).then_some(Divergence::Slot { end, expected, found })
             }
-            Some((other, _)) if other < end => Some(Parting::Only { end: other, is_in_trace: true }),
-            _ => Some(Parting::Only { end, is_in_trace: false }),
+            Some((other, _)) if other < end => Some(Divergence::Only { end: other, is_in_trace: true }),
+            _ => Some(Divergence::Only { end, is_in_trace: false }),
         };
     }
 }
@@ -353,9 +352,9 @@ impl Sink for Comparison {
 
     fn finish(&mut self, found: Time, _: Digest) -> Result<(), RecordError> {
         if !self.is_over() {
-            self.parting = match (self.expected.pop_front(), self.end) {
-                (Some((end, _)), _) => Some(Parting::Only { end, is_in_trace: true }),
-                (None, Some((expected, _))) if expected != found => Some(Parting::End { expected, found }),
+            self.divergence = match (self.expected.pop_front(), self.end) {
+                (Some((end, _)), _) => Some(Divergence::Only { end, is_in_trace: true }),
+                (None, Some((expected, _))) if expected != found => Some(Divergence::End { expected, found }),
                 _ => None,
             };
         }
@@ -367,7 +366,7 @@ impl Sink for Comparison {
 const STRETCH: Duration = Duration::from_millis(20);
 
 /// Advances the run, following `script`, to its end or to the first difference.
-fn run_until_parting(run: &mut Scheduler, script: &mut Script, comparison: &Mutex<Comparison>) {
+fn run_until_divergence(run: &mut Scheduler, script: &mut Script, comparison: &Mutex<Comparison>) {
     while !comparison.lock().is_over() {
         if script.advance(run, STRETCH) == Progress::Over {
             return;
@@ -383,25 +382,25 @@ mod tests {
     const DIGESTS: [Digest; 3] = [Digest([1; 32]), Digest([2; 32]), Digest([3; 32])];
 
     /// Difference between a trace of 100 ms with two slots and a run of `slots`: end in ms and index of the digest of each.
-    fn parting(is_complete: bool, slots: &[(i64, usize)], end_ms: i64) -> Option<String> {
+    fn divergence(is_complete: bool, slots: &[(i64, usize)], end_ms: i64) -> Option<String> {
         let at = Time::from_millis;
         let mut comparison = Comparison {
             expected: [(at(50), DIGESTS[0]), (at(100), DIGESTS[1])].into(),
             end: is_complete.then_some((at(100), DIGESTS[1])),
-            parting: None,
+            divergence: None,
         };
         for (end, digest) in slots {
             comparison.end_slot(at(*end), Some(DIGESTS[*digest])).expect("it takes everything");
             comparison.end_slot(at(*end), None).expect("it takes everything");
         }
         comparison.finish(at(end_ms), DIGESTS[2]).expect("it takes everything");
-        comparison.parting.map(|parting| parting.to_string())
+        comparison.divergence.map(|divergence| divergence.to_string())
     }
 
     #[test]
     fn the_first_slot_that_differs_is_named() {
-        assert_eq!(parting(true, &[(50, 0), (100, 1)], 100), None);
-        let named = |slots: &[(i64, usize)], end| parting(true, slots, end).expect("they part");
+        assert_eq!(divergence(true, &[(50, 0), (100, 1)], 100), None);
+        let named = |slots: &[(i64, usize)], end| divergence(true, slots, end).expect("they part");
         assert!(named(&[(50, 2), (100, 1)], 100).contains("ends at 0.050"), "{}", named(&[(50, 2)], 100));
         assert!(named(&[(50, 0), (100, 2)], 100).contains("0303"));
         assert!(named(&[(100, 1)], 100).ends_with("in this run nothing happens in it"));
@@ -413,8 +412,8 @@ mod tests {
 
     #[test]
     fn of_a_trace_that_was_cut_off_what_is_there_is_compared() {
-        assert_eq!(parting(false, &[(50, 0), (100, 1), (150, 2)], 200), None);
-        assert!(parting(false, &[(50, 0), (100, 2)], 200).is_some());
-        assert!(parting(false, &[(50, 0)], 50).is_some());
+        assert_eq!(divergence(false, &[(50, 0), (100, 1), (150, 2)], 200), None);
+        assert!(divergence(false, &[(50, 0), (100, 2)], 200).is_some());
+        assert!(divergence(false, &[(50, 0)], 50).is_some());
     }
 }

@@ -18,11 +18,11 @@ use sim_core::time::Time;
 
 use super::cc::parse_api;
 use super::output::say;
-use super::table::{self, Screen};
+use super::table::{self, TableScreen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
-use crate::executive::conductor::End;
+use crate::executive::dispatcher::End;
 use crate::executive::interrupt;
-use crate::executive::load::Debug;
+use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
 use crate::executive::scheduler::Ended;
 use crate::launch::settings::ProgramOption;
@@ -30,7 +30,7 @@ use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
 use sim_core::record::Outcome;
 
-pub(super) use console::tell;
+pub(super) use console::report_diagnostics;
 pub use console::{ConsoleRun, Ran};
 #[cfg(feature = "window")]
 pub(super) use console::{build, open};
@@ -130,7 +130,7 @@ pub struct RunArgs {
     pub is_silent: bool,
     /// The robot whose program `eyesim debug` opens in a debugger
     #[arg(skip)]
-    pub debug: Option<Debug>,
+    pub debug: Option<DebugTarget>,
 }
 
 impl RunArgs {
@@ -209,7 +209,7 @@ pub enum Speed {
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
-    print(&table::render(&ran.finished.report, Screen::of_stdout()))?;
+    print(&table::render(&ran.finished.report, TableScreen::of_stdout()))?;
     explain(&ran.finished);
     written?;
     Ok(exit_code(&ran.finished.ended))

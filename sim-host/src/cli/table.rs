@@ -22,14 +22,14 @@ const INDENT: &str = "    ";
 
 /// Abilities of the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Screen {
+pub struct TableScreen {
     /// Columns per line.
     pub width: usize,
     /// Colours may be used; they are never the only sign of anything.
     pub has_colour: bool,
 }
 
-impl Screen {
+impl TableScreen {
     /// The terminal behind standard output; without one, lines of any length and no colour.
     pub fn of_stdout() -> Self {
         let width = Term::stdout().size_checked().map_or(usize::MAX, |(_, columns)| usize::from(columns).max(40));
@@ -38,7 +38,7 @@ impl Screen {
 }
 
 /// The table of `report`, then a line on the run as a whole.
-pub fn render(report: &Report, screen: Screen) -> String {
+pub fn render(report: &Report, screen: TableScreen) -> String {
     let shown = shown_robots(&report.robots);
     let mut text = String::new();
     for line in Table::fitting(&shown, screen).lines(&shown, screen) {
@@ -168,7 +168,7 @@ struct Table {
 impl Table {
     /// Table of `robots` that fits the screen: long programs are cut; then the odometry, then the pose moves below the row; then
     /// names are cut.
-    fn fitting(robots: &[&RobotReport], screen: Screen) -> Self {
+    fn fitting(robots: &[&RobotReport], screen: TableScreen) -> Self {
         let width = |column: Column| {
             let cells = robots.iter().map(|robot| measure_text_width(&column.cell(robot)));
             cells.fold(column.head().len(), usize::max)
@@ -186,7 +186,7 @@ impl Table {
     }
 
     /// Narrows `column` as far as the screen demands, not below `least`.
-    fn cut(&mut self, column: Column, least: usize, screen: Screen) {
+    fn cut(&mut self, column: Column, least: usize, screen: TableScreen) {
         let excess = self.width().saturating_sub(screen.width);
         if let Some((_, width)) = self.columns.iter_mut().find(|(other, _)| *other == column) {
             *width = width.saturating_sub(excess).max(least.min(*width));
@@ -197,7 +197,7 @@ impl Table {
         self.columns.iter().map(|(_, width)| width + GAP.len()).sum::<usize>() - GAP.len()
     }
 
-    fn lines(&self, robots: &[&RobotReport], screen: Screen) -> Vec<String> {
+    fn lines(&self, robots: &[&RobotReport], screen: TableScreen) -> Vec<String> {
         let mut lines = vec![paint(Style::new().bold(), screen, &self.row(|column| column.head().to_owned(), None))];
         for robot in robots {
             lines.push(self.row(|column| column.cell(robot), Some((robot.outcome, screen))));
@@ -207,7 +207,7 @@ impl Table {
     }
 
     /// A line with a cell in each column; the outcome is coloured if `painted` names it.
-    fn row(&self, cell: impl Fn(Column) -> String, painted: Option<(Outcome, Screen)>) -> String {
+    fn row(&self, cell: impl Fn(Column) -> String, painted: Option<(Outcome, TableScreen)>) -> String {
         let padded = |(column, width): &(Column, usize)| {
             let text = cell(*column);
             let text = match column {
@@ -249,7 +249,7 @@ fn keep_end(path: &str, width: usize) -> String {
 }
 
 /// Indents `line`, and breaks it between words if it is wider than the screen.
-fn fold(line: &str, screen: Screen) -> String {
+fn fold(line: &str, screen: TableScreen) -> String {
     let mut folded = INDENT.to_owned();
     let mut column = INDENT.len();
     for word in line.split_inclusive(' ') {
@@ -275,7 +275,7 @@ fn outcome_style(outcome: Outcome) -> Style {
     }
 }
 
-fn paint(style: Style, screen: Screen, text: &str) -> String {
+fn paint(style: Style, screen: TableScreen, text: &str) -> String {
     if screen.has_colour { style.force_styling(true).apply_to(text).to_string() } else { text.to_owned() }
 }
 
@@ -353,34 +353,34 @@ mod tests {
 
     #[test]
     fn a_wide_screen_shows_rows() {
-        insta::assert_snapshot!(render(&three(), Screen { width: usize::MAX, has_colour: false }));
+        insta::assert_snapshot!(render(&three(), TableScreen { width: usize::MAX, has_colour: false }));
     }
 
     #[test]
     fn a_screen_of_80_columns_is_not_left() {
-        let text = render(&three(), Screen { width: 80, has_colour: false });
+        let text = render(&three(), TableScreen { width: 80, has_colour: false });
         assert!(widest(&text) <= 80, "{text}");
         insta::assert_snapshot!(text);
     }
 
     #[test]
     fn a_narrow_screen_breaks_reasons_between_words() {
-        let text = render(&three(), Screen { width: 60, has_colour: false });
+        let text = render(&three(), TableScreen { width: 60, has_colour: false });
         assert!(widest(&text) <= 60, "{text}");
         assert!(text.contains("waits for KEY4 since 2.31 s at maze.c:88 (try --keys\n    \"3:KEY4\")"), "{text}");
     }
 
     #[test]
     fn many_robots_are_summed_up() {
-        let text = render(&many(), Screen { width: 120, has_colour: false });
+        let text = render(&many(), TableScreen { width: 120, has_colour: false });
         insta::assert_snapshot!(text);
     }
 
     #[test]
     fn colours_add_nothing_but_colour() {
         for report in [three(), many()] {
-            let plain = render(&report, Screen { width: 100, has_colour: false });
-            let painted = render(&report, Screen { width: 100, has_colour: true });
+            let plain = render(&report, TableScreen { width: 100, has_colour: false });
+            let painted = render(&report, TableScreen { width: 100, has_colour: true });
             assert_ne!(plain, painted);
             let stripped: Vec<_> =
                 painted.lines().map(|line| console::strip_ansi_codes(line).trim_end().to_owned()).collect();
@@ -391,7 +391,8 @@ mod tests {
     #[test]
     fn a_robot_without_a_program_says_so() {
         let stands = RobotReport { program: String::new(), exit_code: None, ..robot(2, Outcome::NoProgram) };
-        let text = render(&report(vec![robot(1, Outcome::Finished), stands]), Screen { width: 120, has_colour: false });
+        let text =
+            render(&report(vec![robot(1, Outcome::Finished), stands]), TableScreen { width: 120, has_colour: false });
         let row = text.lines().find(|line| line.starts_with("r2")).expect("a row");
         assert_eq!(row.split_whitespace().collect::<Vec<_>>()[2..5], ["none", "no", "program"], "{text}");
         assert!(text.contains("2 robots: 1 finished, 1 no program\n"), "{text}");
@@ -401,7 +402,7 @@ mod tests {
     fn text_of_programs_cannot_play_with_the_terminal() {
         let mut report = report(vec![robot(1, Outcome::Finished)]);
         report.robots[0].lcd[0] = "\u{1b}[2J".into();
-        let text = render(&report, Screen { width: 80, has_colour: false });
+        let text = render(&report, TableScreen { width: 80, has_colour: false });
         assert!(text.contains("\\u{1b}[2J") && !text.contains('\u{1b}'), "{text}");
     }
 }

@@ -15,25 +15,25 @@ use sim_core::time::Time;
 use sim_format::scene_as_it_stands;
 use sim_view::page::Page;
 use sim_view::protocol::{Build, RunState, Seed};
-use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, random_token};
+use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Window, random_token};
 
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
 use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain};
-use crate::executive::conductor::End;
+use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
 use crate::files::DiskFiles;
 use crate::launch::{Error, Observers, Ready, Rejected};
-use crate::record::{Sink, Tape, TraceReader};
+use crate::record::{EventStore, Sink, TraceReader};
 use crate::window::control::Control;
-use crate::window::desk::{Desk, SPEEDS, Starter};
+use crate::window::control_panel::{ControlPanel, RunStarter, SPEEDS};
 use crate::window::driver::Driver;
 use crate::window::feed::Feed;
 use crate::window::recording::recording;
 use crate::window::scene::title;
-use crate::window::show::{Moment, Show, ShowParts, Standings};
+use crate::window::show::{BodyPoses, Moment, Show, ShowParts};
 
 /// Arguments of `eyesim view`: those of a run, and how it is watched.
 #[derive(Args)]
@@ -93,11 +93,11 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     }
     let ready = prepare(&args.run)?;
     let window = Arc::new(open(&args, &title(ready.scene()))?);
-    say_where(&args, &window);
+    announce_address(&args, &window);
     let control = Arc::new(Control::default());
-    control.ask(|wishes| {
-        wishes.is_paused = args.paused;
-        wishes.speed = match args.run.speed {
+    control.ask(|requests| {
+        requests.is_paused = args.paused;
+        requests.speed = match args.run.speed {
             Speed::Max => None,
             Speed::Factor(factor) => Some(factor),
         };
@@ -109,12 +109,12 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
         args: Mutex::new(args.run.clone()),
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
-        files: Mutex::new(Files::of(&ready)),
+        files: Mutex::new(WatchedFiles::of(&ready)),
     });
     let watch = args.watch.then(Instant::now);
-    let desk = Desk::open(window, control, Prompter { session: Arc::clone(&session), watch })?;
-    let code = session.perform(ready);
-    drop(desk);
+    let control_panel = ControlPanel::open(window, control, RestartHandler { session: Arc::clone(&session), watch })?;
+    let code = session.run_all(ready);
+    drop(control_panel);
     code
 }
 
@@ -154,7 +154,7 @@ pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, ti
 }
 
 /// Prints the address of the window, and opens it in the user's browser.
-fn say_where(args: &ViewArgs, window: &Window) {
+fn announce_address(args: &ViewArgs, window: &Window) {
     let url = window.url();
     if args.listen.is_some() {
         println!("teacher: {url}\nclass:   {}", window.public_url());
@@ -194,28 +194,28 @@ struct Session {
     /// The run that begins when the current one has ended, and its arguments.
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
-    files: Mutex<Files>,
+    files: Mutex<WatchedFiles>,
 }
 
 impl Session {
     /// Runs `ready`, and each run that follows it, until the user interrupts.
-    fn perform(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
+    fn run_all(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
         for number in 1.. {
             let args = self.args.lock().clone();
             let (show, feed) = self.show(&ready, number);
-            self.control.ask(|wishes| {
-                (wishes.is_over, wishes.is_ending, wishes.steps) = (false, false, 0);
+            self.control.ask(|requests| {
+                (requests.is_over, requests.is_ending, requests.steps) = (false, false, 0);
             });
-            let tape = self.offer(&ready, &show)?;
-            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(tape)];
+            let event_store = self.offer(&ready, &show)?;
+            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(event_store)];
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
             let ran = running.finish();
             // Pending interventions are refused: dropping them answers their commands.
-            drop(self.control.ask(|wishes| {
-                wishes.is_over = true;
-                std::mem::take(&mut wishes.actions)
+            drop(self.control.ask(|requests| {
+                requests.is_over = true;
+                std::mem::take(&mut requests.actions)
             }));
             if matches!(ran.finished.ended.end, End::Broken) {
                 // The remains of the program in this process may hold locks of the C library.
@@ -254,10 +254,11 @@ impl Session {
     }
 
     /// Offers the downloads of the run to pages; returns the temporary file that holds its trace.
-    fn offer(&self, ready: &Ready, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<Tape>>> {
-        let tape = Arc::new(Mutex::new(Tape::new(ready.trace_header()).context("no room for temporary files")?));
-        let of_trace = Arc::clone(&tape);
-        let trace = move || Tape::trace(&of_trace).map_err(|error| error.to_string());
+    fn offer(&self, ready: &Ready, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<EventStore>>> {
+        let event_store =
+            Arc::new(Mutex::new(EventStore::new(ready.trace_header()).context("no room for temporary files")?));
+        let of_trace = Arc::clone(&event_store);
+        let trace = move || EventStore::trace(&of_trace).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
         let (of_recording, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
         // Not `recording.json`, by which pages distinguish a replay from a live run.
@@ -276,7 +277,7 @@ impl Session {
         self.window.offer(
             "scene.toml",
             Download::new("application/toml", move || {
-                let Standings { robots, objects } = of_scene.lock().standings().clone();
+                let BodyPoses { robots, objects } = of_scene.lock().body_poses().clone();
                 let text = scene_as_it_stands(&file, &DiskFiles::of_environment(), &robots, &objects);
                 text.map(String::into_bytes).map_err(|diagnostics| {
                     let words = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
@@ -284,7 +285,7 @@ impl Session {
                 })
             }),
         );
-        Ok(tape)
+        Ok(event_store)
     }
 
     /// Shows the end of the run until another one begins; returns none if the user interrupts.
@@ -298,9 +299,9 @@ impl Session {
                 return Some(next);
             }
             let speed = {
-                let mut wishes = self.control.wishes();
-                wishes.is_show_due = false;
-                wishes.speed
+                let mut requests = self.control.requests();
+                requests.is_show_due = false;
+                requests.speed
             };
             if !is_shown || show.lock().has_new_looks() {
                 is_shown = true;
@@ -317,10 +318,10 @@ impl Session {
         show.present(Moment { run, world: &world, now: ran.finished.ended.time, state, speed, rate: 0.0, ends });
     }
 
-    /// Builds a run with these arguments to replace the current one; answers `asked` when that is done.
-    fn build(self: &Arc<Self>, args: RunArgs, asked: Option<Asked>) {
+    /// Builds a run with these arguments to replace the current one; answers `pending` when that is done.
+    fn build(self: &Arc<Self>, args: RunArgs, pending: Option<PendingCommand>) {
         if self.is_building.swap(true, Ordering::AcqRel) {
-            return asked.into_iter().for_each(|asked| asked.refuse("a run is being built"));
+            return pending.into_iter().for_each(|pending| pending.refuse("a run is being built"));
         }
         let session = Arc::clone(self);
         self.window.build(Build::Running);
@@ -331,10 +332,10 @@ impl Session {
                         // Both under one lock, so that the current run is ended and not the next one.
                         let mut next = session.next.lock();
                         *next = Some((ready, args));
-                        session.control.ask(|wishes| wishes.is_ending = true);
+                        session.control.ask(|requests| requests.is_ending = true);
                     }
                     session.window.build(Build::Done);
-                    asked.into_iter().for_each(Asked::accept);
+                    pending.into_iter().for_each(PendingCommand::accept);
                 }
                 Err(error) => {
                     say(format_args!("error: {error:#}"));
@@ -342,7 +343,7 @@ impl Session {
                         Some(Error::Rejected(rejected)) => in_full(rejected),
                         _ => format!("{error:#}"),
                     };
-                    asked.into_iter().for_each(|asked| asked.refuse("the run cannot be built"));
+                    pending.into_iter().for_each(|pending| pending.refuse("the run cannot be built"));
                     session.window.build(Build::Failed { output });
                 }
             }
@@ -375,14 +376,14 @@ fn why(ran: &Ran) -> String {
 }
 
 /// Restarts runs when a page requests it or a file is saved.
-struct Prompter {
+struct RestartHandler {
     session: Arc<Session>,
     /// Time of the last check of the files, with --watch.
     watch: Option<Instant>,
 }
 
-impl Starter for Prompter {
-    fn restart(&mut self, seed: Seed, asked: Asked) {
+impl RunStarter for RestartHandler {
+    fn restart(&mut self, seed: Seed, pending: PendingCommand) {
         let mut args = self.session.args.lock().clone();
         match seed {
             Seed::Same => {}
@@ -390,11 +391,11 @@ impl Starter for Prompter {
             Seed::Number(text) => match text.trim().parse() {
                 Ok(seed) => args.seed = Some(seed),
                 Err(_) => {
-                    return asked.refuse(format!("`{text}` is no seed: expected a number from 0 to {}", u64::MAX));
+                    return pending.refuse(format!("`{text}` is no seed: expected a number from 0 to {}", u64::MAX));
                 }
             },
         }
-        self.session.build(args, Some(asked));
+        self.session.build(args, Some(pending));
     }
 
     fn tick(&mut self) {
@@ -416,11 +417,11 @@ fn new_seed() -> u64 {
 }
 
 /// Files that determine the run, each with time of modification and length at the last check.
-struct Files(Vec<(PathBuf, Option<(SystemTime, u64)>)>);
+struct WatchedFiles(Vec<(PathBuf, Option<(SystemTime, u64)>)>);
 
-impl Files {
+impl WatchedFiles {
     fn of(ready: &Ready) -> Self {
-        let file = |path: &str| (PathBuf::from(path), looks(Path::new(path)));
+        let file = |path: &str| (PathBuf::from(path), file_state(Path::new(path)));
         Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
     }
 
@@ -440,7 +441,7 @@ impl Files {
     fn have_changed(&mut self) -> bool {
         let mut is_changed = false;
         for (path, last) in &mut self.0 {
-            let now = looks(path);
+            let now = file_state(path);
             // A missing file is just being saved.
             if now.is_some() && now != *last {
                 (*last, is_changed) = (now, true);
@@ -451,7 +452,7 @@ impl Files {
 }
 
 /// Time of modification and length of a file.
-fn looks(path: &Path) -> Option<(SystemTime, u64)> {
+fn file_state(path: &Path) -> Option<(SystemTime, u64)> {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use super::signal::Fault;
 
 /// Number of lost flows at which this process loads no more programs: each keeps its thread, its stack and its whole run. Our choice.
-pub const MOST_LOST: usize = 200;
+pub const MAX_LOST_FLOWS: usize = 200;
 
 static LOST: AtomicUsize = AtomicUsize::new(0);
 static IS_HEAP_LOST: AtomicBool = AtomicBool::new(false);
@@ -38,7 +38,7 @@ pub enum Damage {
 pub fn check() -> Result<(), Damage> {
     match lost_flows() {
         _ if is_heap_lost() => Err(Damage::Heap),
-        lost if lost >= MOST_LOST => Err(Damage::Flows(lost)),
+        lost if lost >= MAX_LOST_FLOWS => Err(Damage::Flows(lost)),
         _ => Ok(()),
     }
 }

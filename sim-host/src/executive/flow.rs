@@ -49,8 +49,8 @@ impl Flow for RobotFlow {
         self.run.suspend(self.id, wake)
     }
 
-    fn is_leaving(&self) -> bool {
-        self.run.is_leaving(self.id)
+    fn is_exiting(&self) -> bool {
+        self.run.is_exiting(self.id)
     }
 
     fn is_verbose(&self) -> bool {

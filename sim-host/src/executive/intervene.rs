@@ -27,13 +27,13 @@ pub enum ValidatedAction {
 
 /// Robots that an action has affected.
 #[derive(Default)]
-pub struct Effect {
+pub struct RunEffect {
     /// Robots whose motion has changed, or for which an awaited input may have arrived.
     pub robots: Vec<RobotId>,
     /// The spawned robot, and true if it has a program.
-    pub came: Option<(RobotId, bool)>,
+    pub spawned: Option<(RobotId, bool)>,
     /// The removed robot, whose program must exit.
-    pub left: Option<RobotId>,
+    pub removed: Option<RobotId>,
     /// The run ends.
     pub is_end: bool,
 }
@@ -74,30 +74,30 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
 }
 
 /// Carries out a validated action at the start of the slot at `at`, the world's present one.
-pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut Environment) -> Effect {
+pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut Environment) -> RunEffect {
     match action {
         ValidatedAction::Intervention(intervention) => intervene(intervention, at, run, environment),
         ValidatedAction::AddRobot(new) => {
             let NewRobot { spec, mut robot, heard, program } = *new;
             let (program, prepared) = program.unzip();
             environment.admit(&mut robot.state, heard);
-            let effect = Effect { came: Some((spec.id, program.is_some())), ..Effect::default() };
+            let effect = RunEffect { spawned: Some((spec.id, program.is_some())), ..RunEffect::default() };
             run.admit(Member::new(robot, program));
             run.spawner().keep_robot(spec, prepared);
             effect
         }
-        ValidatedAction::End => Effect { is_end: true, ..Effect::default() },
+        ValidatedAction::End => RunEffect { is_end: true, ..RunEffect::default() },
     }
 }
 
-fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut Environment) -> Effect {
-    let mut left = None;
+fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut Environment) -> RunEffect {
+    let mut removed = None;
     match &intervention {
-        Intervention::Press(id, _) => run.robot(*id).tasks.look_at_input(at),
+        Intervention::Press(id, _) => run.robot(*id).tasks.recheck_input(at),
         Intervention::RemoveRobot(id) => {
             halt(&mut run.robot(*id), run.has_program(*id), at, &environment.world);
-            run.dismiss(*id);
-            left = Some(*id);
+            run.mark_removed(*id);
+            removed = Some(*id);
         }
         _ => {}
     }
@@ -105,7 +105,7 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
     if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
         run.spawner().keep_object(id, *spec);
     }
-    Effect { robots: effect.robots, left, ..Effect::default() }
+    RunEffect { robots: effect.robots, removed, ..RunEffect::default() }
 }
 
 /// Stops the motors of a robot whose program has not ended.

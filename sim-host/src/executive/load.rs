@@ -8,7 +8,7 @@ use sim_core::RobotId;
 use sim_core::spec::{RobotSpec, SceneSpec};
 
 use super::damage;
-use super::process::serve::{Refusal, RemoteProgram};
+use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, RobotProgram};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
@@ -27,7 +27,7 @@ pub fn load_programs(
     scene: &SceneSpec,
     programs: &Programs,
     exec: Exec,
-    debug: Option<&Debug>,
+    debug: Option<&DebugTarget>,
 ) -> anyhow::Result<Vec<Option<RobotProgram>>> {
     check_room(programs.iter(), exec)?;
     let mut loader = Loader::new().context("no folder to load programs from")?;
@@ -76,7 +76,7 @@ fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {
 
 /// A robot whose program runs under a debugger.
 #[derive(Clone, Debug)]
-pub struct Debug {
+pub struct DebugTarget {
     /// The robot.
     pub robot: RobotId,
     /// Settings of the debugger.
@@ -113,7 +113,7 @@ impl Loading {
         let (child, library) = match (&program.code, debugger) {
             (Code::Python(_), Some(_)) => {
                 let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
-                return Err(LoadError::Misfit { path, what });
+                return Err(LoadError::Incompatible { path, what });
             }
             (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
             // gdb reads the library's file again while it debugs; the file in the cache is not removed.
@@ -137,9 +137,9 @@ impl Loading {
         let path = program.source.path().to_owned();
         RemoteProgram::new(*child, program, &robot.arguments).map(RobotProgram::Process).map_err(
             |refusal| match refusal {
-                Refusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
-                Refusal::Misfit(what) => OpenError::Misfit(what).of(&path, &library),
-                Refusal::Broken(what) => LoadError::Process { path, what },
+                LoadRefusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
+                LoadRefusal::Incompatible(what) => OpenError::Incompatible(what).of(&path, &library),
+                LoadRefusal::Broken(what) => LoadError::Process { path, what },
             },
         )
     }

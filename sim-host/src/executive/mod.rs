@@ -2,27 +2,27 @@
 //!
 //! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread for each flow,
 //! which serves the robot's [`process`] if it has one; fibers would fit behind the same trait. Code above the trait is independent of
-//! the kind of flow: [`run`] is the state that flows share, [`conductor`] holds the run queues, and [`scheduler`] is the value by which
+//! the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run queues, and [`scheduler`] is the value by which
 //! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
 //! programs that fault or never return.
 
-pub mod bell;
-pub mod conductor;
 pub mod damage;
+pub mod dispatcher;
 pub mod fault;
 mod flow;
 pub mod interrupt;
 pub mod intervene;
 pub mod load;
+pub mod notifier;
 pub mod pace;
 pub mod process;
 pub mod program;
+pub mod program_status;
 pub mod run;
 pub mod scheduler;
 pub mod script;
 pub mod signal;
 pub mod spawn;
-pub mod standing;
 pub mod thread;
 pub mod watchdog;
 
@@ -38,15 +38,15 @@ use crate::robios::call::Call;
 /// A robot has one flow for each of its tasks, one of which holds the robot's run token: first that of `main`. A flow starts
 /// suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the flow with the run token.
 pub trait Executor: Send + Sync {
-    /// Begins a run whose supervisor waits for `bell`: flows that break ring it. Must be called before the first flow starts.
-    fn begin(&self, bell: &Arc<bell::Bell>);
+    /// Begins a run whose supervisor waits for `notifier`: flows that break notify it. Must be called before the first flow starts.
+    fn begin(&self, notifier: &Arc<notifier::Notifier>);
 
     /// Ends the run and releases the resources of its flows. Flows that have broken are lost with all that they hold, and so are
     /// those of robots that have not `departed`. Returns true if no flow is lost.
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool;
 
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
-    fn is_doomed(&self) -> bool;
+    fn must_end(&self) -> bool;
 
     /// Prepares for robots with ids up to this one.
     fn admit(&self, robot: RobotId);
@@ -62,15 +62,15 @@ pub trait Executor: Send + Sync {
     /// Lets the flow of the robot's first task serve this process, in which its program runs. Must be called before it is resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
-    /// Resumes the robot's flow with the run token on the worker `lane`. The flows of one worker run one after the other, so they
+    /// Resumes the robot's flow with the run token on this `worker`. The flows of one worker run one after the other, so they
     /// are best bound to one processor. Called once for each time that the robot was created or suspended itself.
-    fn resume(&self, robot: RobotId, lane: u32);
+    fn resume(&self, robot: RobotId, worker: u32);
 
     /// Suspends the calling flow, which holds the run token of `robot`, until it is resumed.
     fn suspend(&self, robot: RobotId);
 
     /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be followed at once by its resumption.
-    fn go_on(&self, robot: RobotId);
+    fn continue_running(&self, robot: RobotId);
 
     /// Hands the run token of `robot` from the calling flow to that of task `task`; returns when it is handed back.
     fn switch(&self, robot: RobotId, task: u32);

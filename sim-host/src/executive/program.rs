@@ -68,16 +68,16 @@ impl RobotProgram {
     /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.
     pub fn call_site(&self) -> Site {
         match self {
-            Self::Thread(program) => Site::Here(program.call_site()),
-            Self::Process(program) => Site::There(program.call_site()),
+            Self::Thread(program) => Site::InHost(program.call_site()),
+            Self::Process(program) => Site::InChild(program.call_site()),
         }
     }
 
     /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
-            (Self::Thread(program), Site::Here(site)) => program.place_of(site),
-            (Self::Process(program), Site::There(site)) => program.place_of(site),
+            (Self::Thread(program), Site::InHost(site)) => program.place_of(site),
+            (Self::Process(program), Site::InChild(site)) => program.place_of(site),
             _ => None,
         }
     }

@@ -12,15 +12,15 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::Executor;
-use super::bell::Bell;
-use super::conductor::{Conductor, HandOver, Plan};
+use super::dispatcher::{BarrierOutcome, Dispatcher, Plan};
 use super::fault::Broken;
 use super::flow::RobotFlow;
 use super::interrupt::Interrupt;
+use super::notifier::Notifier;
 use super::program::RobotProgram;
-use super::scheduler::{Limits, Parts};
+use super::program_status::{self, PossibleSenders};
+use super::scheduler::{Limits, RunParts};
 use super::spawn::Spawner;
-use super::standing::{self, Senders};
 use crate::program::site::Site;
 use crate::robios::call::Call;
 use crate::robios::caller::Caller;
@@ -37,12 +37,12 @@ pub struct Run {
     members: boxcar::Vec<Member>,
     /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
-    pub(super) conductor: Mutex<Conductor>,
+    pub(super) dispatcher: Mutex<Dispatcher>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how; the run goes on without them.
-    pub(super) lost: Mutex<Vec<(RobotId, Broken)>>,
+    pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
-    bell: Arc<Bell>,
+    notifier: Arc<Notifier>,
     interrupt: Interrupt,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
     slot_start: AtomicI64,
@@ -55,9 +55,9 @@ pub struct Run {
     /// Time that the run goes on after its last program has ended.
     linger: Time,
     /// The user has asked for the calls of single robots at least once; the robots' journals say of which.
-    has_listeners: AtomicBool,
+    has_verbose_robots: AtomicBool,
     /// Reference to this run for the flows of spawned robots.
-    own: Weak<Run>,
+    weak_self: Weak<Run>,
 }
 
 /// A robot in a run.
@@ -76,36 +76,36 @@ impl Member {
 }
 
 /// Time in which a stopped program must exit before its flow is abandoned.
-pub(super) const LEAVE: Duration = Duration::from_secs(1);
+pub(super) const EXIT_TIMEOUT: Duration = Duration::from_secs(1);
 
 impl Run {
     /// Creates a run without starting any flow.
     ///
     /// # Errors
     /// The process has no file descriptor left.
-    pub(super) fn new(parts: Parts, limits: &Limits) -> std::io::Result<Arc<Self>> {
+    pub(super) fn new(parts: RunParts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
-        let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
-        let bell = Arc::new(Bell::new()?);
+        let plan = Plan { has_program, workers: limits.workers, until: limits.until };
+        let notifier = Arc::new(Notifier::new()?);
         let members = parts.robots.into_iter().zip(parts.programs);
-        Ok(Arc::new_cyclic(|own| Self {
+        Ok(Arc::new_cyclic(|weak_self| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             environment: RwLock::new(Environment::new(parts.world, parts.recorder)),
             members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
             spawner: Mutex::new(parts.spawner),
-            conductor: Mutex::new(Conductor::new(&plan, parts.sinks)),
+            dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),
             executor: parts.executor,
-            lost: Mutex::default(),
+            broken_processes: Mutex::default(),
             costs: parts.costs,
-            bell,
+            notifier,
             interrupt: parts.interrupt,
             is_stopping: AtomicBool::new(false),
             is_pausing: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
             linger: limits.linger,
-            has_listeners: AtomicBool::new(false),
-            own: Weak::clone(own),
+            has_verbose_robots: AtomicBool::new(false),
+            weak_self: Weak::clone(weak_self),
         }))
     }
 
@@ -124,9 +124,9 @@ impl Run {
     /// # Errors
     /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
-        let own = Weak::clone(&self.own);
+        let weak_self = Weak::clone(&self.weak_self);
         self.executor.admit(id);
-        self.executor.start(id, MAIN, Box::new(move || own.upgrade()?.live(id)))?;
+        self.executor.start(id, MAIN, Box::new(move || weak_self.upgrade()?.run_main_flow(id)))?;
         if let Some(child) = program.child() {
             self.executor.serve(id, Arc::clone(child));
         }
@@ -139,7 +139,7 @@ impl Run {
     }
 
     /// Marks robot `id` as removed: its program must exit, and its calls return [`Stop`].
-    pub(super) fn dismiss(&self, id: RobotId) {
+    pub(super) fn mark_removed(&self, id: RobotId) {
         self.members[id.index()].is_removed.store(true, Ordering::Release);
     }
 
@@ -205,13 +205,13 @@ impl Run {
 
     /// Returns true if the calls of robot `id` are recorded.
     pub(crate) fn is_verbose(&self, id: RobotId) -> bool {
-        self.is_verbose || self.has_listeners.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
+        self.is_verbose || self.has_verbose_robots.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
     }
 
     /// Turns the recording of the calls of robot `id` on or off, between two slots.
-    pub fn listen_to(&self, id: RobotId, is_wanted: bool) {
+    pub fn set_verbose(&self, id: RobotId, is_wanted: bool) {
         self.robot(id).journal.set_verbose(is_wanted);
-        self.has_listeners.fetch_or(is_wanted, Ordering::Relaxed);
+        self.has_verbose_robots.fetch_or(is_wanted, Ordering::Relaxed);
     }
 
     /// Returns true once all programs must exit.
@@ -225,7 +225,7 @@ impl Run {
     }
 
     /// Returns true once the program of robot `id` must exit: all its calls return [`Stop`].
-    pub(crate) fn is_leaving(&self, id: RobotId) -> bool {
+    pub(crate) fn is_exiting(&self, id: RobotId) -> bool {
         self.is_stopping() || self.is_removed(id)
     }
 
@@ -234,9 +234,9 @@ impl Run {
         self.is_pausing.load(Ordering::Relaxed)
     }
 
-    /// The bell that wakes the supervisor.
-    pub(super) fn bell(&self) -> &Arc<Bell> {
-        &self.bell
+    /// The notifier that wakes the supervisor.
+    pub(super) fn notifier(&self) -> &Arc<Notifier> {
+        &self.notifier
     }
 
     /// The interrupt that ends the run early.
@@ -255,57 +255,57 @@ impl Run {
     /// # Errors
     /// [`Stop`] if the program must exit or its flow was abandoned.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
-        let mut conductor = self.conductor.lock();
-        if conductor.has_departed(robot) {
+        let mut dispatcher = self.dispatcher.lock();
+        if dispatcher.has_departed(robot) {
             // The flow was abandoned, and has come back after all.
             return Err(Stop);
         }
-        let hand_over = conductor.suspend(self, robot, wake);
-        drop(conductor);
-        self.follow(&hand_over);
-        if hand_over.goes_on {
-            self.executor.go_on(robot);
+        let outcome = dispatcher.suspend(self, robot, wake);
+        drop(dispatcher);
+        self.apply(&outcome);
+        if outcome.continues {
+            self.executor.continue_running(robot);
         } else {
             self.executor.suspend(robot);
         }
-        if self.is_leaving(robot) { Err(Stop) } else { Ok(()) }
+        if self.is_exiting(robot) { Err(Stop) } else { Ok(()) }
     }
 
     /// Resumes these robots, each on its worker.
     pub(super) fn resume(&self, robots: &[(RobotId, u32)]) {
-        for (robot, lane) in robots {
-            self.executor.resume(*robot, *lane);
+        for (robot, worker) in robots {
+            self.executor.resume(*robot, *worker);
         }
     }
 
     /// Carries out the result of a robot's return to the barrier.
-    fn follow(&self, hand_over: &HandOver) {
-        self.resume(&hand_over.resume);
-        if hand_over.is_at_rest {
-            self.bell.ring();
+    fn apply(&self, outcome: &BarrierOutcome) {
+        self.resume(&outcome.resume);
+        if outcome.is_at_rest {
+            self.notifier.notify();
         }
     }
 
     /// Body of a robot's first flow, which runs `main`.
-    fn live(self: Arc<Self>, id: RobotId) -> Option<u32> {
-        if let (false, Some(program)) = (self.is_leaving(id), self.program(id)) {
+    fn run_main_flow(self: Arc<Self>, id: RobotId) -> Option<u32> {
+        if let (false, Some(program)) = (self.is_exiting(id), self.program(id)) {
             let caller = Caller::new(RobotFlow { run: Arc::clone(&self), id });
             let result = program.run(&caller);
-            if result.is_ok() && !self.is_leaving(id) {
-                self.robot(id).hint_at_living_tasks();
+            if result.is_ok() && !self.is_exiting(id) {
+                self.robot(id).hint_at_unfinished_tasks();
             }
             // The other tasks exit through calls that `caller` answers.
             self.end_tasks(id);
             let ending = match result {
-                Err(broken) if broken.is_overdue && self.is_removed(id) => self.leave_behind(id),
+                Err(broken) if broken.is_overdue && self.is_removed(id) => self.abandon(id),
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
-                    let task = self.robot(id).tasks.first_to_leave();
+                    let task = self.robot(id).tasks.first_exiting();
                     let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
                     let ending = broken.ending();
-                    self.lost.lock().push((id, broken));
+                    self.broken_processes.lock().push((id, broken));
                     ending
                 }
-                _ if self.is_leaving(id) => Ending::Stopped,
+                _ if self.is_exiting(id) => Ending::Stopped,
                 Ok(code) => Ending::Exited { code },
                 Err(_) => Ending::Stopped,
             };
@@ -314,19 +314,19 @@ impl Run {
             self.robot(id).ending.get_or_insert(Ending::Stopped);
         }
         if self.is_stopping() {
-            self.conductor.lock().leave(id);
-            self.bell.ring();
+            self.dispatcher.lock().mark_departed(id);
+            self.notifier.notify();
         } else {
-            self.bury(id, None);
+            self.end_robot(id, None);
         }
         if let Some(program) = self.program(id) {
-            program.end(Instant::now() + LEAVE);
+            program.end(Instant::now() + EXIT_TIMEOUT);
         }
         None
     }
 
     /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time.
-    pub(super) fn leave_behind(&self, id: RobotId) -> Ending {
+    pub(super) fn abandon(&self, id: RobotId) -> Ending {
         self.robot(id).hint("the robot has been removed and its program did not leave: it is left behind");
         Ending::Stopped
     }
@@ -345,19 +345,19 @@ impl Run {
     /// The system has no room for another flow.
     pub(crate) fn start_task(self: &Arc<Self>, id: RobotId, task: u32, code: Callback) -> std::io::Result<()> {
         let run = Arc::clone(self);
-        self.executor.start(id, task, Box::new(move || Some(run.live_task(id, code))))
+        self.executor.start(id, task, Box::new(move || Some(run.run_task_flow(id, code))))
     }
 
     /// Body of a further flow of robot `id`; returns the task that gets the run token next.
-    fn live_task(&self, id: RobotId, code: Callback) -> u32 {
+    fn run_task_flow(&self, id: RobotId, code: Callback) -> u32 {
         let is_left = {
             let tasks = &self.robot(id).tasks;
-            self.is_leaving(id) || tasks.is_leaving() || tasks.is_killed()
+            self.is_exiting(id) || tasks.is_exiting() || tasks.is_killed()
         };
         let result = if is_left { Err(Stop) } else { self.executor.call_back(id, code) };
         let mut robot = self.robot(id);
         if result.is_err() && !robot.tasks.is_killed() {
-            robot.tasks.begin_leaving();
+            robot.tasks.begin_exit();
         }
         let now = robot.now;
         robot.tasks.end_current(now)
@@ -367,8 +367,8 @@ impl Run {
     fn end_tasks(&self, id: RobotId) {
         loop {
             let mut robot = self.robot(id);
-            robot.tasks.begin_leaving();
-            let Some(task) = robot.tasks.next_to_leave() else { return };
+            robot.tasks.begin_exit();
+            let Some(task) = robot.tasks.next_to_exit() else { return };
             let now = robot.now;
             robot.tasks.switch_to(task, now);
             drop(robot);
@@ -393,13 +393,13 @@ impl Run {
 
     /// Describes the wait of each task of `robot`.
     pub(crate) fn waits_of(&self, robot: &Robot) -> String {
-        let words = |program| standing::tasks_in_words(robot, program, Senders::Other);
+        let words = |program| program_status::tasks_in_words(robot, program, PossibleSenders::Other);
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
     /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run goes on without it.
-    /// `deadline` as for [`Conductor::advance`].
-    pub(super) fn bury(&self, id: RobotId, deadline: Option<Instant>) {
+    /// `deadline` as for [`Dispatcher::advance`].
+    pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);
             // On EyeSim VR motors keep their last command.
@@ -412,7 +412,7 @@ impl Run {
             }
             radio::end(&mut robot);
         }
-        let hand_over = self.conductor.lock().depart(self, id, deadline);
-        self.follow(&hand_over);
+        let outcome = self.dispatcher.lock().depart(self, id, deadline);
+        self.apply(&outcome);
     }
 }

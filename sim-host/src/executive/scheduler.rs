@@ -12,15 +12,15 @@ use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
 use super::Executor;
-use super::conductor::{Boundary, End};
+use super::dispatcher::{Boundary, End};
 use super::fault::Broken;
 use super::interrupt::Interrupt;
 use super::intervene::Refusal;
 use super::program::RobotProgram;
-use super::run::{LEAVE, Run};
+use super::program_status::{PossibleSenders, ProgramStatus, RunEnd};
+use super::run::{EXIT_TIMEOUT, Run};
 use super::spawn::Spawner;
-use super::standing::{Finish, Senders, Standing};
-use super::{damage, standing, watchdog};
+use super::{damage, program_status, watchdog};
 use crate::record::Sinks;
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
@@ -38,11 +38,11 @@ pub struct Scheduler {
     /// Robots that broke, and how.
     broken: Vec<(RobotId, Broken)>,
     /// Robots whose programs did not exit although they were removed or stopped: their flows are abandoned.
-    left_behind: Vec<RobotId>,
+    abandoned: Vec<RobotId>,
     /// Robots whose programs have been told to stop, and since when.
     stopping: Vec<(RobotId, Instant)>,
     /// All programs have been told to exit.
-    has_left: bool,
+    has_requested_exit: bool,
 }
 
 /// State of a run after it was advanced.
@@ -67,7 +67,7 @@ fn names(robots: &[RobotId]) -> String {
 }
 
 /// Components of a run.
-pub struct Parts {
+pub struct RunParts {
     /// The world at time 0.
     pub world: World,
     /// All robots, in the order of their ids.
@@ -92,7 +92,7 @@ pub struct Parts {
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Number of workers: robots that may run at one time.
-    pub lanes: usize,
+    pub workers: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
     /// Processor time in seconds that a program may use within one slot.
@@ -148,33 +148,40 @@ pub struct RobotEnd {
 }
 
 /// Interval at which the supervisor checks the programs.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The shortest wait for the bell.
+/// The shortest wait for the notifier.
 const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 
 /// Time in which a stopped program must react before its flow is abandoned.
-const NOTICE: Duration = Duration::from_secs(2);
+const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Processor time in seconds that a program may still use after the user has interrupted the run.
-const PATIENCE: f64 = 0.5;
+const INTERRUPT_TIMEOUT: f64 = 0.5;
 
 impl Scheduler {
     /// Creates a run before its first slot, with the flows of its programs suspended.
     ///
     /// # Errors
     /// The system has no room for the robots' flows.
-    pub fn start(parts: Parts, limits: &Limits) -> std::io::Result<Self> {
+    pub fn start(parts: RunParts, limits: &Limits) -> std::io::Result<Self> {
         let start = Instant::now();
         let run = Run::new(parts, limits)?;
-        run.executor().begin(run.bell());
-        let (broken, left_behind) = (Vec::new(), Vec::new());
-        let mut scheduler =
-            Self { run, timeout: limits.timeout, start, broken, left_behind, stopping: Vec::new(), has_left: false };
+        run.executor().begin(run.notifier());
+        let (broken, abandoned) = (Vec::new(), Vec::new());
+        let mut scheduler = Self {
+            run,
+            timeout: limits.timeout,
+            start,
+            broken,
+            abandoned,
+            stopping: Vec::new(),
+            has_requested_exit: false,
+        };
         if let Err(error) = scheduler.run.start_programs() {
-            scheduler.has_left = true;
+            scheduler.has_requested_exit = true;
             // The flows started so far exit again, up to the first robot without one.
-            scheduler.run.ids_with_program().all(|id| scheduler.stop(id));
+            scheduler.run.ids_with_program().all(|id| scheduler.exit_program(id));
             return Err(error);
         }
         Ok(scheduler)
@@ -195,9 +202,9 @@ impl Scheduler {
     pub fn advance_within(&mut self, time: Time, real: Duration) -> Progress {
         let deadline = Instant::now().checked_add(real);
         self.run.is_pausing.store(real.is_zero(), Ordering::Relaxed);
-        let hand_over = self.run.conductor.lock().advance(&self.run, time, deadline);
-        self.run.resume(&hand_over.resume);
-        if !hand_over.is_at_rest {
+        let outcome = self.run.dispatcher.lock().advance(&self.run, time, deadline);
+        self.run.resume(&outcome.resume);
+        if !outcome.is_at_rest {
             self.supervise(deadline);
         }
         if self.is_ending() { Progress::Over } else { Progress::Paused }
@@ -205,12 +212,12 @@ impl Scheduler {
 
     /// Position of the paused run.
     pub fn boundary(&self) -> Boundary {
-        self.run.conductor.lock().boundary(&self.run.environment.read())
+        self.run.dispatcher.lock().boundary(&self.run.environment.read())
     }
 
     /// Returns true if the reason for the end of the run is known: no further slot begins.
     pub fn is_ending(&self) -> bool {
-        self.run.conductor.lock().is_ending()
+        self.run.dispatcher.lock().is_ending()
     }
 
     /// Carries out `action` in the paused run, at the start of the slot that contains `at`: at the earliest the
@@ -219,7 +226,7 @@ impl Scheduler {
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
     /// Why it is refused; nothing changes then.
     pub fn act(&mut self, at: Time, action: &Action) -> Result<(), Refusal> {
-        self.run.conductor.lock().act(at, action, &self.run, &mut self.run.environment.write())
+        self.run.dispatcher.lock().act(at, action, &self.run, &mut self.run.environment.write())
     }
 
     /// Copies the paused run into a simulation whose owner drives the robots and must supply the scenery for cameras.
@@ -242,77 +249,77 @@ impl Scheduler {
 
     /// Ends the paused run at its position, as an interrupt by the user does.
     pub fn interrupt(&mut self) {
-        self.run.conductor.lock().end_with(End::Interrupted);
+        self.run.dispatcher.lock().end_with(End::Interrupted);
     }
 
     /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more before its limit
     /// ends normally; any other run counts as interrupted.
     pub fn finish(mut self) -> Ended {
-        self.run.conductor.lock().close(&self.run);
-        self.leave();
-        self.broken.append(&mut self.run.lost.lock());
+        self.run.dispatcher.lock().close(&self.run);
+        self.exit_programs();
+        self.broken.append(&mut self.run.broken_processes.lock());
         self.conclude()
     }
 
     /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
-        let mut looked = Instant::now();
+        let mut last_check = Instant::now();
         loop {
-            let left = deadline.map_or(LOOK, |deadline| deadline.saturating_duration_since(Instant::now()));
+            let left = deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
             if left.is_zero() {
                 self.run.is_pausing.store(true, Ordering::Relaxed);
             }
-            let wait = if left.is_zero() { LOOK } else { left.clamp(SHORTEST_WAIT, LOOK) };
-            self.run.bell().wait(wait);
+            let wait = if left.is_zero() { POLL_INTERVAL } else { left.clamp(SHORTEST_WAIT, POLL_INTERVAL) };
+            self.run.notifier().wait(wait);
             for (id, broken) in self.run.executor().broken() {
-                self.take_broken(id, broken, deadline);
+                self.handle_broken(id, broken, deadline);
             }
             // A flow that runs scheduler steps over many slots in which no robot is due keeps the lock meanwhile.
-            let Some(mut conductor) = self.run.conductor.try_lock_for(LOOK) else { continue };
-            if conductor.is_at_rest() {
+            let Some(mut dispatcher) = self.run.dispatcher.try_lock_for(POLL_INTERVAL) else { continue };
+            if dispatcher.is_at_rest() {
                 return;
             }
             let mut timeout = self.timeout;
             if self.run.interrupt().is_set() {
-                conductor.end_with(End::Interrupted);
-                timeout = timeout.min(PATIENCE);
+                dispatcher.end_with(End::Interrupted);
+                timeout = timeout.min(INTERRUPT_TIMEOUT);
             }
-            if self.run.executor().is_doomed() {
-                conductor.end_with(End::HeapLost);
-                timeout = timeout.min(PATIENCE);
+            if self.run.executor().must_end() {
+                dispatcher.end_with(End::HeapLost);
+                timeout = timeout.min(INTERRUPT_TIMEOUT);
             }
-            if looked.elapsed() >= LOOK {
-                looked = Instant::now();
-                let running: Vec<_> = conductor.running().collect();
-                drop(conductor);
+            if last_check.elapsed() >= POLL_INTERVAL {
+                last_check = Instant::now();
+                let running: Vec<_> = dispatcher.running().collect();
+                drop(dispatcher);
                 self.break_overdue(&running, timeout);
-                for id in self.without_notice(&running) {
-                    self.take_broken(id, Broken::unstoppable(), deadline);
-                    self.left_behind.push(id);
+                for id in self.unresponsive(&running) {
+                    self.handle_broken(id, Broken::unstoppable(), deadline);
+                    self.abandoned.push(id);
                 }
             }
         }
     }
 
     /// Handles a broken flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in time.
-    fn take_broken(&mut self, id: RobotId, broken: Broken, deadline: Option<Instant>) {
-        if self.left_behind.contains(&id) || self.broken.iter().any(|(known, _)| *known == id) {
+    fn handle_broken(&mut self, id: RobotId, broken: Broken, deadline: Option<Instant>) {
+        if self.abandoned.contains(&id) || self.broken.iter().any(|(known, _)| *known == id) {
             return;
         }
         let run = &self.run;
         if broken.is_overdue && run.is_removed(id) {
-            self.left_behind.push(id);
-            let ending = run.leave_behind(id);
+            self.abandoned.push(id);
+            let ending = run.abandon(id);
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
             run.robot(id).ending.get_or_insert(broken.ending());
             self.broken.push((id, broken));
-            run.conductor.lock().end_with(End::Broken);
+            run.dispatcher.lock().end_with(End::Broken);
         }
         // The thread of a program that has ended may still fault in a destructor of a thread-local.
-        if !run.conductor.lock().has_departed(id) {
-            run.bury(id, deadline);
+        if !run.dispatcher.lock().has_departed(id) {
+            run.end_robot(id, deadline);
         }
     }
 
@@ -324,7 +331,7 @@ impl Scheduler {
         self.stopping.retain(|(id, _)| running.contains(id));
         let executor = self.run.executor();
         for id in running {
-            let timeout = if self.run.is_removed(*id) { timeout.min(LEAVE.as_secs_f64()) } else { timeout };
+            let timeout = if self.run.is_removed(*id) { timeout.min(EXIT_TIMEOUT.as_secs_f64()) } else { timeout };
             if executor.is_overdue(*id, timeout) {
                 executor.break_overdue(*id);
                 if self.stopping.iter().all(|(other, _)| other != id) {
@@ -334,35 +341,35 @@ impl Scheduler {
         }
     }
 
-    /// Running programs that were told to stop and have not reacted within [`NOTICE`].
-    fn without_notice(&self, running: &[RobotId]) -> Vec<RobotId> {
-        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > NOTICE && running.contains(id);
+    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`].
+    fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
+        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > STOP_TIMEOUT && running.contains(id);
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
     /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has broken, so that
     /// no code of a damaged process adds to the record.
-    fn leave(&mut self) {
-        if self.has_left || !self.broken.is_empty() || self.run.executor().is_doomed() {
+    fn exit_programs(&mut self) {
+        if self.has_requested_exit || !self.broken.is_empty() || self.run.executor().must_end() {
             return;
         }
-        self.has_left = true;
+        self.has_requested_exit = true;
         for id in self.run.ids_with_program() {
-            self.stop(id);
+            self.exit_program(id);
         }
     }
 
-    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within [`LEAVE`].
-    fn stop(&self, id: RobotId) -> bool {
+    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within [`EXIT_TIMEOUT`].
+    fn exit_program(&self, id: RobotId) -> bool {
         let run = &self.run;
         run.is_stopping.store(true, Ordering::Release);
-        let has_departed = || run.conductor.lock().has_departed(id);
+        let has_departed = || run.dispatcher.lock().has_departed(id);
         if !has_departed() {
             run.executor().resume(id, 0);
         }
-        let deadline = Instant::now() + LEAVE;
+        let deadline = Instant::now() + EXIT_TIMEOUT;
         while !has_departed() && Instant::now() < deadline {
-            run.bell().wait(deadline.saturating_duration_since(Instant::now()));
+            run.notifier().wait(deadline.saturating_duration_since(Instant::now()));
         }
         has_departed()
     }
@@ -370,26 +377,26 @@ impl Scheduler {
     /// Collects the results, once no robot runs any more.
     fn conclude(&self) -> Ended {
         let run = &self.run;
-        let mut conductor = run.conductor.lock();
+        let mut dispatcher = run.dispatcher.lock();
         let mut environment = run.environment.write();
-        let time = conductor.time(&environment.world);
-        let end = conductor.take_end();
-        let senders = Senders::among(run.ids_with_program().map(|id| run.robot(id)));
-        let finish = Finish { end: &end, time, robots: run.robot_count(), senders };
+        let time = dispatcher.time(&environment.world);
+        let end = dispatcher.take_end();
+        let senders = PossibleSenders::among(run.ids_with_program().map(|id| run.robot(id)));
+        let run_end = RunEnd { end: &end, time, robots: run.robot_count(), senders };
         environment.finish(time);
         let mut robots = Vec::with_capacity(run.robot_count());
         for id in (0..run.robot_count()).map(RobotId::from_index) {
             let mut robot = run.robot(id);
             let broken = self.broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = match run.program(id) {
+            let status = match run.program(id) {
                 Some(_) if broken.is_none() && run.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
-                    Standing::removed()
+                    ProgramStatus::removed()
                 }
-                Some(program) => standing::judge(&mut robot, &finish, broken, program),
-                None => Standing::without_program(),
+                Some(program) => program_status::judge(&mut robot, &run_end, broken, program),
+                None => ProgramStatus::without_program(),
             };
             environment.finish_radio(&mut robot.state);
-            standing.record(&mut robot);
+            status.record(&mut robot);
             environment.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {
                 virtual_time: robot.now,
@@ -400,12 +407,12 @@ impl Scheduler {
                 steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
                 panel: robot.robios.take_panel(),
                 output_cut: robot.robios.console.cut_bytes(),
-                outcome: standing.outcome,
-                reason: standing.reason,
-                exit_code: standing.exit_code,
+                outcome: status.outcome,
+                reason: status.reason,
+                exit_code: status.exit_code,
             });
         }
-        let (digest, completed) = conductor.sinks().finish_record(environment.recorder(), time);
+        let (digest, completed) = dispatcher.sinks().finish_record(environment.recorder(), time);
         let end = completed.map_or_else(End::Record, |()| end);
         let world = &environment.world;
         let objects =
@@ -416,18 +423,18 @@ impl Scheduler {
 
 impl Drop for Scheduler {
     fn drop(&mut self) {
-        let is_at_rest = self.run.conductor.lock().is_at_rest();
+        let is_at_rest = self.run.dispatcher.lock().is_at_rest();
         if is_at_rest {
-            self.leave();
+            self.exit_programs();
         }
-        let deadline = Instant::now() + LEAVE;
+        let deadline = Instant::now() + EXIT_TIMEOUT;
         self.run.programs().for_each(|program| program.end(deadline));
-        if is_at_rest && !self.has_left && !damage::is_heap_lost() {
+        if is_at_rest && !self.has_requested_exit && !damage::is_heap_lost() {
             // The remaining programs exit and release what they hold, up to the first that does not.
-            self.run.ids_with_program().all(|id| self.stop(id));
+            self.run.ids_with_program().all(|id| self.exit_program(id));
         }
-        let has_left = |id| self.run.conductor.lock().has_departed(id) && !self.left_behind.contains(&id);
-        if !self.run.executor().end(&has_left) {
+        let has_departed = |id| self.run.dispatcher.lock().has_departed(id) && !self.abandoned.contains(&id);
+        if !self.run.executor().end(&has_departed) {
             // The thread of a lost flow may still run code of its program, which stays mapped.
             std::mem::forget(Arc::clone(&self.run));
         }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use sim_core::record::Action;
 use sim_core::time::Time;
 
-use super::conductor::Boundary;
+use super::dispatcher::Boundary;
 use super::intervene::Refusal;
 use super::pace::Pace;
 use super::scheduler::{Progress, Scheduler};

@@ -17,7 +17,7 @@ use std::sync::atomic::{
 
 use parking_lot::Mutex;
 
-use super::bell::Bell;
+use super::notifier::Notifier;
 use crate::program::float;
 
 /// State of one flow's thread that a signal handler may read and write.
@@ -48,14 +48,14 @@ pub struct ThreadBlock {
 
 /// Action at a fault.
 enum OnFault {
-    /// Parks the thread and rings the bell of its run.
-    Park(Arc<Bell>),
+    /// Parks the thread and notifies the supervisor of its run.
+    Park(Arc<Notifier>),
     /// Calls this async-signal-safe function.
-    Report(Report),
+    Report(FaultCallback),
 }
 
 /// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
-pub type Report = fn(&ThreadBlock, Fault);
+pub type FaultCallback = fn(&ThreadBlock, Fault);
 
 /// A fault as the kernel reported it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,13 +81,13 @@ thread_local! {
 }
 
 impl ThreadBlock {
-    /// Creates a block whose thread does not run yet; its fault parks the thread and rings `bell`.
-    pub fn ringing(bell: Arc<Bell>) -> Self {
-        Self::new(OnFault::Park(bell))
+    /// Creates a block whose thread does not run yet; its fault parks the thread and signals `notifier`.
+    pub fn notifying(notifier: Arc<Notifier>) -> Self {
+        Self::new(OnFault::Park(notifier))
     }
 
     /// Creates a block whose faults are passed to `report`.
-    pub fn reporting(report: Report) -> Self {
+    pub fn reporting(report: FaultCallback) -> Self {
         Self::new(OnFault::Report(report))
     }
 
@@ -123,7 +123,7 @@ impl ThreadBlock {
     /// Marks the thread as working for the program in the host, in the default floating-point environment.
     pub fn enter_host(&self) {
         self.in_host.store(true, Ordering::Relaxed);
-        if let Some(environment) = float::hold_default() {
+        if let Some(environment) = float::set_default() {
             self.float_environment.store(environment, Ordering::Relaxed);
         }
         compiler_fence(Ordering::SeqCst);
@@ -144,15 +144,15 @@ impl ThreadBlock {
         }
     }
 
-    /// Publishes the fault, rings the bell and never returns; async-signal-safe.
+    /// Publishes the fault, notifies the supervisor and never returns; async-signal-safe.
     fn park_faulted(&self, fault: Fault) -> ! {
         self.fault_signal.store(fault.signal, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
         self.faulted.store(true, Ordering::Release);
-        if let OnFault::Park(bell) = &self.on_fault {
-            bell.ring();
+        if let OnFault::Park(notifier) = &self.on_fault {
+            notifier.notify();
         }
         loop {
             // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
@@ -216,13 +216,13 @@ const CAUGHT: [i32; 7] =
     [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP, OVERDUE_SIGNAL];
 
 /// State shared by all values of [`Handlers`].
-struct Holders {
+struct HandlerState {
     count: usize,
     /// For each of [`CAUGHT`] the previous action, while ours is installed.
     previous: [Option<libc::sigaction>; CAUGHT.len()],
 }
 
-static HOLDERS: Mutex<Holders> = Mutex::new(Holders { count: 0, previous: [None; CAUGHT.len()] });
+static HANDLER_STATE: Mutex<HandlerState> = Mutex::new(HandlerState { count: 0, previous: [None; CAUGHT.len()] });
 
 /// True while any [`Handlers`] live; read in signal handlers.
 static ARE_HELD: AtomicBool = AtomicBool::new(false);
@@ -243,11 +243,11 @@ impl Handlers {
     /// # Errors
     /// The kernel refuses a handler.
     pub fn hold() -> io::Result<Self> {
-        let mut holders = HOLDERS.lock();
-        if holders.count == 0 {
-            holders.install().inspect_err(|_| holders.restore())?;
+        let mut state = HANDLER_STATE.lock();
+        if state.count == 0 {
+            state.install().inspect_err(|_| state.restore())?;
         }
-        holders.count += 1;
+        state.count += 1;
         Ok(Self(()))
     }
 
@@ -259,15 +259,15 @@ impl Handlers {
 
 impl Drop for Handlers {
     fn drop(&mut self) {
-        let mut holders = HOLDERS.lock();
-        holders.count -= 1;
-        if holders.count == 0 {
-            holders.restore();
+        let mut state = HANDLER_STATE.lock();
+        state.count -= 1;
+        if state.count == 0 {
+            state.restore();
         }
     }
 }
 
-impl Holders {
+impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
         for (place, signal) in CAUGHT.into_iter().enumerate() {
@@ -306,7 +306,7 @@ impl Holders {
 ///
 /// # Safety
 /// The arguments must be those of an SA_SIGINFO handler.
-unsafe fn pass_on(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
+unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|place| &PREVIOUS[place]) else {
         return;
     };
@@ -363,7 +363,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     let block = CURRENT.get();
     if block.is_null() {
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
-        return unsafe { pass_on(signal, info, context) };
+        return unsafe { chain_to_previous(signal, info, context) };
     }
     // SAFETY: the block lives as long as this thread (see `adopt_current_thread`).
     let block = unsafe { &*block };

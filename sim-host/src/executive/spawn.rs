@@ -20,12 +20,12 @@ use crate::program::prepare::Prepared;
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::robios::Robios;
-use crate::robios::camera::Imaging;
+use crate::robios::camera::CameraOutput;
 use crate::robios::console::Console;
+use crate::robios::ground_truth::EntityNumbers;
 use crate::robios::key::Press;
 use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
-use crate::robios::truth::Census;
 use crate::scenery::{LazyScenery, Newcomer};
 
 /// Options for a run's robots, besides the scene.
@@ -59,7 +59,7 @@ pub struct Spawner {
     roster: Roster,
     /// The programs of the robots, in the order of their ids.
     programs: Vec<Option<Arc<Prepared>>>,
-    census: Arc<Census>,
+    entity_numbers: Arc<EntityNumbers>,
     /// Loader of the programs of spawned robots; created for the first of them.
     loader: Option<Loader>,
 }
@@ -84,7 +84,7 @@ impl Spawner {
             factory: RobotFactory::new(&scene, options.seed, options.slot, options.is_verbose),
             roster: roster_of(&scene),
             programs: programs.of_robots.clone(),
-            census: Arc::new(Census::of(&scene)),
+            entity_numbers: Arc::new(EntityNumbers::of(&scene)),
             scene,
             options,
             loader: None,
@@ -141,7 +141,7 @@ impl Spawner {
 
     /// Registers a robot that was added to the run.
     pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
-        self.census.newcomers.push(Placeable::Robot(spec.id));
+        self.entity_numbers.spawned.push(Placeable::Robot(spec.id));
         self.options.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
         self.roster.keep_robot(spec);
         self.programs.push(program);
@@ -149,7 +149,7 @@ impl Spawner {
 
     /// Registers a movable object that was added to the run.
     pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
-        self.census.newcomers.push(Placeable::Object(id));
+        self.entity_numbers.spawned.push(Placeable::Object(id));
         self.options.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
         self.roster.keep_object(spec);
     }
@@ -167,12 +167,12 @@ impl Spawner {
         presses.for_each(|press| state.devices.press(press.at, press.touch));
         let generation = program.and_then(|program| program.generation());
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
-        let mut robios = new_robios(&spec.robi).among(Arc::clone(&self.census));
+        let mut robios = new_robios(&spec.robi).with_entity_numbers(Arc::clone(&self.entity_numbers));
         robios.storage = Storage::new(Path::new(&self.scene.folder));
         robios.os.may_execute = self.options.may_execute;
         robios.console = Console::new(self.options.output_limit);
         let (scenery, frames) = (Arc::clone(&self.options.scenery), self.options.frames.clone());
-        robios.imaging = Imaging { scenery, frames };
+        robios.camera_output = CameraOutput { scenery, frames };
         let name = program.map(|program| program.name.clone()).unwrap_or_default();
         let mut robot = Robot::new(state, robios, name);
         robot.record_start();

@@ -13,12 +13,12 @@ use parking_lot::Mutex;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
-use super::bell::Bell;
 use super::fault::{Broken, stack_words};
+use super::notifier::Notifier;
 use super::process::Child;
 use super::process::child::Release;
 use super::signal::{self, Handlers, ThreadBlock};
-use super::watchdog::{Look, Watch};
+use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
 use crate::robios::call::Call;
 use crate::robios::task::MAIN;
@@ -30,21 +30,21 @@ pub(super) const STACK: usize = 8 << 20;
 const RESERVE: usize = 128 << 10;
 
 /// Time in which the thread of a program that has ended must end before it counts as lost.
-const LAST_STEPS: Duration = Duration::from_secs(10);
+const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Executor with one OS thread for each task.
 pub struct ThreadExecutor {
-    robots: boxcar::Vec<Arc<Threads>>,
+    robots: boxcar::Vec<Arc<RobotThreads>>,
     /// The processor of each worker.
     processors: Arc<[usize]>,
-    /// Bell that broken flows ring; unset before the run begins.
-    bell: OnceLock<Arc<Bell>>,
+    /// Notifier that broken flows signal; unset before the run begins.
+    notifier: OnceLock<Arc<Notifier>>,
 }
 
 /// The threads of one robot.
-struct Threads {
+struct RobotThreads {
     /// The worker to whose processor the threads are bound; `u32::MAX` for none.
-    lane: AtomicU32,
+    worker: AtomicU32,
     /// The processor of each worker; empty if threads are not bound to any.
     processors: Arc<[usize]>,
     /// The process that the threads serve.
@@ -55,60 +55,60 @@ struct Threads {
 #[derive(Default)]
 struct Flows {
     /// Flows that have not ended, with their tasks' numbers.
-    list: Vec<(u32, Arc<Flow>)>,
+    list: Vec<(u32, Arc<ThreadFlow>)>,
     /// The flow that holds the run token.
-    holder: Option<Arc<Flow>>,
+    token_holder: Option<Arc<ThreadFlow>>,
     /// The flow that handed on the run token as its last action. The new holder joins its thread before it runs, since that thread
     /// may still run the program's destructors of thread-locals.
-    ending: Option<Arc<Flow>>,
+    ending: Option<Arc<ThreadFlow>>,
 }
 
-/// State of one thread. The thread owns a reference count of it, which [`Flow::join`] alone gives back.
-struct Flow {
+/// State of one thread. The thread owns a reference count of it, which [`ThreadFlow::join`] alone gives back.
+struct ThreadFlow {
     block: ThreadBlock,
     /// The worker to whose processor the thread is bound.
-    lane: AtomicU32,
-    go: AtomicBool,
+    worker: AtomicU32,
+    is_resumed: AtomicBool,
     /// `None` once it has been joined, or has been found not to end.
     thread: Mutex<Option<JoinHandle<()>>>,
-    watch: Mutex<Watch>,
+    timer: Mutex<ReleaseTimer>,
     /// Keeps the signal handlers installed, for ever if the flow never ends.
     _handlers: Handlers,
 }
 
 thread_local! {
     /// The flow of this thread.
-    static FLOW: Cell<*const Flow> = const { Cell::new(ptr::null()) };
+    static FLOW: Cell<*const ThreadFlow> = const { Cell::new(ptr::null()) };
 }
 
 impl ThreadExecutor {
-    /// Creates an executor for `count` robots, with ids from 1, on `lanes` workers; `flows` is the number of flows that will be
+    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows that will be
     /// started.
     ///
     /// If there are more flows than workers, the threads of a worker are bound to one processor: on the machines measured a
     /// hand-over to another processor costs two to three times as much.
-    pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
-        let processors: Arc<[usize]> = if flows > lanes { processors(lanes).into() } else { Arc::default() };
-        let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, bell: OnceLock::new() };
+    pub fn new(count: usize, flows: usize, workers: usize) -> Self {
+        let processors: Arc<[usize]> = if flows > workers { processors(workers).into() } else { Arc::default() };
+        let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, notifier: OnceLock::new() };
         if count > 0 {
             executor.admit(RobotId::from_index(count - 1));
         }
         executor
     }
 
-    fn robot(&self, robot: RobotId) -> &Arc<Threads> {
+    fn robot(&self, robot: RobotId) -> &Arc<RobotThreads> {
         &self.robots[robot.index()]
     }
 }
 
-impl Flow {
-    fn new(bell: Arc<Bell>) -> io::Result<Self> {
+impl ThreadFlow {
+    fn new(notifier: Arc<Notifier>) -> io::Result<Self> {
         Ok(Self {
-            block: ThreadBlock::ringing(bell),
-            lane: AtomicU32::new(u32::MAX),
-            go: AtomicBool::new(false),
+            block: ThreadBlock::notifying(notifier),
+            worker: AtomicU32::new(u32::MAX),
+            is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
-            watch: Mutex::default(),
+            timer: Mutex::default(),
             _handlers: Handlers::hold()?,
         })
     }
@@ -129,14 +129,14 @@ impl Flow {
         flow
     }
 
-    /// Joins the thread, which has adopted this flow and ends soon; false if it breaks or has not ended after `patience`: it is lost.
-    fn join(self: &Arc<Self>, patience: Duration) -> bool {
+    /// Joins the thread, which has adopted this flow and ends soon; false if it breaks or has not ended after `timeout`: it is lost.
+    fn join(self: &Arc<Self>, timeout: Duration) -> bool {
         /// Interval of the checks for a break.
-        const LOOK: Duration = Duration::from_millis(20);
+        const POLL_INTERVAL: Duration = Duration::from_millis(20);
         let Some(thread) = self.thread.lock().take().map(JoinHandle::into_pthread_t) else { return false };
         let start = Instant::now();
-        while self.block.fault().is_none() && start.elapsed() < patience {
-            let until = (SystemTime::now() + LOOK).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        while self.block.fault().is_none() && start.elapsed() < timeout {
+            let until = (SystemTime::now() + POLL_INTERVAL).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
             let until = libc::timespec {
                 tv_sec: until.as_secs() as libc::time_t,
                 tv_nsec: until.subsec_nanos() as libc::c_long,
@@ -164,27 +164,27 @@ impl Flow {
     }
 }
 
-impl Threads {
+impl RobotThreads {
     /// Lets `flow` continue, bound to the processor of the robot's worker.
-    fn go(&self, flow: &Flow) {
-        let lane = self.lane.load(Ordering::Relaxed);
-        if let Some(processor) = self.processors.get(lane as usize)
-            && flow.lane.swap(lane, Ordering::Relaxed) != lane
+    fn wake(&self, flow: &ThreadFlow) {
+        let worker = self.worker.load(Ordering::Relaxed);
+        if let Some(processor) = self.processors.get(worker as usize)
+            && flow.worker.swap(worker, Ordering::Relaxed) != worker
         {
             bind(flow.block.tid.load(Ordering::Relaxed), *processor);
             if let Some(child) = self.child.get() {
                 bind(child.first().thread().cast_signed(), *processor);
             }
         }
-        flow.go.store(true, Ordering::Release);
+        flow.is_resumed.store(true, Ordering::Release);
         if let Some(thread) = &*flow.thread.lock() {
             thread.thread().unpark();
         }
     }
 
     /// Waits until the calling flow, `flow`, may continue, and until the thread of the flow before it has ended.
-    fn wait(&self, flow: &Flow) {
-        while !flow.go.swap(false, Ordering::Acquire) {
+    fn wait(&self, flow: &ThreadFlow) {
+        while !flow.is_resumed.swap(false, Ordering::Acquire) {
             thread::park();
         }
         flow.begin_release();
@@ -201,7 +201,7 @@ impl Threads {
     }
 
     /// Hands the run token from the calling flow to that of `task`; the calling flow does not continue if it `is_ending`.
-    fn hand_to(&self, task: u32, is_ending: bool) {
+    fn hand_token_to(&self, task: u32, is_ending: bool) {
         let mut flows = self.flows.lock();
         let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).cloned() else {
             // The run is over and its flows have been given up: the calling thread is parked for good.
@@ -210,30 +210,33 @@ impl Threads {
                 thread::park();
             }
         };
-        let last = flows.holder.replace(Arc::clone(&next));
+        let last = flows.token_holder.replace(Arc::clone(&next));
         if is_ending {
-            debug_assert!(last.as_ref().is_some_and(|last| ptr::eq(&**last, Flow::current())), "it had the baton");
+            debug_assert!(
+                last.as_ref().is_some_and(|last| ptr::eq(&**last, ThreadFlow::current())),
+                "it held the run token"
+            );
             flows.ending = last;
         }
         drop(flows);
-        self.go(&next);
+        self.wake(&next);
     }
 
     /// The flow whose thread runs now: the ending one, else the holder of the run token.
-    fn working(&self) -> Option<Arc<Flow>> {
+    fn active_flow(&self) -> Option<Arc<ThreadFlow>> {
         let flows = self.flows.lock();
-        flows.ending.as_ref().or(flows.holder.as_ref()).cloned()
+        flows.ending.as_ref().or(flows.token_holder.as_ref()).cloned()
     }
 }
 
 /// Factor by which the import of a module may take longer than anything else.
-const IMPORT_PATIENCE: f64 = 12.0;
+const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl Executor for ThreadExecutor {
-    fn begin(&self, bell: &Arc<Bell>) {
+    fn begin(&self, notifier: &Arc<Notifier>) {
         damage::heap_functions();
         // A run begins once.
-        let _ = self.bell.set(Arc::clone(bell));
+        let _ = self.notifier.set(Arc::clone(notifier));
     }
 
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
@@ -246,7 +249,7 @@ impl Executor for ThreadExecutor {
             let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
             let ends = !is_broken && departed(RobotId::from_index(index));
             for (_, flow) in list {
-                if !(ends && flow.join(LAST_STEPS)) {
+                if !(ends && flow.join(JOIN_TIMEOUT)) {
                     damage::lose_flow();
                     all_end = false;
                 }
@@ -255,15 +258,16 @@ impl Executor for ThreadExecutor {
         all_end
     }
 
-    fn is_doomed(&self) -> bool {
-        let has_native = |threads: &Threads| threads.child.get().is_none() && !threads.flows.lock().list.is_empty();
+    fn must_end(&self) -> bool {
+        let has_native =
+            |threads: &RobotThreads| threads.child.get().is_none() && !threads.flows.lock().list.is_empty();
         damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
     }
 
     fn admit(&self, robot: RobotId) {
         while self.robots.count() <= robot.index() {
-            self.robots.push(Arc::new(Threads {
-                lane: AtomicU32::new(u32::MAX),
+            self.robots.push(Arc::new(RobotThreads {
+                worker: AtomicU32::new(u32::MAX),
                 processors: Arc::clone(&self.processors),
                 child: OnceLock::new(),
                 flows: Mutex::default(),
@@ -272,9 +276,9 @@ impl Executor for ThreadExecutor {
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
-        let Some(bell) = self.bell.get() else { unreachable!("the run has begun") };
+        let Some(notifier) = self.notifier.get() else { unreachable!("the run has begun") };
         let threads = Arc::clone(self.robot(robot));
-        let place = Arc::new(Flow::new(Arc::clone(bell))?);
+        let place = Arc::new(ThreadFlow::new(Arc::clone(notifier))?);
         let (adopted, adoption) = mpsc::sync_channel(1);
         let name = if task == MAIN { robot.to_string() } else { format!("{robot}.{task}") };
         let own = Arc::clone(&place);
@@ -284,9 +288,9 @@ impl Executor for ThreadExecutor {
             // The receiver waits just below for this one message.
             let _ = adopted.send(result);
             if is_adopted {
-                threads.wait(Flow::current());
+                threads.wait(ThreadFlow::current());
                 if let Some(next) = flow() {
-                    threads.hand_to(next, true);
+                    threads.hand_token_to(next, true);
                 }
             }
         };
@@ -294,9 +298,9 @@ impl Executor for ThreadExecutor {
         // The handle must be known before the flow may continue.
         *place.thread.lock() = Some(thread);
         let adopted = adoption.recv().map_err(io::Error::other)?;
-        adopted.inspect_err(|_| _ = place.join(LAST_STEPS))?;
+        adopted.inspect_err(|_| _ = place.join(JOIN_TIMEOUT))?;
         let mut flows = self.robot(robot).flows.lock();
-        flows.holder.get_or_insert_with(|| Arc::clone(&place));
+        flows.token_holder.get_or_insert_with(|| Arc::clone(&place));
         flows.list.push((task, place));
         Ok(())
     }
@@ -306,31 +310,31 @@ impl Executor for ThreadExecutor {
         let _ = self.robot(robot).child.set(child);
     }
 
-    fn resume(&self, robot: RobotId, lane: u32) {
+    fn resume(&self, robot: RobotId, worker: u32) {
         let threads = self.robot(robot);
-        threads.lane.store(lane, Ordering::Relaxed);
-        let holder = threads.flows.lock().holder.clone();
-        if let Some(holder) = holder {
-            threads.go(&holder);
+        threads.worker.store(worker, Ordering::Relaxed);
+        let token_holder = threads.flows.lock().token_holder.clone();
+        if let Some(token_holder) = token_holder {
+            threads.wake(&token_holder);
         }
     }
 
     fn suspend(&self, robot: RobotId) {
-        self.robot(robot).wait(Flow::current());
+        self.robot(robot).wait(ThreadFlow::current());
     }
 
-    fn go_on(&self, _: RobotId) {
-        Flow::current().begin_release();
+    fn continue_running(&self, _: RobotId) {
+        ThreadFlow::current().begin_release();
     }
 
     fn switch(&self, robot: RobotId, task: u32) {
         let threads = self.robot(robot);
-        threads.hand_to(task, false);
-        threads.wait(Flow::current());
+        threads.hand_token_to(task, false);
+        threads.wait(ThreadFlow::current());
     }
 
     fn enter(&self, _: RobotId, call: Call) -> bool {
-        let block = &Flow::current().block;
+        let block = &ThreadFlow::current().block;
         if let Some(number) = call.robios_number() {
             block.last_call.store(number, Ordering::Relaxed);
         }
@@ -342,11 +346,11 @@ impl Executor for ThreadExecutor {
     }
 
     fn leave(&self, _: RobotId) {
-        Flow::current().block.leave_host();
+        ThreadFlow::current().block.leave_host();
     }
 
     fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
-        let block = &Flow::current().block;
+        let block = &ThreadFlow::current().block;
         block.leave_host();
         // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the first
         // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
@@ -377,28 +381,28 @@ impl Executor for ThreadExecutor {
 
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
         let threads = self.robot(robot);
-        let Some(flow) = threads.working() else { return false };
+        let Some(flow) = threads.active_flow() else { return false };
         let mut timeout = timeout;
-        let look = match threads.child.get() {
+        let sample = match threads.child.get() {
             Some(child) if child.is_debugged() => return false,
             Some(child) if child.is_asked(flow.release()) || child.is_stopped() => return true,
             Some(child) => {
                 let (is_importing, spent) = child.imports();
-                timeout *= if is_importing { IMPORT_PATIENCE } else { 1.0 };
-                Look::at_process(child.pid(), &flow.block).map(|look| look.without(spent))
+                timeout *= if is_importing { IMPORT_TIMEOUT_FACTOR } else { 1.0 };
+                FlowSample::at_process(child.pid(), &flow.block).map(|sample| sample.without(spent))
             }
             None if flow.block.in_host.load(Ordering::Relaxed) => {
-                flow.watch.lock().pause();
+                flow.timer.lock().pause();
                 return false;
             }
-            None => Look::at_thread(&flow.block),
+            None => FlowSample::at_thread(&flow.block),
         };
-        look.is_some_and(|look| flow.watch.lock().is_overdue(&look, timeout))
+        sample.is_some_and(|sample| flow.timer.lock().is_overdue(&sample, timeout))
     }
 
     fn break_overdue(&self, robot: RobotId) {
         let threads = self.robot(robot);
-        match (threads.child.get(), threads.working()) {
+        match (threads.child.get(), threads.active_flow()) {
             (Some(child), Some(flow)) => child.stop_overdue(flow.release()),
             (None, Some(flow)) => signal::stop_overdue(&flow.block),
             (_, None) => {}
@@ -408,7 +412,7 @@ impl Executor for ThreadExecutor {
 
 /// A processor for each worker, among those that this process may use, beginning with the calling thread's; empty if there are
 /// fewer processors than workers.
-fn processors(lanes: usize) -> Vec<usize> {
+fn processors(workers: usize) -> Vec<usize> {
     // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the others take no pointers.
     let (allowed, here) = unsafe {
         let mut set: libc::cpu_set_t = std::mem::zeroed();
@@ -418,11 +422,11 @@ fn processors(lanes: usize) -> Vec<usize> {
         let allowed: Vec<usize> = (0..libc::CPU_SETSIZE as usize).filter(|cpu| libc::CPU_ISSET(*cpu, &set)).collect();
         (allowed, libc::sched_getcpu())
     };
-    if allowed.len() < lanes {
+    if allowed.len() < workers {
         return Vec::new();
     }
     let first = allowed.iter().position(|cpu| i32::try_from(*cpu) == Ok(here)).unwrap_or(0);
-    allowed.iter().cycle().skip(first).take(lanes).copied().collect()
+    allowed.iter().cycle().skip(first).take(workers).copied().collect()
 }
 
 /// Binds a thread to a processor; if the kernel refuses, the thread is not bound and only slower.

@@ -8,12 +8,12 @@ use super::signal::ThreadBlock;
 
 /// Measurement of one flow since the watchdog first saw its present release.
 #[derive(Default)]
-pub struct Watch {
+pub struct ReleaseTimer {
     release: u64,
-    since: Option<Since>,
+    baseline: Option<Baseline>,
 }
 
-struct Since {
+struct Baseline {
     processor_time: Duration,
     /// Last time at which it was seen running, or ready to run.
     last_active: Instant,
@@ -21,7 +21,7 @@ struct Since {
 }
 
 /// Sample of a flow's state.
-pub struct Look {
+pub struct FlowSample {
     /// Number of the flow's release, see [`ThreadBlock::releases`](super::signal::ThreadBlock::releases).
     pub release: u64,
     /// Processor time that the flow has used in all.
@@ -30,7 +30,7 @@ pub struct Look {
     pub is_asleep: bool,
 }
 
-impl Look {
+impl FlowSample {
     /// Samples a thread of this process.
     pub fn at_thread(block: &ThreadBlock) -> Option<Self> {
         let tid = block.tid.load(Relaxed);
@@ -56,36 +56,36 @@ impl Look {
     }
 }
 
-impl Look {
+impl FlowSample {
     /// Subtracts `other`, processor time that does not count.
     pub fn without(self, other: Duration) -> Self {
         Self { processor_time: self.processor_time.saturating_sub(other), ..self }
     }
 }
 
-impl Watch {
+impl ReleaseTimer {
     /// Discards the measurement while the host works for the program, such as on an image: it begins anew after that.
     pub fn pause(&mut self) {
-        self.since = None;
+        self.baseline = None;
     }
 
     /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its last
     /// release. Measured from the first sample of a release, so up to one sampling interval in the program's favour.
-    pub fn is_overdue(&mut self, look: &Look, timeout: f64) -> bool {
-        let processor_time = look.processor_time;
+    pub fn is_overdue(&mut self, sample: &FlowSample, timeout: f64) -> bool {
+        let processor_time = sample.processor_time;
         let now = Instant::now();
-        if look.release != self.release || self.since.is_none() {
-            self.release = look.release;
-            self.since = Some(Since { processor_time, last_active: now, last_processor_time: processor_time });
+        if sample.release != self.release || self.baseline.is_none() {
+            self.release = sample.release;
+            self.baseline = Some(Baseline { processor_time, last_active: now, last_processor_time: processor_time });
             return false;
         }
-        let Some(since) = &mut self.since else { return false };
-        if processor_time != since.last_processor_time || !look.is_asleep {
-            since.last_active = now;
-            since.last_processor_time = processor_time;
+        let Some(baseline) = &mut self.baseline else { return false };
+        if processor_time != baseline.last_processor_time || !sample.is_asleep {
+            baseline.last_active = now;
+            baseline.last_processor_time = processor_time;
         }
-        let asleep = now - since.last_active;
-        let used = processor_time.saturating_sub(since.processor_time);
+        let asleep = now - baseline.last_active;
+        let used = processor_time.saturating_sub(baseline.processor_time);
         used.as_secs_f64() >= timeout || asleep.as_secs_f64() >= timeout
     }
 }
@@ -154,12 +154,13 @@ mod tests {
 
     #[test]
     fn what_the_host_does_is_not_the_programs_time() {
-        let mut watch = Watch::default();
-        let look = |seconds| Look { release: 1, processor_time: Duration::from_secs(seconds), is_asleep: false };
-        assert!(!watch.is_overdue(&look(0), 1.0));
-        watch.pause();
-        assert!(!watch.is_overdue(&look(5), 1.0), "five seconds of the host's");
-        assert!(watch.is_overdue(&look(6), 1.0), "one of the program's");
+        let mut timer = ReleaseTimer::default();
+        let sample =
+            |seconds| FlowSample { release: 1, processor_time: Duration::from_secs(seconds), is_asleep: false };
+        assert!(!timer.is_overdue(&sample(0), 1.0));
+        timer.pause();
+        assert!(!timer.is_overdue(&sample(5), 1.0), "five seconds of the host's");
+        assert!(timer.is_overdue(&sample(6), 1.0), "one of the program's");
     }
 
     #[test]

@@ -17,7 +17,7 @@ use crate::record::report::Input;
 use crate::scenery::LazyScenery;
 
 /// A scene whose programs have been built.
-pub struct Built {
+pub struct BuiltScene {
     pub(super) options: Options,
     pub(super) settings: Settings,
     pub(super) scene: Arc<SceneSpec>,
@@ -26,7 +26,7 @@ pub struct Built {
     pub(super) programs: Programs,
 }
 
-impl Built {
+impl BuiltScene {
     /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
@@ -45,17 +45,17 @@ impl Built {
     /// Creates the robots and loads their programs.
     ///
     /// # Errors
-    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Asked`] for
+    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::InvalidRequest`] for
     /// a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
         let Self { options, settings, scene, scenery, inputs, programs } = self;
         let frames = |folder: &PathBuf| {
             let frames = Frames::create(folder, scene.robots.len());
-            frames.with_context(|| format!("--frames `{}`", folder.display())).map_err(Error::asked)
+            frames.with_context(|| format!("--frames `{}`", folder.display())).map_err(Error::invalid_request)
         };
         let mut frames = options.frames.as_ref().map(frames).transpose()?;
         if options.keep_frames {
-            frames = Some(frames.unwrap_or_default().keeping());
+            frames = Some(frames.unwrap_or_default().storing());
         }
         let frames = frames.map(Arc::new);
         let robot_options = RobotOptions {

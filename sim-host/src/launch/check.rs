@@ -10,7 +10,7 @@ use crate::files::DiskFiles;
 use crate::program::find::{ProgramSource, SearchPath, find_program};
 use crate::program::generation::choose;
 use crate::program::scene::wanted_of;
-use crate::program::{Generation, Wanted};
+use crate::program::{Generation, GenerationHint};
 use crate::robios::cost;
 
 /// Checks that a robot's program can be found and that its generation can be chosen; otherwise returns the code of the failed check
@@ -36,7 +36,7 @@ pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'s
         let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
         let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
         let said = wanted_of(robot);
-        let wanted = Wanted { api: api.or(said.api), ..said };
+        let wanted = GenerationHint { api: api.or(said.api), ..said };
         choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
     })
 }

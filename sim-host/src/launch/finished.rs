@@ -13,7 +13,7 @@ use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
 use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
-use crate::record::trail::Way;
+use crate::record::trail::BodyTrails;
 use crate::record::{Report, Trails};
 use crate::scenery::LazyScenery;
 
@@ -35,7 +35,7 @@ impl Finished {
     /// Draws the world from above with the paths that `trails`, a sink of the run, has recorded.
     pub fn drawing(&self, trails: &Trails) -> Drawing {
         let spawner = self.ended.run.spawner();
-        let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &Way)| RunRobot {
+        let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &BodyTrails)| RunRobot {
             id: spec.id.0,
             robi: Arc::clone(&spec.robi),
             start: spec.start,

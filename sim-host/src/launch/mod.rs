@@ -13,7 +13,7 @@ mod ready;
 mod scene;
 pub mod settings;
 
-pub use built::Built;
+pub use built::BuiltScene;
 pub use child::serve_child;
 pub use finished::Finished;
 pub use options::{DEFAULT_UNTIL, Options};
@@ -33,7 +33,7 @@ pub enum Error {
     Rejected(#[from] Rejected),
     /// The request makes no sense: a path that is no scene, an option that does not fit the scene, a program that cannot be built.
     #[error("{0}")]
-    Asked(String),
+    InvalidRequest(String),
     /// A robot's type, or the noise model of its drive, has values that cannot be simulated.
     #[error(transparent)]
     Robot(#[from] FactoryError),
@@ -49,9 +49,9 @@ pub enum Error {
 }
 
 impl Error {
-    /// [`Error::Asked`] with the message of `error` and all its causes.
-    pub(crate) fn asked(error: anyhow::Error) -> Self {
-        Self::Asked(format!("{error:#}"))
+    /// [`Error::InvalidRequest`] with the message of `error` and all its causes.
+    pub(crate) fn invalid_request(error: anyhow::Error) -> Self {
+        Self::InvalidRequest(format!("{error:#}"))
     }
 }
 

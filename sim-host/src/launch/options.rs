@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use sim_core::time::Time;
 
 use super::settings::ProgramOption;
-use crate::executive::load::Debug;
+use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
 use crate::program::Generation;
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
@@ -59,7 +59,7 @@ pub struct Options {
     /// The images that programs take are kept for a recording.
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
-    pub debug: Option<Debug>,
+    pub debug: Option<DebugTarget>,
 }
 
 impl Default for Options {

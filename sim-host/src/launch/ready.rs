@@ -15,7 +15,7 @@ use super::settings::Settings;
 use super::{Error, Options, check};
 use crate::executive::interrupt::Interrupt;
 use crate::executive::program::{Exec, RobotProgram};
-use crate::executive::scheduler::{Limits, Parts, Scheduler};
+use crate::executive::scheduler::{Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
 use crate::executive::thread::ThreadExecutor;
 use crate::files::slashed;
@@ -113,16 +113,16 @@ impl Ready {
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
         let sinks: Sinks<'_> = [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(failures).collect();
         let limits = Limits {
-            lanes: options.workers.map_or_else(processors, NonZeroUsize::get),
+            workers: options.workers.map_or_else(processors, NonZeroUsize::get),
             until: settings.until,
             timeout: options.timeout,
             is_verbose: options.is_verbose,
             linger: options.linger,
         };
         let flows = programs.iter().flatten().count();
-        let parts = Parts {
+        let parts = RunParts {
             world,
-            executor: Box::new(ThreadExecutor::new(robots.len(), flows, limits.lanes)),
+            executor: Box::new(ThreadExecutor::new(robots.len(), flows, limits.workers)),
             robots,
             programs,
             spawner,

@@ -8,9 +8,9 @@ use anyhow::{Context as _, bail, ensure};
 use sim_core::spec::{CostsRef, SceneSpec};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
-use super::built::Built;
+use super::built::BuiltScene;
 use super::ready::Ready;
-use super::settings::{Settings, give_noise};
+use super::settings::{Settings, assign_noise};
 use super::{Error, Options, Rejected, check};
 use crate::files::{DiskFiles, read_regular};
 use crate::program::find::SearchPath;
@@ -31,10 +31,10 @@ impl Scene {
     /// [`Scene::diagnostics`].
     ///
     /// # Errors
-    /// [`Error::Asked`] for a path that is no scene, and for options that name an unknown noise profile.
+    /// [`Error::InvalidRequest`] for a path that is no scene, and for options that name an unknown noise profile.
     pub fn open(path: impl AsRef<Path>, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
-        expect_scene(path).map_err(Error::asked)?;
+        expect_scene(path).map_err(Error::invalid_request)?;
         Self::read(path, DiskFiles::of_environment(), options)
     }
 
@@ -42,7 +42,7 @@ impl Scene {
     /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors
-    /// [`Error::Asked`] for options that name an unknown noise profile.
+    /// [`Error::InvalidRequest`] for options that name an unknown noise profile.
     pub fn of_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path, DiskFiles::of_environment().with_text(path, text), options)
@@ -51,7 +51,7 @@ impl Scene {
     fn read(path: &Path, mut files: DiskFiles, options: Options) -> Result<Self, Error> {
         let mut loaded = load_scene_with(&files.name(path), options.seed, &files);
         if let Some(noise) = &options.noise {
-            give_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::asked)?;
+            assign_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::invalid_request)?;
         }
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
@@ -93,9 +93,9 @@ impl Scene {
     /// Builder for its programs, with the compilers, flags and cache folder of this process's environment.
     ///
     /// # Errors
-    /// [`Error::Asked`] if no cache folder can be used.
+    /// [`Error::InvalidRequest`] if no cache folder can be used.
     pub fn builder(&self) -> Result<Builder, Error> {
-        let cache = Cache::of_user().context("no folder for built programs").map_err(Error::asked)?;
+        let cache = Cache::of_user().context("no folder for built programs").map_err(Error::invalid_request)?;
         let mut tools = Tools::of_environment();
         if self.options.debug.is_some() {
             // Unoptimised, so that every line and variable exists for the debugger; the user's own flags follow and take precedence.
@@ -107,7 +107,7 @@ impl Scene {
     /// Finds, builds and loads its programs.
     ///
     /// # Errors
-    /// As [`Scene::build`] and [`Built::load`].
+    /// As [`Scene::build`] and [`BuiltScene::load`].
     pub fn load(self) -> Result<Ready, Error> {
         let builder = self.builder()?;
         self.build(&builder)?.load()
@@ -116,26 +116,26 @@ impl Scene {
     /// Finds its programs and builds them with `builder`, each once.
     ///
     /// # Errors
-    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Asked`] for an option
+    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::InvalidRequest`] for an option
     /// that does not fit the scene, and for programs that cannot be built.
-    pub fn build(mut self, builder: &Builder) -> Result<Built, Error> {
+    pub fn build(mut self, builder: &Builder) -> Result<BuiltScene, Error> {
         let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
         if self.is_rejected() {
             return Err(reject(self.loaded.diagnostics, self.loaded.inputs));
         }
-        let settings = self.settings().map_err(Error::asked)?;
-        let search = check::search_path(&self.files).context("no working folder").map_err(Error::asked)?;
+        let settings = self.settings().map_err(Error::invalid_request)?;
+        let search = check::search_path(&self.files).context("no working folder").map_err(Error::invalid_request)?;
         let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
         let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
         if !missing.is_empty() {
             return Err(reject(missing, inputs));
         }
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
-        let programs = Programs::build(&scene, &search, builder).map_err(Error::asked)?;
+        let programs = Programs::build(&scene, &search, builder).map_err(Error::invalid_request)?;
         let read = read_files(&inputs, settings.costs_input.as_ref(), &programs);
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
-        Ok(Built { options, settings, scene, scenery, inputs: read, programs })
+        Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
     }
 
     /// Settings of the run; gives its robots the programs and arguments of the options.

@@ -48,9 +48,9 @@ impl Settings {
         for press in &keys {
             press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
         }
-        give_programs(scene, &options.programs)?;
+        assign_programs(scene, &options.programs)?;
         scene.robots.iter_mut().for_each(|robot| robot.api = options.api.map(Generation::number).or(robot.api));
-        give_arguments(scene, &options.arguments)?;
+        assign_arguments(scene, &options.arguments)?;
         let (costs, costs_input) = match &options.costs {
             Some(path) => read_costs(path)?,
             None => (costs_of(scene)?, None),
@@ -72,14 +72,14 @@ impl Settings {
 /// Option that assigns a program to robots of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramOption {
-    who: Who,
+    selector: RobotSelector,
     /// Reference to the program, as in a sim file.
     program: String,
 }
 
 /// Robots that get the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Who {
+enum RobotSelector {
     /// All robots without a program.
     Without,
     /// One robot.
@@ -94,11 +94,13 @@ impl ProgramOption {
     /// # Errors
     /// The text names no program.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let (who, program) = match (split_robot(text, '='), text.split_once('=')) {
-            ((Some(robot), program), _) => (Who::Robot(robot), program),
-            (_, Some((name, program))) if !name.trim().is_empty() => (Who::Name(name.trim().to_owned()), program),
-            (_, Some((_, program))) => (Who::Without, program),
-            _ => (Who::Without, text),
+        let (selector, program) = match (split_robot(text, '='), text.split_once('=')) {
+            ((Some(robot), program), _) => (RobotSelector::Robot(robot), program),
+            (_, Some((name, program))) if !name.trim().is_empty() => {
+                (RobotSelector::Name(name.trim().to_owned()), program)
+            }
+            (_, Some((_, program))) => (RobotSelector::Without, program),
+            _ => (RobotSelector::Without, text),
         };
         if program.trim().is_empty() {
             return Err(
@@ -107,18 +109,18 @@ impl ProgramOption {
                     .into(),
             );
         }
-        Ok(Self { who, program: program.to_owned() })
+        Ok(Self { selector, program: program.to_owned() })
     }
 }
 
 impl std::fmt::Display for ProgramOption {
     /// In the syntax of the command line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.who {
-            Who::Without if self.program.contains('=') => write!(f, "={}", self.program),
-            Who::Without => f.write_str(&self.program),
-            Who::Robot(robot) => write!(f, "{robot}={}", self.program),
-            Who::Name(name) => write!(f, "{name}={}", self.program),
+        match &self.selector {
+            RobotSelector::Without if self.program.contains('=') => write!(f, "={}", self.program),
+            RobotSelector::Without => f.write_str(&self.program),
+            RobotSelector::Robot(robot) => write!(f, "{robot}={}", self.program),
+            RobotSelector::Name(name) => write!(f, "{name}={}", self.program),
         }
     }
 }
@@ -128,10 +130,10 @@ impl std::fmt::Display for ProgramOption {
 ///
 /// # Errors
 /// An option fits no robot.
-pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
+pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
     let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
-        let (rank, robots) = robots_of(scene, &option.who).context("--program")?;
+        let (rank, robots) = robots_of(scene, &option.selector).context("--program")?;
         for index in robots {
             let before = given.get(&index).filter(|(before, _)| *before >= rank);
             if before.is_some_and(|(before, _)| *before == rank) {
@@ -142,7 +144,7 @@ pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow
             }
         }
     }
-    let mut for_all = options.iter().filter(|option| option.who == Who::Without);
+    let mut for_all = options.iter().filter(|option| option.selector == RobotSelector::Without);
     if let Some(option) = for_all.next() {
         if let Some(second) = for_all.next() {
             bail!(
@@ -171,7 +173,7 @@ pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow
 ///
 /// # Errors
 /// `name` is neither a preset nor a file.
-pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
+pub fn assign_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
     let noise = match preset(name) {
         Some(preset) => NoiseRef::Preset(preset),
         None => {
@@ -206,12 +208,12 @@ enum Rank {
     Number,
 }
 
-/// Indices in the scene of the robots that `who` names; empty for [`Who::Without`], which [`give_programs`] handles.
-fn robots_of(scene: &SceneSpec, who: &Who) -> anyhow::Result<(Rank, Vec<usize>)> {
-    match who {
-        Who::Without => Ok((Rank::Type, Vec::new())),
-        Who::Robot(robot) => Ok((Rank::Number, vec![index_of(scene, *robot)?])),
-        Who::Name(name) => {
+/// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::Without`], which [`assign_programs`] handles.
+fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> anyhow::Result<(Rank, Vec<usize>)> {
+    match selector {
+        RobotSelector::Without => Ok((Rank::Type, Vec::new())),
+        RobotSelector::Robot(robot) => Ok((Rank::Number, vec![index_of(scene, *robot)?])),
+        RobotSelector::Name(name) => {
             let places = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
                 (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
             };
@@ -249,7 +251,7 @@ fn known(scene: &SceneSpec) -> String {
 }
 
 /// Replaces the arguments of the robots that `options` name; several options for one robot are appended to each other.
-fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<()> {
+fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<()> {
     let mut replaced = vec![false; scene.robots.len()];
     for text in options {
         let (robot, words) = split_robot(text, ':');
@@ -346,7 +348,7 @@ mod tests {
     fn programs(options: &[&str]) -> Result<Vec<String>, String> {
         let mut scene = scene();
         let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
-        give_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        assign_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
         Ok(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect())
     }
 
@@ -354,7 +356,7 @@ mod tests {
         let mut scene = scene();
         scene.robots[1].program = Some(program_of_command_line("b.c"));
         let options: Vec<String> = options.iter().map(|&text| text.to_owned()).collect();
-        give_arguments(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        assign_arguments(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
         Ok(scene.robots.into_iter().map(|robot| robot.arguments).collect())
     }
 
@@ -374,7 +376,7 @@ mod tests {
         let programs = |options: &[&str]| {
             let mut scene = scene.clone();
             let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
-            give_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+            assign_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
             Ok::<_, String>(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect::<Vec<_>>())
         };
         for name in ["maze", "maze.x"] {
@@ -402,7 +404,7 @@ mod tests {
         assert!(error(&["x.c", "y.c"]).contains("not `x.c` and `y.c`"));
         let mut empty = SceneSpec::default();
         let option = ProgramOption::parse("1=x.c").expect("a program");
-        let error_of_empty = give_programs(&mut empty, &[option]).expect_err("refused");
+        let error_of_empty = assign_programs(&mut empty, &[option]).expect_err("refused");
         assert_eq!(format!("{error_of_empty:#}"), "--program: there is no robot 1: the scene has no robots");
         assert!(error(&["2=x.c", "3=x.c", "z.c"]).contains("every robot has a program; `--program 1=z.c` replaces"));
         assert!(ProgramOption::parse("2=").unwrap_err().contains("expected a program"));

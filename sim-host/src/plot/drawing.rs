@@ -169,7 +169,7 @@ impl Drawing {
     }
 
     /// Adds a line to the legend, unless it is there already.
-    pub fn explain(&mut self, symbol: Symbol, text: impl Into<String>) {
+    pub fn add_legend(&mut self, symbol: Symbol, text: impl Into<String>) {
         let entry = Entry { symbol, text: text.into() };
         if !self.legend.contains(&entry) {
             self.legend.push(entry);
@@ -206,7 +206,7 @@ impl Paint {
     }
 
     /// A colour of this `opacity`.
-    pub const fn veil(colour: RGBColor, opacity: f64) -> Self {
+    pub const fn translucent(colour: RGBColor, opacity: f64) -> Self {
         Self { colour, opacity }
     }
 }

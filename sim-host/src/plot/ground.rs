@@ -28,7 +28,8 @@ pub fn draw_world(drawing: &mut Drawing, world: &WorldSpec, texture: Option<Arc<
         let outline = [(left, lower), (right, lower), (right, upper), (left, upper)].map(|(x, y)| DVec2::new(x, y));
         // An image is shown in its own colours.
         let terrain = world.terrain.as_ref().and_then(|terrain| terrain.field.as_deref());
-        let paint = if texture.is_some() || terrain.is_some() { Paint::veil(FLOOR, 0.0) } else { Paint::solid(FLOOR) };
+        let paint =
+            if texture.is_some() || terrain.is_some() { Paint::translucent(FLOOR, 0.0) } else { Paint::solid(FLOOR) };
         drawing.push(Shape::filled(Form::Polygon(outline.to_vec()), paint));
         drawing.backdrop = texture.map(|texture| Backdrop { corners, texture });
         if let Some(field) = terrain {
@@ -37,7 +38,7 @@ pub fn draw_world(drawing: &mut Drawing, world: &WorldSpec, texture: Option<Arc<
     }
     world.walls.iter().for_each(|wall| draw_wall(drawing, wall));
     if !world.walls.is_empty() {
-        drawing.explain(Symbol::Line(Line::solid(WALL, WALL_WIDTH)), "wall");
+        drawing.add_legend(Symbol::Line(Line::solid(WALL, WALL_WIDTH)), "wall");
     }
 }
 
@@ -61,14 +62,14 @@ pub fn draw_markers(drawing: &mut Drawing, markers: &[MarkerSpec]) {
     for marker in markers {
         drawing.include_around(marker.position, MARKER_RADIUS);
         let [red, green, blue, opacity] = marker.colour;
-        let paint = Paint::veil(RGBColor(red, green, blue), f64::from(opacity) / 255.0);
+        let paint = Paint::translucent(RGBColor(red, green, blue), f64::from(opacity) / 255.0);
         let form = Form::Disc { centre: marker.position, radius: MARKER_RADIUS, least: 3.0 };
         drawing.push(Shape::filled(form, paint).with_line(edge));
     }
     if let Some(marker) = markers.first() {
         let [red, green, blue, _] = marker.colour;
         let paint = Paint::solid(RGBColor(red, green, blue));
-        drawing.explain(Symbol::Disc(Some(paint), edge), format!("marker ({})", markers.len()));
+        drawing.add_legend(Symbol::Disc(Some(paint), edge), format!("marker ({})", markers.len()));
     }
 }
 
@@ -78,7 +79,7 @@ pub fn draw_starts<'a>(drawing: &mut Drawing, starts: impl Iterator<Item = &'a S
     for start in starts {
         drawing.include(start.pose.position);
         drawing.push(Shape::outlined(Form::Arrow(start.pose), line));
-        drawing.explain(Symbol::Arrow(line), "start of a robot");
+        drawing.add_legend(Symbol::Arrow(line), "start of a robot");
         if let Some(letter) = start.letter {
             let direction = -start.pose.heading.direction();
             let label =

@@ -23,7 +23,7 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use crate::record::report::write_whole;
+use crate::record::report::write_atomically;
 
 pub use drawing::Drawing;
 pub use run::{RunObject, RunPicture, RunRobot, draw_run};
@@ -50,14 +50,14 @@ pub enum PlotError {
 
 /// A kind of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PictureKind {
     /// Scalable Vector Graphics.
     Svg,
     /// Portable Network Graphics.
     Png,
 }
 
-impl Kind {
+impl PictureKind {
     /// Kind of the extension of a file's name; a device gets SVG, which is text.
     ///
     /// # Errors
@@ -85,11 +85,11 @@ impl Kind {
 }
 
 /// Writes a picture to `path`, completely or not at all, in the kind of its extension. `size` in pixels as for
-/// [`Kind::render`].
+/// [`PictureKind::render`].
 ///
 /// # Errors
 /// [`PlotError`] for another kind of file, or one that cannot be drawn or written.
 pub fn write(drawing: &Drawing, path: &Path, size: Option<(u32, u32)>) -> Result<(), PlotError> {
-    let bytes = Kind::of(path)?.render(drawing, size)?;
-    write_whole(path, &bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+    let bytes = PictureKind::of(path)?.render(drawing, size)?;
+    write_atomically(path, &bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }

@@ -21,9 +21,9 @@ pub const MESH: Line = Line::solid(SHADE, 1.0);
 /// Draws an object of this type at `pose`, with its mesh if there is one.
 pub fn draw_object(drawing: &mut Drawing, kind: &ObjectType, mesh: Option<&Mesh>, pose: &Pose) {
     let colour = kind.colour.map_or(OBJECT, |[red, green, blue]| RGBColor(red, green, blue));
-    let fill = Paint::veil(colour, 0.8);
+    let fill = Paint::translucent(colour, 0.8);
     if let Some(mesh) = mesh {
-        draw_mesh(drawing, mesh, pose, Paint::veil(SHADE, 0.3));
+        draw_mesh(drawing, mesh, pose, Paint::translucent(SHADE, 0.3));
     }
     for collider in &kind.colliders {
         for point in footprint(collider) {
@@ -36,7 +36,7 @@ pub fn draw_object(drawing: &mut Drawing, kind: &ObjectType, mesh: Option<&Mesh>
         Some(Collider::Box { .. }) => Symbol::Square(Some(fill), COLLIDER),
         _ => Symbol::Disc(Some(fill), COLLIDER),
     };
-    drawing.explain(symbol, kind.name.clone());
+    drawing.add_legend(symbol, kind.name.clone());
 }
 
 /// Draws the outline of a mesh from above.
@@ -45,7 +45,7 @@ pub fn draw_mesh(drawing: &mut Drawing, mesh: &Mesh, pose: &Pose, fill: Paint) {
     let hull: Vec<DVec2> = convex_hull(points.collect()).into_iter().map(|point| pose.transform_point(point)).collect();
     hull.iter().for_each(|corner| drawing.include(*corner));
     drawing.push(Shape::filled(Form::Polygon(hull), fill).with_line(MESH));
-    drawing.explain(Symbol::Square(Some(fill), MESH), "outline of a mesh");
+    drawing.add_legend(Symbol::Square(Some(fill), MESH), "outline of a mesh");
 }
 
 /// A collider from above.

@@ -20,16 +20,16 @@ const MARK: f64 = 4.0;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
 const RANGE_LINE: Line = Line::solid(RANGE, 1.25);
-const SONAR_FILL: Paint = Paint::veil(RANGE, 0.12);
+const SONAR_FILL: Paint = Paint::translucent(RANGE, 0.12);
 const INFRARED_LINE: Line = Line::solid(INFRARED, 2.0);
 const BUMPER_LINE: Line = Line::solid(BUMPER, 4.0);
 const CAMERA_LINE: Line = Line::solid(CAMERA, 1.0);
-const CAMERA_FILL: Paint = Paint::veil(CAMERA, 0.2);
+const CAMERA_FILL: Paint = Paint::translucent(CAMERA, 0.2);
 const LIDAR_LINE: Line = Line::solid(LIDAR, 1.25);
 
 /// Appearance of a robot.
 #[derive(Clone, Copy, Debug)]
-pub struct Looks<'a> {
+pub struct RobotStyle<'a> {
     /// Colour of its body.
     pub colour: RGBColor,
     /// Its mesh, if it is to be shown.
@@ -37,19 +37,20 @@ pub struct Looks<'a> {
 }
 
 /// Draws the body with its heading and wheels.
-pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, looks: &Looks<'_>) {
+pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &RobotStyle<'_>) {
     let radius = 0.5 * robi.diameter;
     drawing.include_around(pose.position, radius);
-    let edge = Line::solid(looks.colour, 1.5);
-    if let Some(mesh) = looks.mesh {
-        draw_mesh(drawing, mesh, pose, Paint::veil(looks.colour, 0.1));
+    let edge = Line::solid(style.colour, 1.5);
+    if let Some(mesh) = style.mesh {
+        draw_mesh(drawing, mesh, pose, Paint::translucent(style.colour, 0.1));
     }
     draw_wheels(drawing, robi, pose);
     let disc = Form::Disc { centre: pose.position, radius, least: MARK };
-    drawing.push(Shape::filled(disc, Paint::veil(looks.colour, 0.35)).with_line(edge));
+    drawing.push(Shape::filled(disc, Paint::translucent(style.colour, 0.35)).with_line(edge));
     for collider in &robi.colliders {
         footprint(collider).into_iter().for_each(|point| drawing.include(pose.transform_point(point)));
-        let shape = collider_shape(collider, pose, Paint::veil(looks.colour, 0.15), Line::solid(looks.colour, 1.0));
+        let shape =
+            collider_shape(collider, pose, Paint::translucent(style.colour, 0.15), Line::solid(style.colour, 1.0));
         drawing.push(shape.detail(robi.diameter));
     }
     draw_heading(drawing, pose, radius);
@@ -78,8 +79,8 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         let arc = arc(pose, DVec2::ZERO, 0.5 * robi.diameter, bumper.from, bumper.to);
         drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
     }
-    let sights = sights(robi);
-    let ranges = sights.iter().map(|sight| (sight.at, sight.line()));
+    let sensor_views = sensor_views(robi);
+    let ranges = sensor_views.iter().map(|sight| (sight.at, sight.line()));
     let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
     for (position, line) in ranges.chain(infrareds.map(|(position, line)| (position.truncate(), line))) {
         let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, least: 2.0 };
@@ -93,8 +94,8 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     let reach = |origin: DVec2, direction: DVec2, range: f64| {
         walls.cast(origin, direction, range).map_or(range, |hit| hit.distance)
     };
-    let sights = sights(robi);
-    for (sight, half) in sights.iter().filter_map(|sight| Some((sight, sight.half_angle?))) {
+    let sensor_views = sensor_views(robi);
+    for (sight, half) in sensor_views.iter().filter_map(|sight| Some((sight, sight.half_angle?))) {
         draw_cone(drawing, sight, half, pose, walls);
     }
     let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
@@ -103,7 +104,7 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         let end = origin + direction * reach(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
     };
-    for sight in &sights {
+    for sight in &sensor_views {
         beam(sight.at, sight.angle(), sight.reach, sight.line());
     }
     for infrared in &robi.infrareds {
@@ -122,35 +123,35 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
             drawing.push(Shape::outlined(Form::Path(ray), LIDAR_LINE).detail(0.1 * robi.diameter));
         }
     }
-    explain_sensors(drawing, robi);
+    add_sensor_legend(drawing, robi);
 }
 
-fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
+fn add_sensor_legend(drawing: &mut Drawing, robi: &RobiSpec) {
     if !robi.psds.is_empty() {
-        drawing.explain(Symbol::Beam(PSD_LINE), "PSD, up to its range");
+        drawing.add_legend(Symbol::Beam(PSD_LINE), "PSD, up to its range");
     }
     if robi.ranges.iter().any(|range| !matches!(range.model, RangeModel::Sonar(_))) {
-        drawing.explain(Symbol::Beam(RANGE_LINE), "range sensor, line of sight");
+        drawing.add_legend(Symbol::Beam(RANGE_LINE), "range sensor, line of sight");
     }
     if robi.ranges.iter().any(|range| matches!(range.model, RangeModel::Sonar(_))) {
-        drawing.explain(Symbol::Sector(SONAR_FILL, RANGE_LINE), "sonar, its beam");
+        drawing.add_legend(Symbol::Sector(SONAR_FILL, RANGE_LINE), "sonar, its beam");
     }
     if !robi.infrareds.is_empty() {
-        drawing.explain(Symbol::Beam(INFRARED_LINE), "infrared switch, its range");
+        drawing.add_legend(Symbol::Beam(INFRARED_LINE), "infrared switch, its range");
     }
     if !robi.bumpers.is_empty() {
-        drawing.explain(Symbol::Line(BUMPER_LINE), "bumper");
+        drawing.add_legend(Symbol::Line(BUMPER_LINE), "bumper");
     }
     if robi.camera.is_some() {
-        drawing.explain(Symbol::Sector(CAMERA_FILL, CAMERA_LINE), "camera, field of view");
+        drawing.add_legend(Symbol::Sector(CAMERA_FILL, CAMERA_LINE), "camera, field of view");
     }
     if robi.lidar.is_some() {
-        drawing.explain(Symbol::Line(LIDAR_LINE), "laser scanner");
+        drawing.add_legend(Symbol::Line(LIDAR_LINE), "laser scanner");
     }
 }
 
 /// Range sensor from above, with its servos centred.
-struct Sight<'r> {
+struct SensorView<'r> {
     name: &'r str,
     /// Position in the robot's frame.
     at: DVec2,
@@ -165,7 +166,7 @@ struct Sight<'r> {
     model: RangeModel,
 }
 
-impl Sight<'_> {
+impl SensorView<'_> {
     fn line(&self) -> Line {
         if matches!(self.model, RangeModel::Psd { .. }) { PSD_LINE } else { RANGE_LINE }
     }
@@ -176,7 +177,7 @@ impl Sight<'_> {
 }
 
 /// Range sensors of a robot whose servos are centred.
-fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
+fn sensor_views(robi: &RobiSpec) -> Vec<SensorView<'_>> {
     let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
     let sensors = build::range_sensors(robi);
     let sight = |(name, sensor): (_, &RangeSensor)| {
@@ -188,7 +189,7 @@ fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
             RangeModel::Sonar(sonar) => (sonar.max, Some(sonar.half_angle)),
         };
         let (at, reach) = (frame.position.truncate(), range * way.length());
-        Sight { name, at, way, reach, range, half_angle, model: sensor.model }
+        SensorView { name, at, way, reach, range, half_angle, model: sensor.model }
     };
     names.map(String::as_str).zip(&sensors).map(sight).collect()
 }
@@ -209,7 +210,7 @@ fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
 }
 
 /// The cone of a sonar from above, up to its range or the walls.
-fn draw_cone(drawing: &mut Drawing, sight: &Sight<'_>, half: f64, pose: &Pose, walls: &Walls) {
+fn draw_cone(drawing: &mut Drawing, sight: &SensorView<'_>, half: f64, pose: &Pose, walls: &Walls) {
     const STEPS: u32 = 16;
     let origin = pose.transform_point(sight.at);
     let end = |step: u32| {
@@ -237,7 +238,7 @@ fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     if let Some((from, to)) = range {
         let line = Line::solid(CAMERA, 2.0);
         drawing.push(Shape::outlined(Form::Path(arc(pose, place, 0.4 * length, from, to)), line).detail(robi.diameter));
-        drawing.explain(Symbol::Line(line), "camera, range of its pan servo");
+        drawing.add_legend(Symbol::Line(line), "camera, range of its pan servo");
     }
 }
 
@@ -264,7 +265,7 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         let beyond = along * along + radius * radius - position.length_squared();
         position + way * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
     };
-    for sight in sights(robi) {
+    for sight in sensor_views(robi) {
         let way = way(sight.angle());
         label(format!("{}, {} m", sight.name, rounded(sight.range)), edge(sight.at, way, sight.reach), way);
     }

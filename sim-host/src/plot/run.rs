@@ -10,7 +10,7 @@ use super::colour::{self, INK, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};
 use super::ground;
 use super::object::{collider_shape, draw_object};
-use super::robot::{Looks, draw_body, draw_heading};
+use super::robot::{RobotStyle, draw_body, draw_heading};
 use super::scene::{MAX_LABELS, robot_label};
 
 /// A robot of a run.
@@ -75,7 +75,7 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
         let ring = Form::Disc { centre: robot.start.position, radius, least: 4.0 };
         drawing.push(Shape::outlined(ring, line(index)));
         draw_heading(&mut drawing, &robot.start, radius);
-        draw_body(&mut drawing, &robot.robi, &robot.end, &Looks { colour: colour::robot(index), mesh: None });
+        draw_body(&mut drawing, &robot.robi, &robot.end, &RobotStyle { colour: colour::robot(index), mesh: None });
         if robots.len() <= MAX_LABELS {
             drawing.labels.push(robot_label(robot.id, &robot.robi, &robot.end));
         }
@@ -85,12 +85,12 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
         drawing.include(*contact);
         drawing.push(Shape::outlined(Form::Cross(*contact), cross));
     }
-    drawing.explain(Symbol::Disc(None, cross), "start");
-    drawing.explain(Symbol::Disc(Some(Paint::veil(INK, 0.35)), cross), "end");
-    drawing.explain(Symbol::Cross(cross), "contact");
+    drawing.add_legend(Symbol::Disc(None, cross), "start");
+    drawing.add_legend(Symbol::Disc(Some(Paint::translucent(INK, 0.35)), cross), "end");
+    drawing.add_legend(Symbol::Cross(cross), "contact");
     for (index, robot) in robots.iter().enumerate() {
         let line = Line { width: 3.0, ..line(index) };
-        drawing.explain(Symbol::Line(line), format!("r{} {}", robot.id, robot.robi.name));
+        drawing.add_legend(Symbol::Line(line), format!("r{} {}", robot.id, robot.robi.name));
     }
     drawing
 }
@@ -111,7 +111,7 @@ fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
             drawing.push(Shape { fill: None, ..collider_shape(collider, &object.start, Paint::solid(SHADE), line) });
         }
         draw_trails(drawing, &object.trails, line);
-        drawing.explain(Symbol::Disc(None, line), "where an object was");
+        drawing.add_legend(Symbol::Disc(None, line), "where an object was");
     }
     for object in objects {
         draw_object(drawing, &object.kind, None, &object.end);

@@ -13,7 +13,7 @@ use sim_format::path;
 
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::frame::metres;
-use super::robot::{Looks, draw_body, draw_fittings, draw_sensors, label_sensors};
+use super::robot::{RobotStyle, draw_body, draw_fittings, draw_sensors, label_sensors};
 use super::{colour, ground, object};
 
 /// Most robots that get labels: more labels would hide the picture.
@@ -22,10 +22,10 @@ pub const MAX_LABELS: usize = 100;
 const MAX_SENSING: usize = 30;
 
 /// Draws the world with robots at their starts, objects and markers.
-pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
+pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
     let mut drawing = Drawing::new(title(scene));
-    ground::draw_world(&mut drawing, world, looks.floor(world));
+    ground::draw_world(&mut drawing, world, mesh_reader.floor(world));
     ground::draw_markers(&mut drawing, &scene.markers);
     // An arrow adds nothing to a robot at the same place.
     let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
@@ -33,7 +33,7 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
     let mut meshes = BTreeMap::new();
     for object in &scene.objects {
         let kind = &object.kind;
-        let mesh = meshes.entry((&kind.file, &kind.name)).or_insert_with(|| looks.object(kind));
+        let mesh = meshes.entry((&kind.file, &kind.name)).or_insert_with(|| mesh_reader.object(kind));
         object::draw_object(&mut drawing, kind, mesh.as_deref(), &object.pose);
     }
     if scene.robots.len() <= MAX_SENSING {
@@ -43,9 +43,9 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
         }
     }
     for (index, robot) in scene.robots.iter().enumerate() {
-        let mesh = looks.robot(&robot.robi);
-        let looks = Looks { colour: colour::robot(index), mesh: mesh.as_deref() };
-        draw_body(&mut drawing, &robot.robi, &robot.start, &looks);
+        let mesh = mesh_reader.robot(&robot.robi);
+        let style = RobotStyle { colour: colour::robot(index), mesh: mesh.as_deref() };
+        draw_body(&mut drawing, &robot.robi, &robot.start, &style);
         draw_fittings(&mut drawing, &robot.robi, &robot.start);
         if scene.robots.len() <= MAX_LABELS {
             drawing.labels.push(robot_label(robot.id.0, &robot.robi, &robot.start));
@@ -57,7 +57,7 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
         let words = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
         let program = words.collect::<Vec<_>>().join(" ");
         let text = format!("r{} {} {program}", robot.id.0, robot.robi.name);
-        drawing.explain(body_symbol(index), text.trim_end());
+        drawing.add_legend(body_symbol(index), text.trim_end());
     }
     drawing
 }
@@ -85,31 +85,31 @@ pub fn robot_label(id: u32, robi: &RobiSpec, pose: &Pose) -> Label {
 /// Legend symbol of the robot at `index` of the list.
 pub fn body_symbol(index: usize) -> Symbol {
     let colour = colour::robot(index);
-    Symbol::Disc(Some(Paint::veil(colour, 0.35)), Line::solid(colour, 1.5))
+    Symbol::Disc(Some(Paint::translucent(colour, 0.35)), Line::solid(colour, 1.5))
 }
 
 /// Draws a robot type, facing right, with its sensors and their names.
-pub fn draw_robi(robi: &RobiSpec, looks: &mut MeshReader<'_>) -> Drawing {
+pub fn draw_robi(robi: &RobiSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let name = robi.file.rsplit('/').next().unwrap_or_default();
     let title = format!("{name}: {}, {} mm across", robi.name, (robi.diameter * 1000.0).round());
     let mut drawing = Drawing::new(title);
     let pose = Pose::new(0.0, 0.0, 0.0);
-    let mesh = looks.robot(robi);
+    let mesh = mesh_reader.robot(robi);
     // Beams leave the picture; their lengths are written beside them.
     drawing.include_around(DVec2::ZERO, 1.1 * robi.diameter);
     draw_sensors(&mut drawing, robi, &pose, &Walls::new(Vec::new()));
-    draw_body(&mut drawing, robi, &pose, &Looks { colour: colour::robot(0), mesh: mesh.as_deref() });
+    draw_body(&mut drawing, robi, &pose, &RobotStyle { colour: colour::robot(0), mesh: mesh.as_deref() });
     draw_fittings(&mut drawing, robi, &pose);
     label_sensors(&mut drawing, robi, &pose);
-    drawing.explain(body_symbol(0), "body, heading");
+    drawing.add_legend(body_symbol(0), "body, heading");
     drawing
 }
 
 /// Draws an object type, facing right.
-pub fn draw_object_type(kind: &ObjectType, looks: &mut MeshReader<'_>) -> Drawing {
+pub fn draw_object_type(kind: &ObjectType, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let name = kind.file.rsplit('/').next().unwrap_or_default();
     let mut drawing = Drawing::new(format!("{name}: {}", kind.name));
-    let mesh = looks.object(kind);
+    let mesh = mesh_reader.object(kind);
     let pose = Pose::new(0.0, 0.0, 0.0);
     object::draw_object(&mut drawing, kind, mesh.as_deref(), &pose);
     let (low, high) = drawing.extent();
@@ -119,6 +119,6 @@ pub fn draw_object_type(kind: &ObjectType, looks: &mut MeshReader<'_>) -> Drawin
     let line = Line::solid(colour::INK, 1.25);
     let needle = Form::Needle { pose, length: 0.25 * (high - low).max_element(), least: 10.0 };
     drawing.push(Shape::outlined(needle, line));
-    drawing.explain(Symbol::Line(line), "forward");
+    drawing.add_legend(Symbol::Line(line), "forward");
     drawing
 }

@@ -30,8 +30,8 @@ pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
     drawing.backdrop = image(field, step).map(|image| Backdrop { corners: [min, max], texture: Arc::new(image) });
     if let Some(step) = step {
         let line = Symbol::Line(Line::solid(SHADE, 1.0));
-        drawing.explain(line, format!("ground {} m to {} m", metres(low, 0.01), metres(high, 0.01)));
-        drawing.explain(line, format!("contour each {} m", metres(step, step)));
+        drawing.add_legend(line, format!("ground {} m to {} m", metres(low, 0.01), metres(high, 0.01)));
+        drawing.add_legend(line, format!("contour each {} m", metres(step, step)));
     }
 }
 

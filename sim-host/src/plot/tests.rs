@@ -10,7 +10,7 @@ use sim_format::{read_esobj, read_robi, read_world};
 
 use super::frame::Frame;
 use super::run::{RunObject, RunPicture, RunRobot, draw_run};
-use super::{Drawing, Kind, PlotError, render};
+use super::{Drawing, PictureKind, PlotError, render};
 
 fn robi(name: &str) -> Arc<RobiSpec> {
     let text = format!(
@@ -195,7 +195,7 @@ fn pixels_stand_where_the_world_says() {
         let image = pixels(&drawing, size);
         assert_eq!(image.dimensions(), frame.whole());
         let at = |x: f64, y: f64| {
-            let place = frame.place(DVec2::new(x, y));
+            let place = frame.to_pixels(DVec2::new(x, y));
             image.get_pixel(place.x as u32, place.y as u32).0
         };
         for point in [(0.0, 1.03), (2.0, 1.03), (1.03, 0.0), (1.03, 2.0)] {
@@ -217,11 +217,11 @@ fn a_picture_is_the_same_every_time() {
 #[test]
 fn the_name_says_which_kind_of_picture() {
     use std::path::Path;
-    assert_eq!(Kind::of(Path::new("a/b.SVG")).expect("a kind"), Kind::Svg);
-    assert_eq!(Kind::of(Path::new("b.png")).expect("a kind"), Kind::Png);
-    assert_eq!(Kind::of(Path::new("/dev/stdout")).expect("a kind"), Kind::Svg);
+    assert_eq!(PictureKind::of(Path::new("a/b.SVG")).expect("a kind"), PictureKind::Svg);
+    assert_eq!(PictureKind::of(Path::new("b.png")).expect("a kind"), PictureKind::Png);
+    assert_eq!(PictureKind::of(Path::new("/dev/stdout")).expect("a kind"), PictureKind::Svg);
     for name in ["a.pdf", "a", "svg", ".png"] {
-        let error = Kind::of(Path::new(name)).expect_err("no kind");
+        let error = PictureKind::of(Path::new(name)).expect_err("no kind");
         assert!(matches!(error, PlotError::Kind(_)));
         assert!(error.to_string().contains(".svg or .png"), "{error}");
     }

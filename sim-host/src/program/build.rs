@@ -10,7 +10,7 @@ use super::cargo::{CargoError, build_package};
 use super::compile::{Compilation, CompileError, Compiled, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
-use super::generation::{Choice, Generation, GenerationError, Wanted, choose};
+use super::generation::{Generation, GenerationChoice, GenerationError, GenerationHint, choose};
 use super::language::Language;
 use super::python::{Python, PythonError};
 use super::words::{WordsError, split_words};
@@ -63,7 +63,7 @@ impl Tools {
 
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Built {
+pub struct BuiltProgram {
     /// The shared library, or the file of a Python program, which needs no building.
     pub library: PathBuf,
     /// Source of the program.
@@ -73,7 +73,7 @@ pub struct Built {
     /// A compiler ran now; false if the existing library was up to date.
     pub compiled: bool,
     /// The generation of RoBIOS for which sources were compiled, with the reason.
-    pub choice: Option<Choice>,
+    pub choice: Option<GenerationChoice>,
 }
 
 /// A program that cannot be built.
@@ -116,12 +116,12 @@ pub enum BuildError {
 }
 
 /// Observer of compilations, which take time. Called from the threads that build.
-pub trait Watch: std::fmt::Debug + Send + Sync {
+pub trait BuildObserver: std::fmt::Debug + Send + Sync {
     /// A compiler, or cargo, starts to work on `source`.
-    fn begins(&self, source: &ProgramSource);
+    fn begin(&self, source: &ProgramSource);
 
     /// The compiler has ended, successfully or not.
-    fn ends(&self, source: &ProgramSource);
+    fn end(&self, source: &ProgramSource);
 }
 
 /// Builds the programs of a run; each compiler is searched only once.
@@ -133,36 +133,36 @@ pub struct Builder {
     /// The compilers of [`Language::ALL`].
     compilers: [OnceLock<Compiler>; 2],
     /// Locked while a compiler is searched, so that only one thread does so.
-    looking: Mutex<()>,
-    watch: Option<Box<dyn Watch>>,
+    search_lock: Mutex<()>,
+    observer: Option<Box<dyn BuildObserver>>,
 }
 
 impl Builder {
     /// Creates a builder that stores its results in `cache` and gives C and C++ programs the headers and the shim of `kits`.
     pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
-        Self { cache, kits, tools, compilers: Default::default(), looking: Mutex::new(()), watch: None }
+        Self { cache, kits, tools, compilers: Default::default(), search_lock: Mutex::new(()), observer: None }
     }
 
     /// Sets the observer.
-    pub fn watched_by(self, watch: Box<dyn Watch>) -> Self {
-        Self { watch: Some(watch), ..self }
+    pub fn with_observer(self, observer: Box<dyn BuildObserver>) -> Self {
+        Self { observer: Some(observer), ..self }
     }
 
     /// Builds a library from `source`, or returns the existing one if it is up to date.
     ///
     /// # Errors
     /// [`BuildError`], with the compiler's own messages if the compiler refuses a source.
-    pub fn build(&self, source: &ProgramSource) -> Result<Built, BuildError> {
+    pub fn build(&self, source: &ProgramSource) -> Result<BuiltProgram, BuildError> {
         match source {
             ProgramSource::Library(library) | ProgramSource::Python(library) => {
                 let (library, source) = (library.clone(), source.clone());
-                Ok(Built { library, source, output: String::new(), compiled: false, choice: None })
+                Ok(BuiltProgram { library, source, output: String::new(), compiled: false, choice: None })
             }
             ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
-                let package = self.watched(source, || build_package(folder, cargo, &self.cache))?;
-                Ok(Built {
+                let package = self.observed(source, || build_package(folder, cargo, &self.cache))?;
+                Ok(BuiltProgram {
                     library: package.library,
                     source: source.clone(),
                     output: package.output,
@@ -182,7 +182,7 @@ impl Builder {
     }
 
     /// Builds each of `sources` once, on as many threads as there are processors; the results are in the order of `sources`.
-    pub fn build_all(&self, sources: &[ProgramSource]) -> Vec<Result<Built, BuildError>> {
+    pub fn build_all(&self, sources: &[ProgramSource]) -> Vec<Result<BuiltProgram, BuildError>> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(sources.len());
         if threads < 2 {
             return sources.iter().map(|source| self.build(source)).collect();
@@ -213,31 +213,41 @@ impl Builder {
     pub fn build_to(
         &self,
         sources: &[PathBuf],
-        wanted: Wanted,
+        wanted: GenerationHint,
         out: &Path,
         flags: &[String],
-    ) -> Result<(Choice, String, String), BuildError> {
+    ) -> Result<(GenerationChoice, String, String), BuildError> {
         let choice = choose(sources, wanted)?;
         let mut extra_flags = self.extra_flags()?;
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
         let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
-        let (compiled, choice) = or_for_the_other(choice, |choice| {
+        let (compiled, choice) = try_both_generations(choice, |choice| {
             Ok((self.compile(&sources, choice.generation, &extra_flags, folder.path())?, choice.clone()))
         })?;
         replace_file(&compiled.library, out).map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
         Ok((choice, compiled.commands, compiled.output))
     }
 
-    fn build_sources(&self, source: &ProgramSource, files: &[PathBuf], wanted: Wanted) -> Result<Built, BuildError> {
-        or_for_the_other(choose(files, wanted)?, |choice| self.build_for(source, files, choice))
+    fn build_sources(
+        &self,
+        source: &ProgramSource,
+        files: &[PathBuf],
+        wanted: GenerationHint,
+    ) -> Result<BuiltProgram, BuildError> {
+        try_both_generations(choose(files, wanted)?, |choice| self.build_for(source, files, choice))
     }
 
-    fn build_for(&self, source: &ProgramSource, files: &[PathBuf], choice: &Choice) -> Result<Built, BuildError> {
+    fn build_for(
+        &self,
+        source: &ProgramSource,
+        files: &[PathBuf],
+        choice: &GenerationChoice,
+    ) -> Result<BuiltProgram, BuildError> {
         let generation = choice.generation;
         let sources = absolute(files)?;
         let extra_flags = self.extra_flags()?;
-        let built = |entry: super::cache::Entry, compiled| Built {
+        let built = |entry: super::cache::CacheEntry, compiled| BuiltProgram {
             library: entry.library,
             source: source.clone(),
             output: entry.output,
@@ -258,7 +268,7 @@ impl Builder {
             let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
             let started = std::time::SystemTime::now();
             let compile = || self.compile(&sources, generation, &extra_flags, folder.path());
-            let compiled = self.watched(source, compile)?;
+            let compiled = self.observed(source, compile)?;
             let note: String = compiled.read.iter().map(|path| format!("{}\n", path.display())).collect();
             let changed = attempts < 3
                 && compiled.read.iter().any(|path| {
@@ -300,10 +310,10 @@ impl Builder {
     }
 
     /// Runs `work` on `source`, reported to the observer.
-    fn watched<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
-        self.watch.iter().for_each(|watch| watch.begins(source));
+    fn observed<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
+        self.observer.iter().for_each(|observer| observer.begin(source));
         let result = work();
-        self.watch.iter().for_each(|watch| watch.ends(source));
+        self.observer.iter().for_each(|observer| observer.end(source));
         result
     }
 
@@ -316,7 +326,7 @@ impl Builder {
     }
 
     fn compiler(&self, language: Language) -> Result<&Compiler, BuildError> {
-        let _looking = self.looking.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let _looking = self.search_lock.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let known = &self.compilers[language as usize];
         if let Some(compiler) = known.get() {
             return Ok(compiler);
@@ -386,10 +396,13 @@ impl Builder {
 }
 
 /// Result of `build` for the choice or, if that is a guess and the sources do not compile, for the other generation.
-fn or_for_the_other<T>(choice: Choice, build: impl Fn(&Choice) -> Result<T, BuildError>) -> Result<T, BuildError> {
+fn try_both_generations<T>(
+    choice: GenerationChoice,
+    build: impl Fn(&GenerationChoice) -> Result<T, BuildError>,
+) -> Result<T, BuildError> {
     match build(&choice) {
         Err(BuildError::Compile(error)) if choice.is_guess() => {
-            build(&choice.turned()).map_err(|_other| BuildError::Compile(error))
+            build(&choice.switched()).map_err(|_other| BuildError::Compile(error))
         }
         result => result,
     }

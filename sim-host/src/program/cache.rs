@@ -27,7 +27,7 @@ pub struct Cache {
 
 /// A built program in the cache.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct CacheEntry {
     /// The shared library, or the object file of a shim.
     pub library: PathBuf,
     /// Output of the compiler (warnings), unchanged.
@@ -35,7 +35,7 @@ pub struct Entry {
 }
 
 #[derive(Serialize, Deserialize)]
-struct Record {
+struct EntryRecord {
     library_blake3: String,
     output: String,
 }
@@ -96,16 +96,16 @@ impl Cache {
     }
 
     /// The entry of `key`, if it exists and is complete. Marks it as used.
-    pub fn entry(&self, key: &str) -> Option<Entry> {
+    pub fn entry(&self, key: &str) -> Option<CacheEntry> {
         let folder = self.entry_folder(key);
-        let record: Record = serde_json::from_slice(&fs::read(folder.join(RECORD)).ok()?).ok()?;
+        let record: EntryRecord = serde_json::from_slice(&fs::read(folder.join(RECORD)).ok()?).ok()?;
         let library = folder.join(LIBRARY);
         let digest = blake3::hash(&fs::read(&library).ok()?).to_hex();
         if digest.as_str() != record.library_blake3 {
             return None;
         }
         mark_used(&folder.join(RECORD));
-        Some(Entry { library, output: record.output })
+        Some(CacheEntry { library, output: record.output })
     }
 
     /// Stores the file `library`, built in the folder `build`, as the entry of `key`.
@@ -114,11 +114,11 @@ impl Cache {
     ///
     /// # Errors
     /// A file cannot be written or renamed.
-    pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<Entry> {
+    pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<CacheEntry> {
         let digest = blake3::hash(&fs::read(library)?).to_hex().to_string();
         let whole = self.build_folder()?;
         fs::rename(library, whole.path().join(LIBRARY))?;
-        let record = Record { library_blake3: digest, output: output.to_owned() };
+        let record = EntryRecord { library_blake3: digest, output: output.to_owned() };
         fs::write(whole.path().join(RECORD), serde_json::to_vec(&record)?)?;
         build.close()?;
         let folder = self.entry_folder(key);
@@ -241,7 +241,7 @@ mod tests {
         (folder, cache)
     }
 
-    fn put(cache: &Cache, key: &str, bytes: &[u8]) -> Entry {
+    fn put(cache: &Cache, key: &str, bytes: &[u8]) -> CacheEntry {
         let build = cache.build_folder().expect("a folder");
         let library = build.path().join("built.so");
         fs::write(&library, bytes).expect("a library");

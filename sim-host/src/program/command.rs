@@ -7,16 +7,16 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Time limit of a compiler for one source; our choice.
-pub const PATIENCE: Duration = Duration::from_secs(180);
+pub const COMMAND_TIMEOUT: Duration = Duration::from_secs(180);
 
-/// Runs `command` to its end and collects its output; its standard input is empty. A command that has not ended after `patience` is
+/// Runs `command` to its end and collects its output; its standard input is empty. A command that has not ended after `timeout` is
 /// killed with all processes that it has started.
 ///
 /// # Errors
 /// The command cannot be started; [`io::ErrorKind::TimedOut`] if it was killed.
-pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Output> {
+pub fn output_within(command: &mut Command, timeout: Duration) -> io::Result<Output> {
     /// Interval of the checks for its end.
-    const LOOK: Duration = Duration::from_millis(2);
+    const POLL_INTERVAL: Duration = Duration::from_millis(2);
     // SAFETY: prctl is async-signal-safe and takes no pointer; the thread that starts the command waits for its end.
     unsafe {
         command.pre_exec(|| {
@@ -35,18 +35,18 @@ pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Ou
         if let Some(status) = child.try_wait()? {
             break status;
         }
-        if start.elapsed() > patience {
+        if start.elapsed() > timeout {
             kill();
             child.wait()?;
-            let what = format!("it had not ended after {} s and was killed", patience.as_secs());
+            let what = format!("it had not ended after {} s and was killed", timeout.as_secs());
             return Err(io::Error::new(io::ErrorKind::TimedOut, what));
         }
-        thread::sleep(LOOK);
+        thread::sleep(POLL_INTERVAL);
     };
     // Processes that the command has started and left running may hold the pipes open.
     let [stdout, stderr] = readers.map(|reader| {
-        while !reader.is_finished() && start.elapsed() <= patience {
-            thread::sleep(LOOK);
+        while !reader.is_finished() && start.elapsed() <= timeout {
+            thread::sleep(POLL_INTERVAL);
         }
         if !reader.is_finished() {
             kill();
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn what_both_streams_say_is_collected() {
         let command = "i=0; while [ $i -lt 5000 ]; do echo out$i; echo err$i >&2; i=$((i+1)); done; exit 3";
-        let output = output_within(Command::new("sh").args(["-c", command]), PATIENCE).expect("a shell");
+        let output = output_within(Command::new("sh").args(["-c", command]), COMMAND_TIMEOUT).expect("a shell");
         assert_eq!(output.status.code(), Some(3));
         assert_eq!(
             [&output.stdout, &output.stderr].map(|text| text.iter().filter(|byte| **byte == b'\n').count()),

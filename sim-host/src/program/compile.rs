@@ -10,7 +10,7 @@ use std::sync::{LazyLock, OnceLock};
 use robios_sys::c;
 
 use super::cache::Cache;
-use super::command::{PATIENCE, output_within};
+use super::command::{COMMAND_TIMEOUT, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
@@ -164,12 +164,12 @@ impl<'a> Compilation<'a> {
     /// [`CompileError`] of the first attempt.
     pub fn run(&self) -> Result<Compiled, CompileError> {
         let hidden = self.hidden_headers();
-        let first = self.try_run(&Manner { hidden: &hidden, ..Manner::default() });
+        let first = self.try_run(&CompileVariant { hidden: &hidden, ..CompileVariant::default() });
         let result = match first {
             Err(Failure::Refused { source_file, output }) => self
-                .other_manners(&hidden, &output)
+                .other_variants(&hidden, &output)
                 .iter()
-                .map(|manner| self.try_run(manner))
+                .map(|variant| self.try_run(variant))
                 .find(|result| !matches!(result, Err(Failure::Refused { .. })))
                 .unwrap_or(Err(Failure::Refused { source_file, output })),
             result => result,
@@ -188,21 +188,21 @@ impl<'a> Compilation<'a> {
     }
 
     /// Further variants to try after the compiler has refused a source with the message `output`.
-    fn other_manners<'m>(&self, hidden: &'m [PathBuf], output: &str) -> Vec<Manner<'m>> {
+    fn other_variants<'m>(&self, hidden: &'m [PathBuf], output: &str) -> Vec<CompileVariant<'m>> {
         let is_cpp = self.language() == Language::Cpp;
         let may_be_lean = self.generation == Generation::Robios7 && hint::is_collision(output);
-        let mut manners = vec![Manner { hidden, ..Manner::default() }];
+        let mut variants = vec![CompileVariant { hidden, ..CompileVariant::default() }];
         for hidden in [hidden, &[]] {
             for is_lean in [false, may_be_lean] {
                 for is_old in [false, is_cpp] {
-                    let manner = Manner { is_old, is_lean, hidden };
-                    if !manners.contains(&manner) {
-                        manners.push(manner);
+                    let variant = CompileVariant { is_old, is_lean, hidden };
+                    if !variants.contains(&variant) {
+                        variants.push(variant);
                     }
                 }
             }
         }
-        manners.split_off(1)
+        variants.split_off(1)
     }
 
     /// Headers of RoBIOS beside the first source, of any year, which would take precedence over ours.
@@ -242,17 +242,17 @@ impl<'a> Compilation<'a> {
         folder.unwrap_or(Path::new("/"))
     }
 
-    fn try_run(&self, manner: &Manner<'_>) -> Result<Compiled, Failure> {
+    fn try_run(&self, variant: &CompileVariant<'_>) -> Result<Compiled, Failure> {
         let mut compiled = Compiled {
             library: self.folder.join("program.so"),
-            output: manner.remark(),
-            read: manner.hidden.to_vec(),
+            output: variant.remark(),
+            read: variant.hidden.to_vec(),
             commands: String::new(),
         };
         let mut objects = Vec::new();
         let mut void_main = false;
         for (index, source) in self.sources.iter().enumerate() {
-            let (object, output) = self.compile_source(index, source, manner, &mut compiled)?;
+            let (object, output) = self.compile_source(index, source, variant, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
             compiled.output.push_str(&output);
             objects.push(object);
@@ -288,11 +288,11 @@ impl<'a> Compilation<'a> {
         &self,
         index: usize,
         source: &Path,
-        manner: &Manner<'_>,
+        variant: &CompileVariant<'_>,
         compiled: &mut Compiled,
     ) -> Result<(PathBuf, String), Failure> {
         let object = self.object(index);
-        let output = self.compile_to(&object, source, manner, &[], compiled)?;
+        let output = self.compile_to(&object, source, variant, &[], compiled)?;
         let undeclared = hint::undeclared_functions(&output);
         if undeclared.is_empty() {
             return Ok((object, output));
@@ -301,7 +301,7 @@ impl<'a> Compilation<'a> {
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let is_ours = undeclared.iter().any(|name| self.generation.has(name));
         let headers = &[c::C_LIBRARY_HEADER, "eyebot.h"][..if is_ours { 2 } else { 1 }];
-        match self.compile_to(&with_headers, source, manner, headers, compiled) {
+        match self.compile_to(&with_headers, source, variant, headers, compiled) {
             Ok(again) => {
                 let left = hint::undeclared_functions(&again);
                 let declared: Vec<&String> = undeclared.iter().filter(|name| !left.contains(name)).collect();
@@ -323,20 +323,20 @@ impl<'a> Compilation<'a> {
         &self,
         object: &Path,
         source: &Path,
-        manner: &Manner<'_>,
+        variant: &CompileVariant<'_>,
         headers: &[&str],
         compiled: &mut Compiled,
     ) -> Result<String, Failure> {
         let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
         let dependencies = object.with_extension("d");
         let mut command = self.compile_command(compiler);
-        command.args(compiler.compile_flags()).arg(compiler.standards()[usize::from(manner.is_old)]);
-        if !manner.hidden.is_empty() {
-            let folder = self.folder_without(manner.hidden)?;
+        command.args(compiler.compile_flags()).arg(compiler.standards()[usize::from(variant.is_old)]);
+        if !variant.hidden.is_empty() {
+            let folder = self.folder_without(variant.hidden)?;
             command.arg(format!("-ffile-prefix-map={}={}", folder.display(), self.source_folder().display()));
             command.current_dir(folder);
         }
-        command.args(manner.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
+        command.args(variant.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
         for header in headers {
             command.arg("-include").arg(self.kit_folder.join("include").join(header));
         }
@@ -410,7 +410,7 @@ impl<'a> Compilation<'a> {
 
 /// Variant of a compilation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Manner<'m> {
+struct CompileVariant<'m> {
     /// With the older standard of C++.
     is_old: bool,
     /// Without the declarations that EyeSim's `types.h` brings besides its own names.
@@ -419,7 +419,7 @@ struct Manner<'m> {
     hidden: &'m [PathBuf],
 }
 
-impl Manner<'_> {
+impl CompileVariant<'_> {
     /// Message about the hidden headers: a line, or empty.
     fn remark(&self) -> String {
         let names = self.hidden.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
@@ -452,7 +452,7 @@ impl Compiled {
     /// Runs `command`; returns its output, as `Err` if it failed.
     fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
         self.note(command);
-        let output = match output_within(command, PATIENCE) {
+        let output = match output_within(command, COMMAND_TIMEOUT) {
             Err(error) if error.kind() == io::ErrorKind::TimedOut => {
                 return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));
             }

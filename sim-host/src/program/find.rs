@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
-use super::generation::Wanted;
+use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
@@ -33,7 +33,7 @@ pub enum ProgramSource {
         /// The sources.
         files: Vec<PathBuf>,
         /// The generation stated by the user or the scene.
-        wanted: Wanted,
+        wanted: GenerationHint,
     },
     /// The folder of a Cargo package with a `cdylib` target.
     Cargo(PathBuf),
@@ -44,7 +44,7 @@ pub enum ProgramSource {
 impl ProgramSource {
     /// C and C++ sources whose generation is not stated.
     pub fn of_files(files: Vec<PathBuf>) -> Self {
-        Self::Sources { files, wanted: Wanted::default() }
+        Self::Sources { files, wanted: GenerationHint::default() }
     }
 
     /// The path that stands for the program in messages: the library, the first source, or the package's folder.
@@ -69,7 +69,7 @@ pub struct Found {
 
 impl Found {
     /// Sets the stated generation, if the program is made from sources.
-    pub fn wanted(mut self, said: Wanted) -> Self {
+    pub fn wanted(mut self, said: GenerationHint) -> Self {
         if let ProgramSource::Sources { wanted, .. } = &mut self.source {
             *wanted = said;
         }
@@ -83,7 +83,7 @@ pub struct Attempt {
     /// The path that was tried.
     pub path: PathBuf,
     /// Description of an unusable file or folder at the path; `None` if nothing is there.
-    pub is: Option<String>,
+    pub problem: Option<String>,
 }
 
 /// Search without a usable result: every attempt, and similar names.
@@ -101,19 +101,19 @@ impl std::error::Error for FindError {}
 
 impl std::fmt::Display for FindError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let foreign: Vec<&Attempt> = self.attempts.iter().filter(|attempt| attempt.is.is_some()).collect();
+        let foreign: Vec<&Attempt> = self.attempts.iter().filter(|attempt| attempt.problem.is_some()).collect();
         match foreign.as_slice() {
             [] => write!(f, "program `{}` is not found", self.reference)?,
             _ => write!(f, "program `{}` cannot be run here", self.reference)?,
         }
         let mut folder = None;
-        for Attempt { path, is } in &self.attempts {
-            match (is, path.file_name()) {
+        for Attempt { path, problem } in &self.attempts {
+            match (problem, path.file_name()) {
                 (Some(what), _) => write!(f, "\n  `{}` is {what}", path.display())?,
                 (None, Some(name)) if folder == Some(path.parent()) => write!(f, ", `{}`", name.display())?,
                 (None, _) => write!(f, "\n  tried `{}`", path.display())?,
             }
-            folder = is.is_none().then(|| path.parent());
+            folder = problem.is_none().then(|| path.parent());
         }
         // For a source of another language the attempt itself gives the advice.
         if foreign.iter().any(|attempt| source_language(&attempt.path).is_none()) {
@@ -244,7 +244,7 @@ impl Finder<'_> {
             Ok(source) => return Some(source),
             Err(obstacle) => obstacle,
         };
-        self.attempts.push(Attempt { path: path.to_owned(), is: obstacle.clone() });
+        self.attempts.push(Attempt { path: path.to_owned(), problem: obstacle.clone() });
         for beside in places_beside(path) {
             match self.usable(&beside) {
                 Ok(source) => {
@@ -255,7 +255,7 @@ impl Finder<'_> {
                     }
                     return Some(source);
                 }
-                Err(is) => self.attempts.push(Attempt { path: beside, is }),
+                Err(problem) => self.attempts.push(Attempt { path: beside, problem }),
             }
         }
         None

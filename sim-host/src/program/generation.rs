@@ -162,7 +162,7 @@ const VARIANTS_OF_7: &[&str] = &[
 
 /// The generation that the user and the scene state for a program, before its sources are scanned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Wanted {
+pub struct GenerationHint {
     /// Set by `--api` or the scene: overrides everything else.
     pub api: Option<Generation>,
     /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not tell.
@@ -171,16 +171,16 @@ pub struct Wanted {
 
 /// The generation for which a program is built, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct GenerationChoice {
     /// The generation.
     pub generation: Generation,
     /// The reason.
-    pub why: Why,
+    pub why: ChoiceReason,
 }
 
 /// Reasons for the choice of a generation.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Why {
+pub enum ChoiceReason {
     /// `--api` or the scene states it.
     Said,
     /// The program calls these functions, which only this generation has.
@@ -197,42 +197,43 @@ pub enum Why {
     None,
 }
 
-impl std::fmt::Display for Choice {
+impl std::fmt::Display for GenerationChoice {
     /// `RoBIOS-7 (VWStraight, VWWait)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (name, other) = (self.generation.name(), self.generation.other());
         match &self.why {
-            Why::Said | Why::None => f.write_str(name),
-            Why::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
-            Why::Calls(calls) | Why::Constants(calls) => {
+            ChoiceReason::Said | ChoiceReason::None => f.write_str(name),
+            ChoiceReason::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
+            ChoiceReason::Calls(calls) | ChoiceReason::Constants(calls) => {
                 let more = if calls.len() > MOST_SHOWN { ", ..." } else { "" };
                 write!(f, "{name} ({}{more})", calls[..calls.len().min(MOST_SHOWN)].join(", "))
             }
-            Why::Dialect => write!(f, "{name}, as the sim file is; its calls are in {} as well", other.name()),
-            Why::Default => {
+            ChoiceReason::Dialect => write!(f, "{name}, as the sim file is; its calls are in {} as well", other.name()),
+            ChoiceReason::Default => {
                 write!(f, "{name}; its calls are in {} as well, which `--api {}` chooses", other.name(), other.number())
             }
         }
     }
 }
 
-impl Choice {
+impl GenerationChoice {
     /// Message to the user when the program of `source` is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the choice
     /// makes no difference.
     pub fn remark(&self, source: &Path) -> Option<String> {
-        (self.why != Why::None).then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
+        (self.why != ChoiceReason::None)
+            .then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
     }
 }
 
-impl Choice {
+impl GenerationChoice {
     /// Returns true if the choice is a guess, which is dropped if the program compiles only for the other generation.
     pub fn is_guess(&self) -> bool {
-        matches!(self.why, Why::Constants(_) | Why::Dialect | Why::Default)
+        matches!(self.why, ChoiceReason::Constants(_) | ChoiceReason::Dialect | ChoiceReason::Default)
     }
 
     /// The other generation, chosen because the program compiles only for it.
-    pub fn turned(&self) -> Self {
-        Self { generation: self.generation.other(), why: Why::Compiles }
+    pub fn switched(&self) -> Self {
+        Self { generation: self.generation.other(), why: ChoiceReason::Compiles }
     }
 }
 
@@ -271,11 +272,11 @@ pub enum GenerationError {
 /// # Errors
 /// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A source that
 /// cannot be read is reported by the compilation.
-pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationError> {
-    let choice = |generation, why| Ok(Choice { generation, why });
+pub fn choose(sources: &[PathBuf], wanted: GenerationHint) -> Result<GenerationChoice, GenerationError> {
+    let choice = |generation, why| Ok(GenerationChoice { generation, why });
     let Names { calls, constants } = names_in_files(sources)?;
     if let Some(generation) = wanted.api {
-        return choice(generation, Why::Said);
+        return choice(generation, ChoiceReason::Said);
     }
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has(name) && !generation.other().has(name);
@@ -287,15 +288,15 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
             let source_file = sources.first().cloned().unwrap_or_default();
             Err(GenerationError::Both { source_file, of_6, of_7 })
         }
-        (false, true) => choice(Generation::Robios6, Why::Calls(of_6)),
-        (true, false) => choice(Generation::Robios7, Why::Calls(of_7)),
+        (false, true) => choice(Generation::Robios6, ChoiceReason::Calls(of_6)),
+        (true, false) => choice(Generation::Robios7, ChoiceReason::Calls(of_7)),
         (true, true) => match (of_constants(&constants), wanted.dialect) {
-            (Some((generation, constants)), _) => choice(generation, Why::Constants(constants)),
+            (Some((generation, constants)), _) => choice(generation, ChoiceReason::Constants(constants)),
             (None, dialect) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
-                choice(dialect.unwrap_or(Generation::Robios6), Why::None)
+                choice(dialect.unwrap_or(Generation::Robios6), ChoiceReason::None)
             }
-            (None, Some(dialect)) => choice(dialect, Why::Dialect),
-            (None, None) => choice(Generation::Robios6, Why::Default),
+            (None, Some(dialect)) => choice(dialect, ChoiceReason::Dialect),
+            (None, None) => choice(Generation::Robios6, ChoiceReason::Default),
         },
     }
 }
@@ -381,7 +382,7 @@ mod tests {
     use super::*;
 
     /// The choice for a program of these files, as displayed.
-    fn choice(files: &[(&str, &str)], wanted: Wanted) -> Result<String, String> {
+    fn choice(files: &[(&str, &str)], wanted: GenerationHint) -> Result<String, String> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).expect("a file"));
         let sources: Vec<PathBuf> = files
@@ -394,10 +395,10 @@ mod tests {
     }
 
     fn of_text(text: &str) -> String {
-        choice(&[("maze.c", text)], Wanted::default()).expect("one generation")
+        choice(&[("maze.c", text)], GenerationHint::default()).expect("one generation")
     }
 
-    const DIALECT_7: Wanted = Wanted { api: None, dialect: Some(Generation::Robios7) };
+    const DIALECT_7: GenerationHint = GenerationHint { api: None, dialect: Some(Generation::Robios7) };
 
     #[test]
     fn functions_of_one_generation_tell_it() {
@@ -425,14 +426,14 @@ mod tests {
     fn what_is_called_goes_before_the_dialect_and_api_before_all() {
         let six = [("maze.c", "f() { VWInit(1, 1); }")];
         assert_eq!(choice(&six, DIALECT_7).expect("6"), "RoBIOS 6 (VWInit)");
-        let api = Wanted { api: Some(Generation::Robios7), dialect: Some(Generation::Robios6) };
+        let api = GenerationHint { api: Some(Generation::Robios7), dialect: Some(Generation::Robios6) };
         assert_eq!(choice(&six, api).expect("7"), "RoBIOS-7");
         let both = [("maze.c", "f() { LCDPrintf(\"VWInit()\"); /* VWStraight() */ KEYGet(); } // VWDone()")];
         assert_eq!(
             choice(&both, DIALECT_7).expect("7"),
             "RoBIOS-7, as the sim file is; its calls are in RoBIOS 6 as well"
         );
-        let told = choice(&both, Wanted::default()).expect("6");
+        let told = choice(&both, GenerationHint::default()).expect("6");
         assert_eq!(told, "RoBIOS 6; its calls are in RoBIOS-7 as well, which `--api 7` chooses");
         assert_eq!(choice(&[("a.c", "int main(void) { return 0; }")], DIALECT_7).expect("7"), "RoBIOS-7");
     }
@@ -440,7 +441,7 @@ mod tests {
     #[test]
     fn calls_of_both_generations_are_an_error_with_their_names() {
         let mixed = [("maze.c", "f() { VWInit(1, 1); }"), ("map.cpp", "g() { VWStraight(1, 2); VWWait(); }")];
-        let error = choice(&mixed, Wanted::default()).expect_err("two generations");
+        let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
         assert!(
             error.contains("RoBIOS 6 has `VWInit` and RoBIOS-7 has `VWStraight`, `VWWait`, and neither"),
             "{error}"
@@ -457,7 +458,7 @@ mod tests {
             ("go.h", "#include \"maze.c\"\n#define GO(x) VWStraight(x, 100)\n"),
             ("eyebot.h", "int VWInit(int, int); int VWStraight(int, int);"),
         ];
-        assert_eq!(choice(&header, Wanted::default()).expect("7"), "RoBIOS-7 (VWStraight)");
+        assert_eq!(choice(&header, GenerationHint::default()).expect("7"), "RoBIOS-7 (VWStraight)");
     }
 
     #[test]

@@ -117,8 +117,8 @@ impl ProgramImage {
         if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
-        let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let Parts { loaded_len, span, mappings, read_only, description, undefined, destructors } = parts;
+        let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
+        let ImageParts { loaded_len, span, mappings, read_only, description, undefined, destructors } = parts;
         let source_folder = source_folder.map(|folder| {
             // A source that is named without a folder is in the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -190,11 +190,11 @@ impl ProgramImage {
     /// Returns true if a copy can be unmapped once its program has returned. As far as its imports tell, the program then has started no
     /// thread and registered no function or memory with the C library, and it has no destructors besides those of the compiler's start
     /// files and of the shim. The dynamic linker itself keeps a copy as long as destructors of thread-locals are pending.
-    pub fn leaves_nothing(&self) -> bool {
+    pub fn can_unmap(&self) -> bool {
         let is_rust = self.description.is_some_and(|description| description.language == language::RUST);
         // Rust's standard library imports these for executables only, or to look up newer functions.
         let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
-        let keeps = |name: &String| KEEPING.contains(&name.as_str()) && !is_unused(name);
+        let keeps = |name: &String| RETAINING_FUNCTIONS.contains(&name.as_str()) && !is_unused(name);
         self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
     }
 
@@ -264,7 +264,7 @@ impl std::fmt::Debug for ProgramImage {
 
 /// Functions of the C library that keep a function or memory of their caller, or start threads. The shim of C programs interposes
 /// most of them, so that they are no imports.
-const KEEPING: &[&str] = &[
+const RETAINING_FUNCTIONS: &[&str] = &[
     "GOMP_parallel",
     "__cxa_at_quick_exit",
     "__cxa_atexit",
@@ -297,7 +297,7 @@ const KEEPING: &[&str] = &[
 /// Number of destructors in the compiler's start files and in the shim, which closes the console.
 const OWN_DESTRUCTORS: usize = 2;
 
-struct Parts {
+struct ImageParts {
     loaded_len: usize,
     span: Range<usize>,
     mappings: usize,
@@ -314,7 +314,7 @@ struct Segment {
     flags: u32,
 }
 
-fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
+fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let text = |error: object::Error| error.to_string().to_lowercase();
     let file = ElfFile64::<object::Endianness>::parse(bytes).map_err(text)?;
     let endian = file.endian();
@@ -368,7 +368,7 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
     }
     undefined.sort();
     undefined.dedup();
-    Ok(Parts {
+    Ok(ImageParts {
         loaded_len,
         span: start..end,
         mappings: mappings_of(&segments) + usize::from(has_relro),

@@ -51,7 +51,7 @@ pub enum LoadError {
     },
     /// The version fits, but another property does not.
     #[error("`{}` cannot be run by this eyesim: {what}", path.display())]
-    Misfit {
+    Incompatible {
         /// The library.
         path: PathBuf,
         /// What does not fit.
@@ -130,7 +130,7 @@ fn robios_hint(robios: &[String]) -> String {
 }
 
 /// A robot's own copy of a program with its arguments, ready to run. Its library is unmapped with the last clone, if that is safe:
-/// see [`ProgramImage::leaves_nothing`].
+/// see [`ProgramImage::can_unmap`].
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
@@ -190,7 +190,7 @@ impl LoadedProgram {
         // pointer, alive as long; the description was checked when it was loaded, and the library stays mapped as long as `self`.
         let code = unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) };
         // `main` has ended: from here on the thread runs the host.
-        float::hold_default();
+        float::set_default();
         code
     }
 
@@ -280,7 +280,7 @@ impl Loader {
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
         let (opened, copy) = self.map_copy(image)?;
         self.share(prepared, image, opened.base, copy);
-        let library = Arc::new(if image.leaves_nothing() { opened } else { opened.kept() });
+        let library = Arc::new(if image.can_unmap() { opened } else { opened.kept() });
         Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library })
     }
 
@@ -383,7 +383,7 @@ pub enum OpenError {
     /// The dynamic linker refuses it, with this message.
     Linker(String),
     /// It does not fit this eyesim, for this reason.
-    Misfit(String),
+    Incompatible(String),
 }
 
 impl OpenError {
@@ -391,7 +391,7 @@ impl OpenError {
     pub fn of(self, path: &Path, copy: &Path) -> LoadError {
         match self {
             Self::Linker(what) => refused(path, copy, &what),
-            Self::Misfit(what) => LoadError::Misfit { path: path.to_owned(), what },
+            Self::Incompatible(what) => LoadError::Incompatible { path: path.to_owned(), what },
         }
     }
 }
@@ -406,29 +406,31 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
         let source = std::error::Error::source(error).map(ToString::to_string);
         OpenError::Linker(source.unwrap_or_else(|| error.to_string()))
     };
-    let misfit = |what: &str| OpenError::Misfit(what.to_owned());
+    let incompatible = |what: &str| OpenError::Incompatible(what.to_owned());
     // SAFETY: loading runs the constructors of a library that the user asked to run, which is the purpose of a robot program.
     // The flags are those of dlopen.
     let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
     // Constructors have run on this thread: those of `-ffast-math` change its floating-point environment, which is the host's now.
-    float::hold_default();
+    float::set_default();
     // SAFETY: the symbol is only used as an address here.
     let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
     let description =
         NonNull::new(symbol.as_raw_ptr().cast::<Program>()).filter(|description| description.is_aligned());
-    let description = description.ok_or_else(|| misfit("its description is not where it should be"))?;
+    let description = description.ok_or_else(|| incompatible("its description is not where it should be"))?;
     // SAFETY: not null, aligned, and `check_description` has found in the file a description of this version and of at least
     // this size; it is a constant in an image that is mapped as long as `library`.
-    unsafe { description.as_ref() }.check().map_err(|why| misfit(&why.to_string()))?;
-    let base = base_of(description.as_ptr().addr()).ok_or_else(|| misfit("its address is unknown"))?;
+    unsafe { description.as_ref() }.check().map_err(|why| incompatible(&why.to_string()))?;
+    let base = base_of(description.as_ptr().addr()).ok_or_else(|| incompatible("its address is unknown"))?;
     Ok(Opened { base, description, library: Some(library) })
 }
 
 /// The library of `prepared`; an error for a Python program.
 fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     let path = || prepared.source.path().to_owned();
-    let none =
-        || LoadError::Misfit { path: path(), what: "it is no library and runs in a process of its own only".into() };
+    let none = || LoadError::Incompatible {
+        path: path(),
+        what: "it is no library and runs in a process of its own only".into(),
+    };
     prepared.image().ok_or_else(none)
 }
 
@@ -442,7 +444,7 @@ fn check_description(image: &ProgramImage) -> Result<(), LoadError> {
         return Err(LoadError::Abi { path: path(), program: description.abi });
     }
     if (description.size as usize) < size_of::<Program>() {
-        return Err(LoadError::Misfit { path: path(), what: "its description is too short".into() });
+        return Err(LoadError::Incompatible { path: path(), what: "its description is too short".into() });
     }
     Ok(())
 }

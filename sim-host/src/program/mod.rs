@@ -33,7 +33,7 @@ pub use build::{Builder, Tools};
 pub use cache::Cache;
 pub use compile::{Kits, ShimKit};
 pub use find::{Found, SearchPath, find_program};
-pub use generation::{Generation, Wanted};
+pub use generation::{Generation, GenerationHint};
 pub use load::{LoadedProgram, Loader, check_mappings};
 pub use prepare::{Prepared, prepare};
 pub use words::split_words;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::build::{BuildError, Builder, Built};
+use super::build::{BuildError, Builder, BuiltProgram};
 use super::find::{Found, ProgramSource};
-use super::generation::Choice;
+use super::generation::GenerationChoice;
 use super::image::{ImageError, ProgramImage};
 use super::python::Python;
 use super::symbols::warnings_about;
@@ -24,7 +24,7 @@ pub struct Prepared {
     /// A compiler ran now.
     pub compiled: bool,
     /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose it.
-    pub choice: Option<Choice>,
+    pub choice: Option<GenerationChoice>,
     /// Warnings about functions outside the guarantee of equal runs, a line each.
     pub warnings: Vec<String>,
 }
@@ -110,7 +110,7 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
                     }
                 };
                 let name = program.name.clone();
-                let Built { source, output, compiled, choice, .. } = built;
+                let BuiltProgram { source, output, compiled, choice, .. } = built;
                 Ok(Prepared { name, source, code, output, compiled, choice, warnings })
             };
             prepare().map(Arc::new).map_err(Arc::new)

@@ -7,13 +7,13 @@ use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
 
 use super::build::Builder;
 use super::find::{Found, SearchPath, find_program};
-use super::generation::{Generation, Wanted};
+use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
 /// The generation that the scene states for a robot's program.
-pub fn wanted_of(robot: &RobotSpec) -> Wanted {
+pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
     let generation = |number: Option<u32>| number.and_then(Generation::of_number);
-    Wanted { api: generation(robot.api), dialect: generation(robot.dialect) }
+    GenerationHint { api: generation(robot.api), dialect: generation(robot.dialect) }
 }
 
 /// The programs of a scene, built.

@@ -6,14 +6,14 @@ use robios_sys::CallSite;
 #[derive(Clone, Debug)]
 pub enum Site {
     /// In a program that runs in this process.
-    Here(CallSite),
+    InHost(CallSite),
     /// In a program that runs in its own process.
-    There(RemoteSite),
+    InChild(RemoteSite),
 }
 
 impl Default for Site {
     fn default() -> Self {
-        Self::Here(CallSite::NONE)
+        Self::InHost(CallSite::NONE)
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use robios_sys::{CallContext, Robios6, Robios7, Support, c};
 
-use super::build::{BuildError, Builder, Built, Tools};
+use super::build::{BuildError, Builder, BuiltProgram, Tools};
 use super::cache::Cache;
 use super::compile::{CompileError, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
@@ -103,11 +103,11 @@ impl Bench {
         ProgramSource::of_files(names.iter().map(|name| self.path(name)).collect())
     }
 
-    fn build(&self, names: &[&str]) -> Result<Built, BuildError> {
+    fn build(&self, names: &[&str]) -> Result<BuiltProgram, BuildError> {
         self.builder().build(&self.sources(names))
     }
 
-    fn built(&self, names: &[&str]) -> Built {
+    fn built(&self, names: &[&str]) -> BuiltProgram {
         self.build(names).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -295,7 +295,7 @@ fn a_broken_cache_entry_is_built_again() {
 #[test]
 fn concurrent_builds_share_the_cache() {
     let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
-    let built: Vec<Built> = std::thread::scope(|scope| {
+    let built: Vec<BuiltProgram> = std::thread::scope(|scope| {
         let runs: Vec<_> = (0..4).map(|_| scope.spawn(|| bench.built(&["a.c"]))).collect();
         runs.into_iter().map(|run| run.join().expect("a build")).collect()
     });
@@ -396,7 +396,7 @@ fn libraries_that_do_not_fit_are_told_why() {
         compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path(name));
         assert!(compiler.status().expect("a compiler").success());
         let prepared = prepared(ProgramImage::read(&library, None).expect("an image"));
-        Loader::new().expect("a run folder").load(&prepared, &[]).expect_err("a misfit").to_string()
+        Loader::new().expect("a run folder").load(&prepared, &[]).expect_err("incompatible").to_string()
     };
     let classic = message("classic.c");
     assert!(

@@ -9,7 +9,7 @@ use sim_core::pose::Pose3;
 use sim_core::time::Time;
 
 use super::png;
-use super::report::write_whole;
+use super::report::write_atomically;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, KindSet, Record};
 
@@ -80,7 +80,7 @@ impl Pixels<'_> {
 
 /// Scan that a program takes.
 #[derive(Clone, Debug)]
-pub struct KeptScan {
+pub struct StoredScan {
     /// Pose of the scanner.
     pub world_from_scanner: Pose3,
     /// Bearings of the first and the last ray, counter-clockwise from ahead in the scanner's plane; the others are spaced evenly.
@@ -91,7 +91,7 @@ pub struct KeptScan {
 
 /// Image encoded as PNG.
 #[derive(Clone, Debug)]
-pub struct KeptFrame {
+pub struct StoredFrame {
     /// Its number among the images of its camera.
     pub number: u64,
     /// Name of its format in the trace.
@@ -102,11 +102,11 @@ pub struct KeptFrame {
 
 /// Data taken by a program of which the trace has only a summary.
 #[derive(Clone, Debug)]
-pub enum Kept {
+pub enum StoredCapture {
     /// An image.
-    Frame(KeptFrame),
+    Frame(StoredFrame),
     /// A scan.
-    Scan(KeptScan),
+    Scan(StoredScan),
 }
 
 /// Destination of all images and scans that programs take: images go into a folder, each written when it is taken; both go into
@@ -115,7 +115,7 @@ pub enum Kept {
 pub struct Frames {
     folder: Option<Folder>,
     /// Images and scans of this slot, with time and robot.
-    kept: Option<Mutex<Vec<(Time, RobotId, Kept)>>>,
+    kept: Option<Mutex<Vec<(Time, RobotId, StoredCapture)>>>,
     /// The first image in order of (time, robot) that could not be written.
     failure: Mutex<Option<Failure>>,
 }
@@ -165,12 +165,12 @@ impl Frames {
     }
 
     /// Also stores images and scans in memory, for [`Self::take`].
-    pub fn keeping(self) -> Self {
+    pub fn storing(self) -> Self {
         Self { kept: Some(Mutex::default()), ..self }
     }
 
     /// Takes the images and scans stored since the last call, in order of (time, robot).
-    pub fn take(&self) -> Vec<(Time, RobotId, Kept)> {
+    pub fn take(&self) -> Vec<(Time, RobotId, StoredCapture)> {
         let mut kept = self.kept.as_ref().map(|kept| std::mem::take(&mut *kept.lock())).unwrap_or_default();
         // A stable sort: images and scans of one robot at one time keep their order.
         kept.sort_by_key(|(time, robot, _)| (*time, *robot));
@@ -178,9 +178,9 @@ impl Frames {
     }
 
     /// Stores a scan that `robot` takes at `now`, if scans are stored.
-    pub fn keep_scan(&self, robot: RobotId, now: Time, scan: impl FnOnce() -> KeptScan) {
+    pub fn store_scan(&self, robot: RobotId, now: Time, scan: impl FnOnce() -> StoredScan) {
         if let Some(kept) = &self.kept {
-            kept.lock().push((now, robot, Kept::Scan(scan())));
+            kept.lock().push((now, robot, StoredCapture::Scan(scan())));
         }
     }
 
@@ -192,8 +192,8 @@ impl Frames {
             self.write_into(folder, robot, frame, &png);
         }
         if let Some(kept) = &self.kept {
-            let image = KeptFrame { number: frame.number, form: frame.pixels.form(), png };
-            kept.lock().push((frame.exposed, robot, Kept::Frame(image)));
+            let image = StoredFrame { number: frame.number, form: frame.pixels.form(), png };
+            kept.lock().push((frame.exposed, robot, StoredCapture::Frame(image)));
         }
     }
 
@@ -204,7 +204,7 @@ impl Frames {
             return;
         }
         let path = folder.path.join(folder.name(robot, frame));
-        if let Err(error) = write_whole(&path, png) {
+        if let Err(error) = write_atomically(&path, png) {
             let mut failure = self.failure.lock();
             if is_first(&failure) {
                 *failure = Some(Failure { image, error: RecordError::write("image", &path, error) });

@@ -204,7 +204,7 @@ fn push_line(lines: &mut String, record: &Record<'_>) {
 }
 
 /// Returns true for a character by which text could control a terminal or reorder its words.
-pub(crate) fn steers(c: char) -> bool {
+pub(crate) fn is_terminal_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
 }
 
@@ -213,7 +213,7 @@ pub(crate) struct Printable<'a>(pub(crate) &'a str);
 
 impl std::fmt::Display for Printable<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let is_harmless = |c: char| !steers(c) || c == '\t';
+        let is_harmless = |c: char| !is_terminal_control(c) || c == '\t';
         if self.0.chars().all(is_harmless) {
             return f.write_str(self.0);
         }

@@ -24,12 +24,12 @@ use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{Point, Scene};
 
-use super::frame::{Frames, Kept, KeptFrame, KeptScan};
+use super::frame::{Frames, StoredCapture, StoredFrame, StoredScan};
 use super::sink::{RecordError, Sink};
 use schema::Content;
 
 /// Initial contents of a recording.
-pub struct Beginning {
+pub struct InitialContents {
     /// The master seed of the run.
     pub seed: u64,
     /// Length of a slot.
@@ -78,13 +78,13 @@ impl Mcap {
     ///
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written.
-    pub fn create(path: &Path, beginning: Beginning) -> Result<Self, RecordError> {
+    pub fn create(path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
         let file = File::create(path).map_err(|source| RecordError::write("recording", path, source))?;
-        Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, beginning)
+        Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)
     }
 
-    fn new(out: Box<dyn Out>, path: &Path, beginning: Beginning) -> Result<Self, RecordError> {
-        let Beginning { seed, slot, scene, robots, objects, frames } = beginning;
+    fn new(out: Box<dyn Out>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
+        let InitialContents { seed, slot, scene, robots, objects, frames } = contents;
         // Compression would need a system library; chunks are written as a whole, so that the output need not be seekable.
         let options = WriteOptions::new()
             .compression(None)
@@ -245,13 +245,13 @@ impl Mcap {
         let gone = |id: String| json!({ "timestamp": timestamp(at), "type": 0, "id": id });
         match action {
             Action::AddRobot { kind, x_m, y_m, phi_rad, .. } => {
-                let id = self.newcomer(0);
+                let id = self.next_number(0);
                 self.move_to(at, &scene::robot_frame(RobotId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
                 let model = self.scene.robots.iter().find(|robot| robot.kind == *kind).map(|robot| robot.id);
                 entities.extend(model.and_then(|model| scene::robot(&self.scene, id, model)));
             }
             Action::AddObject { kind, x_m, y_m, phi_rad } => {
-                let id = self.newcomer(1);
+                let id = self.next_number(1);
                 self.move_to(at, &scene::object_frame(ObjectId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
                 let model = self.scene.objects.iter().find(|object| object.kind == *kind).map(|object| object.id);
                 entities.extend(model.and_then(|model| scene::object(&self.scene, id, model)));
@@ -274,13 +274,13 @@ impl Mcap {
     }
 
     /// Number of an added robot (`which` 0) or object (1); numbers are not used again.
-    fn newcomer(&mut self, which: usize) -> u32 {
+    fn next_number(&mut self, which: usize) -> u32 {
         let id = self.next[which];
         self.next[which] += 1;
         id
     }
 
-    fn write_scan(&mut self, at: Time, robot: RobotId, scan: &KeptScan) -> Result<(), RecordError> {
+    fn write_scan(&mut self, at: Time, robot: RobotId, scan: &StoredScan) -> Result<(), RecordError> {
         let place = scene::point(&scan.world_from_scanner);
         let [start_angle, end_angle] = scan.bearings;
         let message = json!({
@@ -295,7 +295,7 @@ impl Mcap {
         self.write(Content::Scan, robot, "/scan", at, &message)
     }
 
-    fn write_frame(&mut self, at: Time, robot: RobotId, frame: &KeptFrame) -> Result<(), RecordError> {
+    fn write_frame(&mut self, at: Time, robot: RobotId, frame: &StoredFrame) -> Result<(), RecordError> {
         let topic = match frame.form {
             "depth" => "/camera/depth",
             "labels" => "/camera/labels",
@@ -368,8 +368,8 @@ impl Sink for Mcap {
         }
         for (at, robot, kept) in self.frames.clone().take() {
             match kept {
-                Kept::Scan(scan) => self.write_scan(at, robot, &scan)?,
-                Kept::Frame(frame) => self.write_frame(at, robot, &frame)?,
+                StoredCapture::Scan(scan) => self.write_scan(at, robot, &scan)?,
+                StoredCapture::Frame(frame) => self.write_frame(at, robot, &frame)?,
             }
         }
         if self.has_news { self.flush() } else { Ok(()) }
@@ -445,14 +445,14 @@ mod tests {
                 lcd: protocol::Lcd { size_px: [128, 64], has_colours: false },
             }],
             objects: vec![protocol::Object { id: 1, kind: "ball".into(), body: body() }],
-            workshop: protocol::Workshop::default(),
+            workshop: protocol::AddableTypes::default(),
         }
     }
 
     fn create(path: &Path, frames: &Arc<Frames>) -> Mcap {
         let (robots, objects) = (vec![Pose::new(0.5, 0.25, 0.0)], vec![Pose::new(1.0, 1.0, 0.0)]);
         let frames = frames.clone();
-        Mcap::create(path, Beginning { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames }).unwrap()
+        Mcap::create(path, InitialContents { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames }).unwrap()
     }
 
     /// Records a slot with one event of each kind.
@@ -475,7 +475,7 @@ mod tests {
         frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
         let pixels = Pixels::Depth(&[f32::INFINITY]);
         frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
-        frames.keep_scan(RobotId(1), Time(2_100), || KeptScan {
+        frames.store_scan(RobotId(1), Time(2_100), || StoredScan {
             world_from_scanner: Pose3::IDENTITY,
             bearings: [1.0, -1.0],
             metres: vec![Some(0.5), None],
@@ -565,7 +565,7 @@ mod tests {
     fn everything_is_read_back_and_keeps_to_its_schema() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
-        let frames = Arc::new(Frames::default().keeping());
+        let frames = Arc::new(Frames::default().storing());
         let digest = record_everything(&mut create(&path, &frames), &frames, true);
         let bytes = std::fs::read(&path).unwrap();
         let messages = messages(&bytes, true);
@@ -635,7 +635,7 @@ mod tests {
     fn a_run_that_breaks_leaves_every_complete_slot() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
-        let frames = Arc::new(Frames::default().keeping());
+        let frames = Arc::new(Frames::default().storing());
         let mut mcap = create(&path, &frames);
         record_everything(&mut mcap, &frames, false);
         // Read as another process would, before this one has ended.
@@ -652,9 +652,9 @@ mod tests {
             println!("skipped: no /dev/full here");
             return;
         }
-        let (robots, objects, frames) = (vec![], vec![], Arc::new(Frames::default().keeping()));
-        let beginning = Beginning { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames };
-        let message = Mcap::create(Path::new("/dev/full"), beginning).err().unwrap().to_string();
+        let (robots, objects, frames) = (vec![], vec![], Arc::new(Frames::default().storing()));
+        let contents = InitialContents { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames };
+        let message = Mcap::create(Path::new("/dev/full"), contents).err().unwrap().to_string();
         assert!(message.starts_with("cannot write the recording `/dev/full`: No space left"), "{message}");
     }
 

@@ -3,6 +3,7 @@
 //! Each is a [`Sink`] of the simulation's records. Nothing here influences the run: its events and its digest are the same with
 //! and without sinks.
 
+pub mod event_store;
 pub mod frame;
 pub mod log;
 #[cfg(feature = "window")]
@@ -11,16 +12,15 @@ pub mod png;
 pub mod read;
 pub mod report;
 pub mod sink;
-pub mod tape;
 pub mod trace;
 pub mod trail;
 
+pub use event_store::EventStore;
 pub use log::Log;
 #[cfg(feature = "window")]
 pub use mcap::Mcap;
 pub use read::{Recorded, TraceError, TraceReader};
 pub use report::Report;
 pub use sink::{RecordError, Sink, Sinks};
-pub use tape::Tape;
 pub use trace::Trace;
 pub use trail::Trails;

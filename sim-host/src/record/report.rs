@@ -170,14 +170,14 @@ impl Report {
     /// [`RecordError::Write`] if it cannot be written, [`RecordError::Report`] if a number is not finite.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
         let json = self.to_json()?;
-        write_whole(path, json.as_bytes()).map_err(|source| RecordError::write("report", path, source))
+        write_atomically(path, json.as_bytes()).map_err(|source| RecordError::write("report", path, source))
     }
 }
 
 /// Replaces the file `path` atomically by one with these bytes.
 ///
 /// Other kinds of files, and everything in `/dev` (standard output may be a file), are appended to; a link is followed.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {
             fs::OpenOptions::new().append(true).open(path)?.write_all(bytes)
@@ -327,10 +327,10 @@ mod tests {
         let (file, link) = (folder.path().join("r.json"), folder.path().join("latest.json"));
         fs::write(&file, "old").unwrap();
         std::os::unix::fs::symlink("r.json", &link).unwrap();
-        write_whole(&link, b"new").unwrap();
+        write_atomically(&link, b"new").unwrap();
         assert_eq!(fs::read_to_string(&file).unwrap(), "new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        write_whole(Path::new("/dev/null"), b"new").unwrap();
+        write_atomically(Path::new("/dev/null"), b"new").unwrap();
     }
 
     #[test]

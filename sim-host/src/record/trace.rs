@@ -56,7 +56,7 @@ pub struct Trace {
 /// Lines of a trace that are not events.
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
-enum Frame<'a> {
+enum ControlLine<'a> {
     Header {
         schema: u32,
         eyesim_version: &'static str,
@@ -90,7 +90,11 @@ impl Trace {
     pub fn new(out: Box<dyn Write + Send>, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
         let mut trace =
             Self { out: BufWriter::with_capacity(1 << 16, out), path: path.to_owned(), has_new_lines: false };
-        trace.write_line(&Frame::Header { schema: TRACE_SCHEMA, eyesim_version: env!("CARGO_PKG_VERSION"), header })?;
+        trace.write_line(&ControlLine::Header {
+            schema: TRACE_SCHEMA,
+            eyesim_version: env!("CARGO_PKG_VERSION"),
+            header,
+        })?;
         trace.flush()?;
         Ok(trace)
     }
@@ -122,14 +126,14 @@ impl Sink for Trace {
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if let Some(digest) = digest {
-            self.write_line(&Frame::Slot { t_s: end.seconds(), digest })?;
+            self.write_line(&ControlLine::Slot { t_s: end.seconds(), digest })?;
         }
         if self.has_new_lines { self.flush() } else { Ok(()) }
     }
 
     /// Writes the last line, which marks the trace as complete.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
-        self.write_line(&Frame::End { t_s: end.seconds(), digest })?;
+        self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
         self.flush()
     }
 }

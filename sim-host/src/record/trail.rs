@@ -57,7 +57,7 @@ impl Trail {
         let corner = self.corners[self.corners.len() - 1];
         match self.extended(position - corner) {
             Ok(segment) => self.segment = segment,
-            Err(Bend) => {
+            Err(CornerNeeded) => {
                 self.corners.push(self.last);
                 self.segment = None;
                 self.segment = self.extended(position - self.last).unwrap_or(None);
@@ -85,8 +85,8 @@ impl Trail {
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
-    /// The open segment extended to `offset` from its corner, or [`Bend`] if a new corner is needed before that.
-    fn extended(&self, offset: DVec2) -> Result<Option<Sector>, Bend> {
+    /// The open segment extended to `offset` from its corner, or [`CornerNeeded`] if a new corner is needed before that.
+    fn extended(&self, offset: DVec2) -> Result<Option<Sector>, CornerNeeded> {
         let distance = math::hypot(offset.x, offset.y);
         let Some(sector) = self.segment else {
             let width = self.tolerance / distance;
@@ -98,12 +98,12 @@ impl Trail {
             }));
         };
         if distance < sector.reach - self.tolerance {
-            return Err(Bend);
+            return Err(CornerNeeded);
         }
         let angle = math::atan2(sector.axis.perp_dot(offset), sector.axis.dot(offset));
         let (low, high) = sector.angles;
         if !(low..=high).contains(&angle) {
-            return Err(Bend);
+            return Err(CornerNeeded);
         }
         // The sine of an angle is less than the angle, so this width is conservative.
         let width = self.tolerance / distance;
@@ -122,18 +122,18 @@ impl Trail {
 }
 
 /// Error: the open segment cannot be extended, and a corner is needed.
-struct Bend;
+struct CornerNeeded;
 
 /// Most trails kept of a body that is placed again and again: the latest ones.
 const MAX_TRAILS: usize = 64;
 
 /// Trails of one body: a new one begins each time that the body is placed.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct BodyTrails {
     trails: VecDeque<Trail>,
 }
 
-impl Way {
+impl BodyTrails {
     fn new(start: DVec2) -> Self {
         Self { trails: VecDeque::from([Trail::new(start)]) }
     }
@@ -146,7 +146,7 @@ impl Way {
     }
 
     /// Starts a new trail at `position`, in metres.
-    fn jump(&mut self, position: DVec2) {
+    fn restart_at(&mut self, position: DVec2) {
         if self.trails.len() == MAX_TRAILS {
             self.trails.pop_front();
         }
@@ -162,25 +162,25 @@ impl Way {
 /// Sink that collects the trails of all bodies and the points of contact.
 #[derive(Clone, Debug)]
 pub struct Trails {
-    trails: Vec<Way>,
-    objects: Vec<Way>,
+    trails: Vec<BodyTrails>,
+    objects: Vec<BodyTrails>,
     contacts: Vec<DVec2>,
 }
 
 impl Trails {
     /// Trails from the starting poses of robots and movable objects, in order of their ids.
     pub fn new(robots: &[Pose], objects: &[Pose]) -> Self {
-        let trails = |starts: &[Pose]| starts.iter().map(|start| Way::new(start.position)).collect();
+        let trails = |starts: &[Pose]| starts.iter().map(|start| BodyTrails::new(start.position)).collect();
         Self { trails: trails(robots), objects: trails(objects), contacts: Vec::new() }
     }
 
     /// The trails of the movable objects in order of their ids.
-    pub fn objects(&self) -> &[Way] {
+    pub fn objects(&self) -> &[BodyTrails] {
         &self.objects
     }
 
     /// The trails in order of the robots' ids.
-    pub fn trails(&self) -> &[Way] {
+    pub fn trails(&self) -> &[BodyTrails] {
         &self.trails
     }
 
@@ -191,10 +191,10 @@ impl Trails {
 }
 
 /// Continues the trail of a body, or starts that of a spawned body.
-fn push(ways: &mut Vec<Way>, index: usize, position: DVec2) {
-    match ways.get_mut(index) {
+fn push(bodies: &mut Vec<BodyTrails>, index: usize, position: DVec2) {
+    match bodies.get_mut(index) {
         Some(way) => way.push(position),
-        None => ways.push(Way::new(position)),
+        None => bodies.push(BodyTrails::new(position)),
     }
 }
 
@@ -213,12 +213,12 @@ impl Sink for Trails {
             }
             Event::Placed { x_m, y_m, .. } => {
                 if let Some(trail) = self.trails.get_mut(record.robot.index()) {
-                    trail.jump(DVec2::new(x_m, y_m));
+                    trail.restart_at(DVec2::new(x_m, y_m));
                 }
             }
             Event::ObjectPlaced { object, x_m, y_m, .. } => {
                 if let Some(trail) = self.objects.get_mut(ObjectId(object).index()) {
-                    trail.jump(DVec2::new(x_m, y_m));
+                    trail.restart_at(DVec2::new(x_m, y_m));
                 }
             }
             Event::Contact { x_m, y_m, .. } => {
@@ -325,12 +325,12 @@ mod tests {
 
     #[test]
     fn no_line_leads_to_where_a_body_is_put() {
-        let mut way = Way::new(DVec2::ZERO);
+        let mut way = BodyTrails::new(DVec2::ZERO);
         way.push(DVec2::X);
-        way.jump(DVec2::new(5.0, 5.0));
+        way.restart_at(DVec2::new(5.0, 5.0));
         way.push(DVec2::new(5.0, 6.0));
         assert_eq!(way.lines(), [vec![DVec2::ZERO, DVec2::X], vec![DVec2::new(5.0, 5.0), DVec2::new(5.0, 6.0)]]);
-        (0..100).for_each(|_| way.jump(DVec2::ZERO));
+        (0..100).for_each(|_| way.restart_at(DVec2::ZERO));
         assert_eq!(way.lines().len(), MAX_TRAILS);
     }
 

@@ -13,9 +13,9 @@ use sim_core::world::World;
 
 use super::call::Call;
 use super::flow::Flow;
-use super::robot::{Ending, Robot, Waiting, Waits};
+use super::robot::{Ending, Robot, Wait, WaitReason};
 use super::task::NextThread;
-use super::task::scheduler::Next;
+use super::task::scheduler::NextTask;
 use crate::program::site::Site;
 use sim_core::record::Event;
 
@@ -29,11 +29,11 @@ pub enum Poll<R> {
     /// The wait is over.
     Ready(R),
     /// Not yet: poll again at `at` ([`Time::NEVER`] when nothing known can end the wait).
-    Until {
+    Pending {
         /// Earliest time at which the condition may hold.
         at: Time,
         /// Reason of the wait, as shown to the user.
-        waits_for: Waits,
+        reason: WaitReason,
     },
 }
 
@@ -42,7 +42,7 @@ impl<R> Poll<R> {
     pub fn map<S>(self, change: impl FnOnce(R) -> S) -> Poll<S> {
         match self {
             Self::Ready(result) => Poll::Ready(change(result)),
-            Self::Until { at, waits_for } => Poll::Until { at, waits_for },
+            Self::Pending { at, reason } => Poll::Pending { at, reason },
         }
     }
 }
@@ -131,21 +131,21 @@ impl<F: Flow> Caller<F> {
         let since = robot.now;
         loop {
             let polled = poll(&mut robot, &self.flow.world());
-            let (at, waits_for) = match polled {
+            let (at, reason) = match polled {
                 Poll::Ready(()) => {
                     robot.tasks.end_wait();
                     return self.take_turns(robot, call);
                 }
-                Poll::Until { at, waits_for } => (at, waits_for),
+                Poll::Pending { at, reason } => (at, reason),
             };
             if robot.timers.in_callback {
                 return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
             }
             // Virtual time advances by at least 1 us: a condition whose time has passed would be polled for ever.
             let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
-            let waiting = Waiting { call, waits_for, since, site: site.clone() };
+            let waiting = Wait { call, reason, since, site: site.clone() };
             if robot.tasks.current().is_unwinding() {
-                if waiting.waits_for.is_for_task() {
+                if waiting.reason.is_for_task() {
                     return Err(self.fail_in_unwinding(robot, call));
                 }
                 robot = self.pass_until(robot, wake, false)?;
@@ -168,7 +168,7 @@ impl<F: Flow> Caller<F> {
     /// and the program continues.
     fn wait_until<'a>(&'a self, robot: MutexGuard<'a, Robot>, wake: Time) -> Result<MutexGuard<'a, Robot>, Stop> {
         self.pass_until(robot, wake, false).inspect_err(|_| {
-            if !self.flow.is_leaving() {
+            if !self.flow.is_exiting() {
                 self.robot().tasks.end_wait();
             }
         })
@@ -184,7 +184,7 @@ impl<F: Flow> Caller<F> {
             return if robot.tasks.current().is_unwinding() { Ok(()) } else { self.await_turn(robot).map(drop) };
         }
         let now = robot.now;
-        match robot.tasks.whose_turn(now) {
+        match robot.tasks.next_turn(now) {
             Some(task) => self.switch_to(robot, task).map(drop),
             None => Ok(()),
         }
@@ -202,7 +202,7 @@ impl<F: Flow> Caller<F> {
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
-    pub(super) fn give_way(&self, call: SupportCall) -> Result<(), Stop> {
+    pub(super) fn yield_turn(&self, call: SupportCall) -> Result<(), Stop> {
         self.within(call.into(), |caller| {
             let robot = caller.spend(call.into())?;
             let mut robot = robot;
@@ -227,10 +227,10 @@ impl<F: Flow> Caller<F> {
             let now = robot.now;
             let next = robot.tasks.turn(now);
             robot = match next {
-                Next::Go(task) if task == robot.tasks.current().number => return Ok(robot),
-                Next::Go(task) => self.switch_to(robot, task)?,
-                Next::At(Time::NEVER) if robot.is_deadlocked() => return Err(self.end_deadlock(robot)),
-                Next::At(time) => self.pass_until(robot, time, false)?,
+                NextTask::Run(task) if task == robot.tasks.current().number => return Ok(robot),
+                NextTask::Run(task) => self.switch_to(robot, task)?,
+                NextTask::NotBefore(Time::NEVER) if robot.is_deadlocked() => return Err(self.end_deadlock(robot)),
+                NextTask::NotBefore(time) => self.pass_until(robot, time, false)?,
             };
         }
     }
@@ -246,7 +246,7 @@ impl<F: Flow> Caller<F> {
         drop(robot);
         self.flow.switch(task);
         let mut robot = self.robot();
-        let is_left = robot.tasks.is_leaving() || self.flow.is_leaving();
+        let is_left = robot.tasks.is_exiting() || self.flow.is_exiting();
         if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
@@ -277,7 +277,7 @@ impl<F: Flow> Caller<F> {
     pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
         let end = self.at_once(SupportCall::sleep_us, |robot| robot.now + span);
         self.wait(SupportCall::sleep_us, |robot, _| {
-            if robot.now >= end { Poll::Ready(()) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
+            if robot.now >= end { Poll::Ready(()) } else { Poll::Pending { at: end, reason: WaitReason::Time(end) } }
         })
     }
 
@@ -307,7 +307,7 @@ impl<F: Flow> Caller<F> {
         if !self.flow.enter(call) {
             return Err(self.overflow(call));
         }
-        let result = if self.flow.is_leaving() { Err(Stop) } else { body(self) };
+        let result = if self.flow.is_exiting() { Err(Stop) } else { body(self) };
         self.flow.leave();
         result
     }
@@ -354,7 +354,7 @@ impl<F: Flow> Caller<F> {
                     // Woken before its time: the scheduler step has changed what the robot waits for.
                     robot.now = robot.now.max(self.flow.slot_start());
                     let now = robot.now;
-                    robot.tasks.look_at_world(now);
+                    robot.tasks.recheck_world(now);
                     return Ok(robot);
                 }
             }

@@ -15,14 +15,14 @@ use sim_core::unit::mm_from_metres;
 use sim_core::world::World;
 
 use super::call::Call;
+use super::ground_truth::{EntityNumbers, NumberedObject};
 use super::robot::Robot;
-use super::truth::{Census, Counted};
 use crate::record::frame::{Frame, Frames, Pixels};
 use crate::scenery::LazyScenery;
 
 /// Scenery that a robot's camera sees, and destination of its images.
 #[derive(Default)]
-pub struct Imaging {
+pub struct CameraOutput {
     /// Everything that cameras can see.
     pub scenery: Arc<LazyScenery>,
     /// Destination of all images and scans that programs take, if the user wants them.
@@ -31,7 +31,7 @@ pub struct Imaging {
 
 /// Reason why a call gives no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoImage {
+pub enum ImageUnavailable {
     /// The buffer is null.
     #[error("it takes room for the image")]
     Null,
@@ -40,7 +40,7 @@ pub enum NoImage {
     Camera(CameraError),
 }
 
-impl From<CameraError> for NoImage {
+impl From<CameraError> for ImageUnavailable {
     fn from(error: CameraError) -> Self {
         Self::Camera(error)
     }
@@ -60,23 +60,27 @@ fn in_words(error: &CameraError) -> String {
 }
 
 /// Takes a colour image.
-pub(super) fn take_colour(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 3]>, NoImage> {
+pub(super) fn take_colour(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 3]>, ImageUnavailable> {
     let picture = take(robot, |robot, scenery| robot.take_colour(world, scenery))?;
-    show(robot, picture.size(), Pixels::Colour(picture.pixels().as_flattened()));
+    publish(robot, picture.size(), Pixels::Colour(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
 /// Takes a grey image: the mean of red, green and blue, rounded down.
-pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 1]>, NoImage> {
+pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 1]>, ImageUnavailable> {
     let picture = take(robot, |robot, scenery| robot.take_grey(world, scenery))?;
-    show(robot, picture.size(), Pixels::Grey(picture.pixels().as_flattened()));
+    publish(robot, picture.size(), Pixels::Grey(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
 /// Takes an image of `size` through the sensor's colour filter.
-pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<Picture<[u8; 1]>, NoImage> {
+pub(super) fn take_bayer(
+    robot: &mut Robot,
+    world: &World,
+    size: [u32; 2],
+) -> Result<Picture<[u8; 1]>, ImageUnavailable> {
     let picture = take(robot, |robot, scenery| robot.take_bayer(world, scenery, size))?;
-    show(robot, size, Pixels::Bayer(picture.pixels().as_flattened()));
+    publish(robot, size, Pixels::Bayer(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
@@ -84,31 +88,31 @@ pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Re
 fn take<T>(
     robot: &mut Robot,
     take: impl FnOnce(&mut simulation::Robot, &Arc<Scenery>) -> Result<T, CameraError>,
-) -> Result<T, NoImage> {
+) -> Result<T, ImageUnavailable> {
     robot.camera_setting()?;
-    let scenery = robot.robios.imaging.scenery.get();
+    let scenery = robot.robios.camera_output.scenery.get();
     Ok(take(&mut robot.state, &scenery)?)
 }
 
 /// Depth of each pixel of the last image in mm along the line of sight; infinite for the sky.
-fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
+fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, ImageUnavailable> {
     let picture = robot.take_depth()?;
     let depth = mm_of_depth(&picture);
-    tell(robot, picture.size(), Pixels::Depth(&depth));
+    record_and_publish(robot, picture.size(), Pixels::Depth(&depth));
     Ok(depth)
 }
 
 /// Number of the body that each pixel of the last image shows.
-fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, NoImage> {
+fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, ImageUnavailable> {
     let picture = robot.take_labels()?;
-    let labels = numbers_of_labels(&picture, &robot.robios.census);
-    tell(robot, picture.size(), Pixels::Labels(&labels));
+    let labels = numbers_of_labels(&picture, &robot.robios.entity_numbers);
+    record_and_publish(robot, picture.size(), Pixels::Labels(&labels));
     Ok(labels)
 }
 
 /// `CAMGetDepth` of either generation.
 pub(super) fn give_depth(robot: &mut Robot, call: impl Into<Call>, failure: i32, mm: &mut OutFloats) -> i32 {
-    let depth = if mm.is_null() { Err(NoImage::Null) } else { take_depth(robot) };
+    let depth = if mm.is_null() { Err(ImageUnavailable::Null) } else { take_depth(robot) };
     match depth {
         Ok(depth) => {
             mm.set(&depth);
@@ -120,7 +124,7 @@ pub(super) fn give_depth(robot: &mut Robot, call: impl Into<Call>, failure: i32,
 
 /// `CAMGetLabels` of either generation.
 pub(super) fn give_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32, numbers: &mut OutInts) -> i32 {
-    let labels = if numbers.is_null() { Err(NoImage::Null) } else { take_labels(robot) };
+    let labels = if numbers.is_null() { Err(ImageUnavailable::Null) } else { take_labels(robot) };
     match labels {
         Ok(labels) => {
             numbers.set(&labels);
@@ -131,7 +135,7 @@ pub(super) fn give_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32
 }
 
 /// The answer of a call that gives no image.
-pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why: impl Into<NoImage>) -> i32 {
+pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why: impl Into<ImageUnavailable>) -> i32 {
     let why = why.into();
     robot.refused(call, answer, |_| why.to_string())
 }
@@ -142,12 +146,13 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 }
 
 /// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
-pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
+pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
     // Ids of movable objects count these alone.
-    let movable: Vec<usize> =
-        (0..census.objects.len()).filter(|place| matches!(census.objects[*place], Counted::Movable(_))).collect();
-    let object = |place: usize| CAM_BODY + (census.robots + 1 + place) as i32;
-    let newcomer = |who: Placeable| CAM_BODY + census.number_of_newcomer(who).unwrap_or_default();
+    let movable: Vec<usize> = (0..entity_numbers.objects.len())
+        .filter(|place| matches!(entity_numbers.objects[*place], NumberedObject::Movable(_)))
+        .collect();
+    let object = |place: usize| CAM_BODY + (entity_numbers.robots + 1 + place) as i32;
+    let spawned = |who: Placeable| CAM_BODY + entity_numbers.spawned_number(who).unwrap_or_default();
     let number = |label: &Label| match label {
         Label::Sky => CAM_SKY,
         Label::Ground => CAM_FLOOR,
@@ -155,23 +160,23 @@ pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
         Label::Fixed(place) => object(*place as usize),
         Label::Object(id) => match movable.get(id.index()) {
             Some(place) => object(*place),
-            None => newcomer(Placeable::Object(*id)),
+            None => spawned(Placeable::Object(*id)),
         },
-        Label::Robot(id) if id.index() < census.robots => CAM_BODY + id.0 as i32,
-        Label::Robot(id) => newcomer(Placeable::Robot(*id)),
+        Label::Robot(id) if id.index() < entity_numbers.robots => CAM_BODY + id.0 as i32,
+        Label::Robot(id) => spawned(Placeable::Robot(*id)),
     };
     labels.pixels().iter().map(number).collect()
 }
 
 /// Records depths or labels of the last image and passes them to the image sink, if there is one.
-fn tell(robot: &mut Robot, size: [u32; 2], pixels: Pixels<'_>) {
+fn record_and_publish(robot: &mut Robot, size: [u32; 2], pixels: Pixels<'_>) {
     robot.record_frame(pixels.form(), size, &pixels.bytes());
-    show(robot, size, pixels);
+    publish(robot, size, pixels);
 }
 
 /// Passes the last image, or its depths or labels, to the image sink, if there is one.
-fn show(robot: &Robot, size: [u32; 2], pixels: Pixels<'_>) {
-    if let (Some(frames), Some(exposure)) = (&robot.robios.imaging.frames, robot.devices.camera.last()) {
+fn publish(robot: &Robot, size: [u32; 2], pixels: Pixels<'_>) {
+    if let (Some(frames), Some(exposure)) = (&robot.robios.camera_output.frames, robot.devices.camera.last()) {
         let Exposure { number, at, .. } = *exposure;
         frames.write(robot.id, &Frame { number, exposed: at, size, pixels });
     }
@@ -186,11 +191,11 @@ mod tests {
     #[test]
     fn bodies_have_their_numbers() {
         let objects = vec![
-            Counted::Movable(ObjectId(1)),
-            Counted::Fixed(sim_core::pose::Pose::default()),
-            Counted::Movable(ObjectId(2)),
+            NumberedObject::Movable(ObjectId(1)),
+            NumberedObject::Fixed(sim_core::pose::Pose::default()),
+            NumberedObject::Movable(ObjectId(2)),
         ];
-        let census = Census { robots: 2, objects, ..Census::default() };
+        let entity_numbers = EntityNumbers { robots: 2, objects, ..EntityNumbers::default() };
         let labels = [
             Label::Sky,
             Label::Ground,
@@ -201,6 +206,6 @@ mod tests {
             Label::Object(ObjectId(2)),
         ];
         let picture = Picture::new([7, 1], labels.to_vec());
-        assert_eq!(numbers_of_labels(&picture, &census), [0, 1, 2, 12, 13, 14, 15]);
+        assert_eq!(numbers_of_labels(&picture, &entity_numbers), [0, 1, 2, 12, 13, 14, 15]);
     }
 }

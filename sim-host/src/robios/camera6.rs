@@ -15,8 +15,8 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::caller::Poll;
-use super::camera::{self, NoImage};
-use super::robot::{Robot, Waits};
+use super::camera::{self, ImageUnavailable};
+use super::robot::{Robot, WaitReason};
 
 /// Answer of `CAMInit`: an EyeCam with colour.
 pub const VERSION: i32 = 17;
@@ -184,14 +184,14 @@ fn take<T>(
     robot: &mut Robot,
     call: Call,
     buffer: &mut Out<T>,
-    take: impl FnOnce(&mut Robot) -> Result<T, NoImage>,
+    take: impl FnOnce(&mut Robot) -> Result<T, ImageUnavailable>,
 ) -> Poll<i32> {
     let taken = match robot.camera_setting() {
-        Ok(_) if buffer.is_null() => Err(NoImage::Null),
+        Ok(_) if buffer.is_null() => Err(ImageUnavailable::Null),
         Ok(_) => {
             let due = robot.robios.camera6.rate.map_or(robot.now, |rate| next_frame(rate, robot.now));
             if due > robot.now {
-                return Poll::Until { at: due, waits_for: Waits::Time(due) };
+                return Poll::Pending { at: due, reason: WaitReason::Time(due) };
             }
             take(robot)
         }

@@ -7,7 +7,7 @@ use robios_sys::{OutBytes, OutFloats, OutInts, Robios7Call as Call};
 use sim_core::device::camera::{CameraError, Setting};
 use sim_core::world::World;
 
-use super::camera::{self, NoImage};
+use super::camera::{self, ImageUnavailable};
 use super::image7::is_resolution;
 use super::robot::Robot;
 
@@ -43,7 +43,7 @@ pub fn release(robot: &mut Robot) -> i32 {
 /// `CAMGet`
 pub fn get(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGet, 1, NoImage::Null);
+        return camera::refused(robot, Call::CAMGet, 1, ImageUnavailable::Null);
     }
     match camera::take_colour(robot, world) {
         Ok(picture) => {
@@ -57,7 +57,7 @@ pub fn get(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
 /// `CAMGetGray`
 pub fn get_grey(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGetGray, 1, NoImage::Null);
+        return camera::refused(robot, Call::CAMGetGray, 1, ImageUnavailable::Null);
     }
     match camera::take_grey(robot, world) {
         Ok(picture) => {

@@ -5,7 +5,7 @@
 use robios_sys::robios6::{BitImage, CURSOR, ColImage, Image, SCROLLING};
 use robios_sys::{Out, Robios6Call as Call};
 
-use super::lcd::{Ink, Lcd, OffDisplay};
+use super::lcd::{Ink, InvalidPosition, Lcd};
 use super::robot::Robot;
 use super::{image, text};
 use sim_core::record::Event;
@@ -36,7 +36,7 @@ pub fn put_at(robot: &mut Robot, call: Call, [row, column]: [i32; 2], characters
     let Some(characters) = characters else { return robot.failed(call, -1) };
     match robot.robios.lcd.set_position(row, column) {
         Ok(()) => put(robot, call, Some(characters)),
-        Err(OffDisplay) => robot.failed(call, -1),
+        Err(InvalidPosition) => robot.failed(call, -1),
     }
 }
 
@@ -72,7 +72,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
 pub fn set_position(robot: &mut Robot, row: i32, column: i32) -> i32 {
     match robot.robios.lcd.set_position(row, column) {
         Ok(()) => 0,
-        Err(OffDisplay) => robot.failed(Call::LCDSetPos, -1),
+        Err(InvalidPosition) => robot.failed(Call::LCDSetPos, -1),
     }
 }
 
@@ -139,7 +139,7 @@ pub fn put_picture(robot: &mut Robot, picture: Option<&BitImage>) -> i32 {
 pub fn pixel(robot: &mut Robot, row: i32, column: i32) -> i32 {
     match robot.robios.lcd.pixel(row, column) {
         Ok(is_black) => is_black.into(),
-        Err(OffDisplay) => robot.failed(Call::LCDGetPixel, -1),
+        Err(InvalidPosition) => robot.failed(Call::LCDGetPixel, -1),
     }
 }
 
@@ -148,11 +148,11 @@ pub fn draw(
     robot: &mut Robot,
     call: Call,
     code: i32,
-    shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, OffDisplay>,
+    shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, InvalidPosition>,
 ) -> i32 {
     match Ink::try_from(code).and_then(|ink| shape(&mut robot.robios.lcd, ink)) {
         Ok(changed) => drawn(robot, call, changed),
-        Err(OffDisplay) => robot.failed(call, -1),
+        Err(InvalidPosition) => robot.failed(call, -1),
     }
 }
 

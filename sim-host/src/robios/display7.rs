@@ -123,8 +123,8 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     if let Some(is_shown) = switched(mode, LCD_LISTMENU, LCD_CLASSICMENU) {
         screen.set_list_shown(is_shown);
     }
-    if let Some(is_at_once) = switched(mode, LCD_AUTOREFRESH, LCD_NOAUTOREFRESH) {
-        screen.set_refreshing(is_at_once);
+    if let Some(is_automatic) = switched(mode, LCD_AUTOREFRESH, LCD_NOAUTOREFRESH) {
+        screen.set_auto_refresh(is_automatic);
     }
     0
 }
@@ -202,7 +202,7 @@ pub fn draw(robot: &mut Robot, call: Call, shape: impl FnOnce(&mut Canvas) -> u3
 pub fn draw_area(robot: &mut Robot, from: [i32; 2], to: [i32; 2], colour: i32, is_filled: bool) -> i32 {
     let screen = robot.screen();
     let changed =
-        if is_filled { screen.fill_area(from, to, rgb(colour)) } else { screen.draw_frame(from, to, rgb(colour)) };
+        if is_filled { screen.fill_area(from, to, rgb(colour)) } else { screen.draw_rectangle(from, to, rgb(colour)) };
     drawn(robot, Call::LCDArea, changed)
 }
 

@@ -38,7 +38,7 @@ pub trait Flow: Send + Sync + 'static {
     fn suspend(&self, wake: Time) -> Result<(), Stop>;
 
     /// Returns true once the program must end: calls then return [`Stop`].
-    fn is_leaving(&self) -> bool;
+    fn is_exiting(&self) -> bool;
 
     /// Returns true if the robot's calls are recorded.
     fn is_verbose(&self) -> bool;

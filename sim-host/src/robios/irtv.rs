@@ -14,7 +14,7 @@ use sim_core::device::key::{REMOTE_KEYS, Touch};
 use sim_core::time::Time;
 
 use super::caller::Poll;
-use super::robot::{Robot, Waits};
+use super::robot::{Robot, WaitReason};
 use sim_core::record::Event;
 
 /// Codes of the keys of a remote control, in the order of [`REMOTE_KEYS`].
@@ -104,7 +104,7 @@ pub fn get(robot: &mut Robot) -> Poll<i32> {
 
 /// Wait for a key of a remote control, to be polled again at `at`.
 fn no_key(at: Time) -> Poll<i32> {
-    Poll::Until { at, waits_for: Waits::Input("a key of a TV remote control, which nobody presses".to_owned()) }
+    Poll::Pending { at, reason: WaitReason::Input("a key of a TV remote control, which nobody presses".to_owned()) }
 }
 
 /// `IRTVGet` of RoBIOS-7

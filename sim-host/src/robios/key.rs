@@ -13,7 +13,7 @@ use sim_core::device::key::{Touch, UnknownKey};
 use sim_core::time::Time;
 
 use super::caller::Poll;
-use super::robot::{Robot, Waits};
+use super::robot::{Robot, WaitReason};
 use super::screen::Screen;
 use sim_core::record::Event;
 
@@ -157,7 +157,7 @@ pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
         None => {
             let screen = &robot.robios.screen;
             let is_meant = |touch| key_under(touch, screen).is_some_and(|code| code & codes != 0);
-            Poll::Until { at: robot.devices.keys.next(is_meant), waits_for: Waits::Key(name(codes)) }
+            Poll::Pending { at: robot.devices.keys.next(is_meant), reason: WaitReason::Key(name(codes)) }
         }
     }
 }
@@ -186,7 +186,7 @@ pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i3
             [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
             Poll::Ready(0)
         }
-        None => Poll::Until { at: robot.devices.keys.next(|_| true), waits_for: Waits::Key("a touch".to_owned()) },
+        None => Poll::Pending { at: robot.devices.keys.next(|_| true), reason: WaitReason::Key("a touch".to_owned()) },
     }
 }
 

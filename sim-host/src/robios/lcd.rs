@@ -44,7 +44,7 @@ pub struct Lcd {
 
 /// Error for a position outside the display, or an invalid ink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OffDisplay;
+pub struct InvalidPosition;
 
 /// Effect of drawing on a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,15 +58,15 @@ pub enum Ink {
 }
 
 impl TryFrom<i32> for Ink {
-    type Error = OffDisplay;
+    type Error = InvalidPosition;
 
     /// 0 clear, 1 set, 2 invert.
-    fn try_from(code: i32) -> Result<Self, OffDisplay> {
+    fn try_from(code: i32) -> Result<Self, InvalidPosition> {
         match code {
             0 => Ok(Self::Clear),
             1 => Ok(Self::Set),
             2 => Ok(Self::Invert),
-            _ => Err(OffDisplay),
+            _ => Err(InvalidPosition),
         }
     }
 }
@@ -99,8 +99,8 @@ impl Lcd {
     /// Sets line and column of the next character.
     ///
     /// # Errors
-    /// [`OffDisplay`] outside of lines 0 to 6 and columns 0 to 15.
-    pub fn set_position(&mut self, line: i32, column: i32) -> Result<(), OffDisplay> {
+    /// [`InvalidPosition`] outside of lines 0 to 6 and columns 0 to 15.
+    pub fn set_position(&mut self, line: i32, column: i32) -> Result<(), InvalidPosition> {
         (self.line, self.column) = (index(line, LINES)?, index(column, COLUMNS)?);
         Ok(())
     }
@@ -129,9 +129,9 @@ impl Lcd {
     /// nothing.
     ///
     /// # Errors
-    /// [`OffDisplay`] for another position.
-    pub fn set_menu(&mut self, position: i32, text: &[u8]) -> Result<(), OffDisplay> {
-        let first = index(position.checked_sub(1).ok_or(OffDisplay)?, 4)? * MENU_COLUMNS;
+    /// [`InvalidPosition`] for another position.
+    pub fn set_menu(&mut self, position: i32, text: &[u8]) -> Result<(), InvalidPosition> {
+        let first = index(position.checked_sub(1).ok_or(InvalidPosition)?, 4)? * MENU_COLUMNS;
         if !text.is_empty() {
             for column in 0..MENU_COLUMNS {
                 self.draw_character(MENU_LINE, first + column, *text.get(column).unwrap_or(&b' '));
@@ -195,8 +195,8 @@ impl Lcd {
     /// Returns true if the pixel is black.
     ///
     /// # Errors
-    /// [`OffDisplay`] outside of rows 0 to 63 and columns 0 to 127.
-    pub fn pixel(&self, row: i32, column: i32) -> Result<bool, OffDisplay> {
+    /// [`InvalidPosition`] outside of rows 0 to 63 and columns 0 to 127.
+    pub fn pixel(&self, row: i32, column: i32) -> Result<bool, InvalidPosition> {
         let (row, column) = (index(row, HEIGHT)?, index(column, WIDTH)?);
         Ok(self.pixels[row] & mask(column, column) != 0)
     }
@@ -204,8 +204,8 @@ impl Lcd {
     /// Draws one pixel.
     ///
     /// # Errors
-    /// [`OffDisplay`] outside of rows 0 to 63 and columns 0 to 127.
-    pub fn draw_pixel(&mut self, row: i32, column: i32, ink: Ink) -> Result<u32, OffDisplay> {
+    /// [`InvalidPosition`] outside of rows 0 to 63 and columns 0 to 127.
+    pub fn draw_pixel(&mut self, row: i32, column: i32, ink: Ink) -> Result<u32, InvalidPosition> {
         let (row, column) = (index(row, HEIGHT)?, index(column, WIDTH)?);
         Ok(self.draw(row, mask(column, column), ink))
     }
@@ -220,10 +220,10 @@ impl Lcd {
     /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; parts outside the display are clipped.
     ///
     /// # Errors
-    /// [`OffDisplay`] if the first corner is to the right of the second one or below it.
-    pub fn draw_area(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2], ink: Ink) -> Result<u32, OffDisplay> {
+    /// [`InvalidPosition`] if the first corner is to the right of the second one or below it.
+    pub fn draw_area(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2], ink: Ink) -> Result<u32, InvalidPosition> {
         if x1 > x2 || y1 > y2 {
-            return Err(OffDisplay);
+            return Err(InvalidPosition);
         }
         let (left, right) = (x1.max(0), x2.min(WIDTH as i32 - 1));
         let (top, bottom) = (y1.max(0), y2.min(HEIGHT as i32 - 1));
@@ -321,8 +321,8 @@ fn mask(left: usize, right: usize) -> u128 {
 }
 
 /// `value` as an index below `end`.
-fn index(value: i32, end: usize) -> Result<usize, OffDisplay> {
-    usize::try_from(value).ok().filter(|index| *index < end).ok_or(OffDisplay)
+fn index(value: i32, end: usize) -> Result<usize, InvalidPosition> {
+    usize::try_from(value).ok().filter(|index| *index < end).ok_or(InvalidPosition)
 }
 
 #[cfg(test)]
@@ -401,11 +401,11 @@ mod tests {
         lcd.write(b"abc");
         assert_eq!(lcd.lines()[6], "              ab");
         assert_eq!(lcd.lines()[5], "c", "after the last cell text goes on above the menu");
-        assert_eq!(lcd.set_position(7, 0), Err(OffDisplay));
-        assert_eq!(lcd.set_position(-1, 0), Err(OffDisplay));
-        assert_eq!(lcd.set_position(0, 16), Err(OffDisplay));
-        assert_eq!(lcd.set_menu(0, b"a"), Err(OffDisplay));
-        assert_eq!(lcd.set_menu(i32::MIN, b"a"), Err(OffDisplay));
+        assert_eq!(lcd.set_position(7, 0), Err(InvalidPosition));
+        assert_eq!(lcd.set_position(-1, 0), Err(InvalidPosition));
+        assert_eq!(lcd.set_position(0, 16), Err(InvalidPosition));
+        assert_eq!(lcd.set_menu(0, b"a"), Err(InvalidPosition));
+        assert_eq!(lcd.set_menu(i32::MIN, b"a"), Err(InvalidPosition));
         lcd.set_menu(4, b"").unwrap();
         assert_eq!(lcd.lines()[6], "              ab", "an empty text leaves the place");
         lcd.set_menu(4, b" ").unwrap();
@@ -418,15 +418,15 @@ mod tests {
         assert_eq!(lcd.draw_pixel(63, 127, Ink::Set), Ok(1));
         assert_eq!(lcd.draw_pixel(63, 127, Ink::Set), Ok(0), "it was set");
         assert_eq!((lcd.pixel(63, 127), lcd.pixel(0, 0)), (Ok(true), Ok(false)));
-        assert_eq!(lcd.pixel(64, 0), Err(OffDisplay));
-        assert_eq!(lcd.draw_pixel(0, 128, Ink::Set), Err(OffDisplay));
+        assert_eq!(lcd.pixel(64, 0), Err(InvalidPosition));
+        assert_eq!(lcd.draw_pixel(0, 128, Ink::Set), Err(InvalidPosition));
         assert_eq!(lcd.draw_line([0, 0], [3, 3], Ink::Set), 4);
         assert_eq!(lcd.draw_line([3, 3], [0, 0], Ink::Invert), 4, "the same pixels in the other direction");
         assert_eq!(lcd.draw_line([5, 60], [5, 2], Ink::Set), 59);
         assert_eq!(lcd.draw_line([9, 9], [9, 9], Ink::Set), 1);
         assert_eq!(lcd.draw_area([0, 0], [127, 63], Ink::Clear), Ok(61));
-        assert_eq!(lcd.draw_area([1, 0], [0, 5], Ink::Set), Err(OffDisplay));
-        assert_eq!(Ink::try_from(3), Err(OffDisplay));
+        assert_eq!(lcd.draw_area([1, 0], [0, 5], Ink::Set), Err(InvalidPosition));
+        assert_eq!(Ink::try_from(3), Err(InvalidPosition));
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32
 /// `LEGGetJoint`
 pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2], degrees: &mut Out<f32>) -> i32 {
     let call = call.into();
-    let Some(found) = Found::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
+    let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
     let Some(index) = place(joint).filter(|index| *index < found.leg.joint_count()) else {
         let known = JOINTS[..found.leg.joint_count()].iter();
         return has_no(robot, call, "joint", joint, |_| list(known.copied()));
@@ -88,7 +88,7 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
 /// `LEGGetLink`
 pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], pose: &mut OutFloats) -> i32 {
     let call = call.into();
-    let Some(found) = Found::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
+    let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
     let Some((part, index)) = place(link).and_then(|index| found.leg.parts().nth(index)) else {
         let known: Vec<_> = found.leg.parts().map(|(part, _)| part).collect();
         return has_no(robot, call, "link", link, |_| list(known.into_iter()));
@@ -134,7 +134,7 @@ pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i3
 /// `LEGGetFoot`
 pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let call = call.into();
-    let Some(Found { leg, index, .. }) = Found::leg(robot, number) else {
+    let Some(NamedLeg { leg, index, .. }) = NamedLeg::leg(robot, number) else {
         return has_no(robot, call, "leg", number, legs);
     };
     let is_down = robot.state.motion.stance(robot.state.now).feet[index].is_down;
@@ -145,7 +145,7 @@ pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
 /// `LEGCorrect`
 pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy_mm, dz_mm]: [i32; 3]) -> i32 {
     let call = call.into();
-    let Some(Found { leg, index, .. }) = Found::leg(robot, number) else {
+    let Some(NamedLeg { leg, index, .. }) = NamedLeg::leg(robot, number) else {
         return has_no(robot, call, "leg", number, legs);
     };
     let [dx, dy, dz] = [dx_mm, dy_mm, dz_mm].map(metres);
@@ -158,14 +158,14 @@ pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy
 }
 
 /// A leg that a program has named.
-struct Found {
+struct NamedLeg {
     leg: Leg,
     index: usize,
     /// Index of the leg's first joint among the joints of all legs.
     first_joint: usize,
 }
 
-impl Found {
+impl NamedLeg {
     fn leg(robot: &Robot, number: i32) -> Option<Self> {
         let (legs, index) = (&robot.motion.legs()?.legs, place(number)?);
         let leg = legs.get(index)?.clone();

@@ -16,7 +16,7 @@ use super::call::Call as AnyCall;
 use super::psd::mm_from_distance;
 use super::robot::Robot;
 use super::unit7::radians;
-use crate::record::frame::KeptScan;
+use crate::record::frame::StoredScan;
 use sim_core::device::Devices;
 use sim_core::device::range::Scanner;
 use sim_core::device::switch::Sensor;
@@ -82,10 +82,10 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
-    if let Some(frames) = &robios.imaging.frames {
+    if let Some(frames) = &robios.camera_output.frames {
         let fan = scanner.fan();
         let last = fan.len().saturating_sub(1) as u32;
-        frames.keep_scan(*id, *now, || KeptScan {
+        frames.store_scan(*id, *now, || StoredScan {
             world_from_scanner,
             bearings: [fan.bearing(0), fan.bearing(last)],
             metres,

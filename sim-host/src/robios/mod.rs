@@ -21,6 +21,7 @@ pub mod cost;
 mod display;
 mod display7;
 pub mod flow;
+pub mod ground_truth;
 pub mod handle;
 mod hdt;
 pub mod hint;
@@ -61,7 +62,6 @@ pub mod task;
 #[cfg(test)]
 mod tests;
 pub mod timer;
-pub mod truth;
 mod unit7;
 pub mod vw;
 mod vw7;
@@ -104,7 +104,7 @@ pub struct Robios {
     /// Servos.
     pub servos: servo::Servos,
     /// Scenery that the camera sees, and destination of images.
-    pub imaging: camera::Imaging,
+    pub camera_output: camera::CameraOutput,
     /// Camera settings of a program of RoBIOS 6.
     pub camera6: camera6::Settings,
     /// The driving interface.
@@ -130,7 +130,7 @@ pub struct Robios {
     /// Counters of the program's output.
     pub console: console::Console,
     /// Robots and objects of the scene.
-    pub census: Arc<truth::Census>,
+    pub entity_numbers: Arc<ground_truth::EntityNumbers>,
     /// Hints given for the program.
     pub hints: hint::Hints,
 }
@@ -166,8 +166,8 @@ impl Robios {
     }
 
     /// Sets the robots and objects of the scene.
-    pub fn among(self, census: Arc<truth::Census>) -> Self {
-        Self { census, ..self }
+    pub fn with_entity_numbers(self, entity_numbers: Arc<ground_truth::EntityNumbers>) -> Self {
+        Self { entity_numbers, ..self }
     }
 }
 
@@ -260,7 +260,7 @@ impl Robot {
 
     /// Commands the drive.
     fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
-        self.tasks.look_at_drive(self.state.now);
+        self.tasks.recheck_drive(self.state.now);
         self.state.command(world, command)
     }
 }

@@ -43,7 +43,7 @@ pub fn drive(robot: &mut Robot, world: &World, handles: i32, percent: i32) -> i3
 
 /// Sets motors to a percentage of the wheels' greatest rate.
 fn set(robot: &mut Robot, world: &World, motors: impl Iterator<Item = usize>, percent: i32) {
-    robot.tasks.look_at_drive(robot.state.now);
+    robot.tasks.recheck_drive(robot.state.now);
     robot.state.set_motors(world, motors, percent);
 }
 

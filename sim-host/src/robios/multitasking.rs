@@ -10,9 +10,9 @@ use sim_core::time::Time;
 use super::call;
 use super::caller::{Caller, Poll};
 use super::flow::Flow;
-use super::robot::{Ending, Robot, Waiting, Waits};
+use super::robot::{Ending, Robot, Wait, WaitReason};
 use super::task::scheduler::{Policy, Scheduler};
-use super::task::semaphore::{Passing, Semaphore};
+use super::task::semaphore::{PassOutcome, Semaphore};
 use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
 use crate::program::site::Site;
@@ -92,7 +92,7 @@ impl<F: Flow> Caller<F> {
     pub(super) fn reschedule(&self) -> Result<i32, Stop> {
         self.arrange(Call::OSReschedule, |robot| {
             let is_started = is_started(robot, Call::OSReschedule);
-            if is_started && gives_way(robot, Call::OSReschedule) {
+            if is_started && can_yield(robot, Call::OSReschedule) {
                 scheduler(robot, Scheduler::reschedule);
             }
             Answer::Returned(if is_started { 0 } else { -1 })
@@ -103,7 +103,7 @@ impl<F: Flow> Caller<F> {
     pub(super) fn run_task(&self, task: i32) -> Result<i32, Stop> {
         self.arrange(Call::OSRun, |robot| {
             let answer = ready(robot, Call::OSRun, task);
-            if answer == 0 && gives_way(robot, Call::OSRun) {
+            if answer == 0 && can_yield(robot, Call::OSRun) {
                 scheduler(robot, Scheduler::reschedule);
             }
             Answer::Returned(answer)
@@ -180,9 +180,9 @@ impl<F: Flow> Caller<F> {
             let tasks = &mut robot.tasks;
             let passing = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
             match passing {
-                Passing::Passed => Poll::Ready(0),
-                Passing::Closed => Poll::Until { at: Time::NEVER, waits_for: Waits::Semaphore(number) },
-                Passing::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
+                PassOutcome::Passed => Poll::Ready(0),
+                PassOutcome::Closed => Poll::Pending { at: Time::NEVER, reason: WaitReason::Semaphore(number) },
+                PassOutcome::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
             }
         })
     }
@@ -201,7 +201,7 @@ impl<F: Flow> Caller<F> {
                 Answer::Suspended if robot.tasks.current().is_unwinding() => Err(caller.fail_in_unwinding(robot, call)),
                 Answer::Suspended => {
                     let (now, number) = (robot.now, robot.tasks.current().number);
-                    robot.tasks.note_suspension(Waiting { call, waits_for: Waits::Ready, since: now, site });
+                    robot.tasks.note_suspension(Wait { call, reason: WaitReason::Ready, since: now, site });
                     scheduler(&mut robot, |scheduler| scheduler.suspend(number));
                     let mut robot = caller.await_turn(robot)?;
                     robot.tasks.end_wait();
@@ -317,7 +317,7 @@ fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, si
         return robot.refused(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
     }
     let before = u32::try_from(*place).unwrap_or(0);
-    if robot.tasks.semaphores.get(before).is_some_and(Semaphore::is_waited_at) {
+    if robot.tasks.semaphores.get(before).is_some_and(Semaphore::has_waiters) {
         robot.hint(&format!("`OSSemInit` makes semaphore {before} anew: the tasks that wait at it never pass"));
     }
     match robot.tasks.semaphores.make(count, site) {
@@ -378,7 +378,7 @@ fn is_started(robot: &mut Robot, call: Call) -> bool {
 
 /// Returns true if the calling task can yield: not in a timer callback, which belongs to no task, nor while the task
 /// ends.
-fn gives_way(robot: &mut Robot, call: Call) -> bool {
+fn can_yield(robot: &mut Robot, call: Call) -> bool {
     if robot.timers.in_callback {
         robot.rejected(call, |_| "a timer's function gives way to nobody".to_owned());
     }

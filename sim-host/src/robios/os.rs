@@ -8,7 +8,7 @@ use sim_core::time::{TICK, Time};
 
 use super::caller::{Caller, Poll};
 use super::flow::Flow;
-use super::robot::{Ending, Robot, Waits};
+use super::robot::{Ending, Robot, WaitReason};
 use super::{call, display, display7, key, text};
 use sim_core::record::Event;
 
@@ -187,7 +187,7 @@ pub fn clock(robot: &Robot, tick: Time) -> [i32; 4] {
 
 /// Wait of `OSWait` until `end`.
 pub fn wait_until(robot: &Robot, end: Time) -> Poll<i32> {
-    if robot.now >= end { Poll::Ready(0) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
+    if robot.now >= end { Poll::Ready(0) } else { Poll::Pending { at: end, reason: WaitReason::Time(end) } }
 }
 
 /// `OSAttachTimer`: calls back at every `scale`-th tick.

@@ -12,7 +12,7 @@ use sim_core::world::World;
 use super::call::Call;
 use super::caller::Poll;
 use super::hint::Mistake;
-use super::robot::{Robot, Waits};
+use super::robot::{Robot, WaitReason};
 
 /// Radio settings and counters of a program.
 #[derive(Clone, Debug, Default)]
@@ -51,7 +51,7 @@ pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
 /// Switches the radio off; returns the number of messages left unsent.
 fn switch_off(robot: &mut Robot) -> usize {
     let unsent = robot.switch_radio_off();
-    robot.tasks.look_at_radio(robot.state.now);
+    robot.tasks.recheck_radio(robot.state.now);
     unsent
 }
 
@@ -101,7 +101,7 @@ pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: imp
         return Poll::Ready(is_off(robot, call, failure));
     }
     let Some(message) = robot.receive_message() else {
-        return Poll::Until { at: robot.next_message(), waits_for: Waits::Message };
+        return Poll::Pending { at: robot.next_message(), reason: WaitReason::Message };
     };
     robot.robios.radio.taken = robot.robios.radio.taken.saturating_add(1);
     give(&message);

@@ -10,8 +10,8 @@ use super::caller::Caller;
 use super::flow::Flow;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
-    audio, camera7 as camera, display7 as display, image7, irtv, key, leg, lidar, motor7, os, os7, picture, port7,
-    psd7, radio, radio7, serial, servo7, truth, vw7,
+    audio, camera7 as camera, display7 as display, ground_truth, image7, irtv, key, leg, lidar, motor7, os, os7,
+    picture, port7, psd7, radio, radio7, serial, servo7, vw7,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -297,15 +297,15 @@ impl<F: Flow> Robios7 for Caller<F> {
     // SIM.
     act! {
         fn SIMGetRobot(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
-            |robot, world| truth::robot_pose(robot, world, id, [x, y, z, phi]);
+            |robot, world| ground_truth::robot_pose(robot, world, id, [x, y, z, phi]);
         fn SIMSetRobot(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
-            |robot, world| truth::set_robot(robot, world, id, [x, y, phi]);
+            |robot, world| ground_truth::set_robot(robot, world, id, [x, y, phi]);
         fn SIMGetObject(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
-            |robot, world| truth::object_pose(robot, world, id, [x, y, z, phi]);
+            |robot, world| ground_truth::object_pose(robot, world, id, [x, y, z, phi]);
         fn SIMSetObject(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
-            |robot, world| truth::set_object(robot, world, id, [x, y, phi]);
-        fn SIMGetRobotCount() -> i32 = |robot, _| truth::robot_count(robot);
-        fn SIMGetObjectCount() -> i32 = |robot, _| truth::object_count(robot);
+            |robot, world| ground_truth::set_object(robot, world, id, [x, y, phi]);
+        fn SIMGetRobotCount() -> i32 = |robot, _| ground_truth::robot_count(robot);
+        fn SIMGetObjectCount() -> i32 = |robot, _| ground_truth::object_count(robot);
     }
 
     // Legs.

@@ -47,11 +47,11 @@ impl DerefMut for Robot {
 
 /// A wait in progress.
 #[derive(Clone, Debug)]
-pub struct Waiting {
+pub struct Wait {
     /// The call that waits.
     pub call: Call,
     /// Reason of the wait.
-    pub waits_for: Waits,
+    pub reason: WaitReason,
     /// Virtual time at which the wait began.
     pub since: Time,
     /// Place in the program of the call.
@@ -60,7 +60,7 @@ pub struct Waiting {
 
 /// Reason of a wait.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Waits {
+pub enum WaitReason {
     /// A point in virtual time.
     Time(Time),
     /// The end of the drive in progress.
@@ -120,8 +120,8 @@ impl Robot {
     }
 
     /// Tells the user if `main` has ended before other tasks of RoBIOS 6, which end with it.
-    pub fn hint_at_living_tasks(&mut self) {
-        let is_by_main = !self.tasks.is_leaving() && matches!(self.ending, None | Some(Ending::Exited { .. }));
+    pub fn hint_at_unfinished_tasks(&mut self) {
+        let is_by_main = !self.tasks.is_exiting() && matches!(self.ending, None | Some(Ending::Exited { .. }));
         if is_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
             let others = self.tasks.others_in_words();
             self.hint(&format!("the program ended with `main`, before {others}: `OSSuspend(0)` lets `main` wait"));
@@ -134,16 +134,16 @@ impl Robot {
     }
 }
 
-impl Waiting {
+impl Wait {
     /// Returns true if the waiting task yields the processor to others under the scheduler of RoBIOS 6; other waits are
     /// busy.
-    pub fn leaves_processor(&self) -> bool {
+    pub fn is_blocking(&self) -> bool {
         let is_sleep = matches!(self.call, Call::Robios6(Robios6Call::OSSleep) | Call::Support(SupportCall::sleep_us));
-        is_sleep || self.waits_for.is_for_task()
+        is_sleep || self.reason.is_for_task()
     }
 }
 
-impl Waits {
+impl WaitReason {
     /// Returns true if only another task of the robot can end the wait.
     pub fn is_for_task(&self) -> bool {
         matches!(self, Self::Task(_) | Self::Semaphore(_) | Self::Ready)
@@ -159,7 +159,7 @@ impl Waits {
     }
 }
 
-impl std::fmt::Display for Waits {
+impl std::fmt::Display for WaitReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Time(time) => write!(f, "{time} of virtual time"),

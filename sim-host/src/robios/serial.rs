@@ -15,7 +15,7 @@ use sim_core::time::Time;
 
 use super::call::Call;
 use super::caller::Poll;
-use super::robot::{Robot, Waits};
+use super::robot::{Robot, WaitReason};
 use sim_core::record::Event;
 
 /// Names of the interfaces from 1 on, in records.
@@ -37,18 +37,18 @@ const MAX_BAUD: i32 = 4_000_000;
 const BYTE: i64 = 10_000_000;
 
 /// Capacity of a loop-back in bytes: further bytes are lost; our choice.
-const MAX_KEPT: usize = 1 << 16;
+const LOOPBACK_CAPACITY: usize = 1 << 16;
 
 /// The interfaces of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Serial {
-    lines: BTreeMap<i32, Line>,
-    open: BTreeMap<i32, Port>,
+    lines: BTreeMap<i32, Peer>,
+    open: BTreeMap<i32, OpenInterface>,
 }
 
 /// Device at the other end of an interface.
 #[derive(Clone, Debug)]
-enum Line {
+enum Peer {
     Loopback,
     /// A device that sends `bytes`, of which it has sent the first `sent` before the interface was last opened.
     Device {
@@ -59,7 +59,7 @@ enum Line {
 
 /// An open interface.
 #[derive(Clone, Debug)]
-struct Port {
+struct OpenInterface {
     baud: i64,
     /// Time at which the interface was opened.
     since: Time,
@@ -73,8 +73,8 @@ impl Serial {
     /// Interfaces of a robot with the given connections.
     pub fn new(specs: &[SerialSpec]) -> Self {
         let line = |line: &SerialLine| match line {
-            SerialLine::Loopback => Line::Loopback,
-            SerialLine::File { bytes, .. } => Line::Device { bytes: Arc::clone(bytes), sent: 0 },
+            SerialLine::Loopback => Peer::Loopback,
+            SerialLine::File { bytes, .. } => Peer::Device { bytes: Arc::clone(bytes), sent: 0 },
         };
         let lines = specs.iter().map(|spec| (spec.interface.into(), line(&spec.line))).collect();
         Self { lines, open: BTreeMap::new() }
@@ -83,14 +83,14 @@ impl Serial {
     /// Opens an interface, or opens it again with another rate; received bytes are discarded.
     pub fn open(&mut self, number: i32, baud: i32, now: Time) {
         self.close(number, now);
-        let port = Port { baud: baud.into(), since: now, incoming: VecDeque::new(), taken: 0 };
+        let port = OpenInterface { baud: baud.into(), since: now, incoming: VecDeque::new(), taken: 0 };
         self.open.insert(number, port);
     }
 
     /// Closes an interface; returns false if it is not open.
     pub fn close(&mut self, number: i32, now: Time) -> bool {
         let Some(port) = self.open.remove(&number) else { return false };
-        if let Some(Line::Device { bytes, sent }) = self.lines.get_mut(&number) {
+        if let Some(Peer::Device { bytes, sent }) = self.lines.get_mut(&number) {
             *sent += port.arrived(now, bytes.len() - *sent);
         }
         true
@@ -104,9 +104,9 @@ impl Serial {
 
     /// Sends bytes through an open interface.
     fn send(&mut self, number: i32, now: Time, bytes: &[u8]) {
-        if let (Some(port), Some(Line::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
+        if let (Some(port), Some(Peer::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
             let mut at = port.incoming.back().map_or(now, |(last, _)| now.max(*last));
-            for byte in bytes.iter().take(MAX_KEPT - port.incoming.len()) {
+            for byte in bytes.iter().take(LOOPBACK_CAPACITY - port.incoming.len()) {
                 at += Time(BYTE.div_euclid(port.baud).max(1));
                 port.incoming.push_back((at, *byte));
             }
@@ -114,9 +114,9 @@ impl Serial {
     }
 
     /// An open interface with the bytes that its device has not sent before the interface was opened.
-    fn device(&self, number: i32) -> Option<(&Port, &[u8])> {
+    fn device(&self, number: i32) -> Option<(&OpenInterface, &[u8])> {
         let (port, line) = (self.open.get(&number)?, self.lines.get(&number)?);
-        let Line::Device { bytes, sent } = line else { return None };
+        let Peer::Device { bytes, sent } = line else { return None };
         Some((port, &bytes[*sent..]))
     }
 
@@ -152,7 +152,7 @@ impl Serial {
     }
 }
 
-impl Port {
+impl OpenInterface {
     /// Arrival time of byte `index` of a device, counted from the opening.
     fn arrival(&self, index: usize) -> Time {
         let bits = i128::from(BYTE) * (index as i128 + 1);
@@ -230,10 +230,10 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     let (name, at) = (serial.opened(number).unwrap_or_default(), serial.next_arrival(number));
     let what = match serial.lines.get(&number) {
         None => "to which nothing is connected",
-        Some(Line::Loopback) => "which gives back what is sent",
-        Some(Line::Device { .. }) => "whose file is at its end",
+        Some(Peer::Loopback) => "which gives back what is sent",
+        Some(Peer::Device { .. }) => "whose file is at its end",
     };
-    Poll::Until { at, waits_for: Waits::Input(format!("a byte on {name}, {what}")) }
+    Poll::Pending { at, reason: WaitReason::Input(format!("a byte on {name}, {what}")) }
 }
 
 /// Takes up to `most` received bytes and records them.
@@ -333,8 +333,8 @@ mod tests {
         assert_eq!([0, 1_499, 1_500, 2_499, 2_500, 9_000].map(|now| serial.waiting(2, Time(now))), [0, 0, 1, 1, 2, 3]);
         assert_eq!(serial.take(2, Time(2_500), 9), b"ab");
         assert_eq!(serial.take(2, Time(9_000), 9), b"c");
-        serial.send(2, Time(9_000), &vec![7; 2 * MAX_KEPT]);
-        assert_eq!(serial.waiting(2, Time(1_000_000_000)), MAX_KEPT);
+        serial.send(2, Time(9_000), &vec![7; 2 * LOOPBACK_CAPACITY]);
+        assert_eq!(serial.waiting(2, Time(1_000_000_000)), LOOPBACK_CAPACITY);
     }
 
     #[test]

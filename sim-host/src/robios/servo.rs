@@ -64,6 +64,6 @@ pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32
 /// Turns servo `index`.
 pub(super) fn turn(robot: &mut Robot, world: &World, index: usize, position: u8) {
     if robot.state.turn_servo(world, index, position) {
-        robot.tasks.look_at_drive(robot.state.now);
+        robot.tasks.recheck_drive(robot.state.now);
     }
 }

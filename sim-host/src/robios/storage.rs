@@ -22,12 +22,12 @@ const MAX_BYTES: u64 = 256 << 20;
 pub struct Storage {
     scene_folder: PathBuf,
     /// Files written in the present slot.
-    written: BTreeMap<PathBuf, (Time, Vec<u8>)>,
+    pending_writes: BTreeMap<PathBuf, (Time, Vec<u8>)>,
 }
 
 /// A file that a robot wrote in a slot.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct PendingWrite {
     /// Virtual time of the write.
     pub at: Time,
     /// Path of the file.
@@ -39,7 +39,7 @@ pub struct Written {
 impl Storage {
     /// Files of a robot in a scene that is in `scene_folder`.
     pub fn new(scene_folder: &Path) -> Self {
-        Self { scene_folder: scene_folder.to_owned(), written: BTreeMap::new() }
+        Self { scene_folder: scene_folder.to_owned(), pending_writes: BTreeMap::new() }
     }
 
     /// Reads the file called `name`.
@@ -50,7 +50,7 @@ impl Storage {
         let path = path_of(name);
         let beside_scene = self.scene_folder.join(&path);
         for path in [&path, &beside_scene] {
-            if let Some((_, bytes)) = self.written.get(path) {
+            if let Some((_, bytes)) = self.pending_writes.get(path) {
                 return Ok(bytes.clone());
             }
             if path.is_file() {
@@ -73,18 +73,18 @@ impl Storage {
         if !folder.is_dir() {
             return Err(io::ErrorKind::NotADirectory.into());
         }
-        self.written.insert(path, (now, bytes));
+        self.pending_writes.insert(path, (now, bytes));
         Ok(())
     }
 
     /// Takes the files written in the slot that ends.
-    pub fn take_written(&mut self) -> impl Iterator<Item = Written> + use<> {
-        let written = std::mem::take(&mut self.written);
-        written.into_iter().map(|(path, (at, bytes))| Written { at, path, bytes })
+    pub fn take_pending_writes(&mut self) -> impl Iterator<Item = PendingWrite> + use<> {
+        let written = std::mem::take(&mut self.pending_writes);
+        written.into_iter().map(|(path, (at, bytes))| PendingWrite { at, path, bytes })
     }
 }
 
-impl Written {
+impl PendingWrite {
     /// Writes the file to the disk.
     ///
     /// # Errors
@@ -129,8 +129,8 @@ mod tests {
         storage.write(Time(7), name(&path), b"two".to_vec()).unwrap();
         assert_eq!(storage.read(name(&path)).unwrap(), b"two");
         assert!(Storage::default().read(name(&path)).is_err(), "another robot does not see it yet");
-        let written: Vec<Written> = storage.take_written().collect();
-        assert_eq!(written, [Written { at: Time(7), path: path.clone(), bytes: b"two".to_vec() }]);
+        let written: Vec<PendingWrite> = storage.take_pending_writes().collect();
+        assert_eq!(written, [PendingWrite { at: Time(7), path: path.clone(), bytes: b"two".to_vec() }]);
         written[0].save().unwrap();
         assert_eq!(Storage::default().read(name(&path)).unwrap(), b"two");
     }

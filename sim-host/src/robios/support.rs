@@ -11,7 +11,7 @@ use sim_core::time::Time;
 use super::caller::{Caller, Poll};
 use super::console::print_lines;
 use super::flow::Flow;
-use super::robot::{Ending, Robot, Waits};
+use super::robot::{Ending, Robot, WaitReason};
 use super::task::TaskWait;
 
 /// Random generators of a program, one per purpose.
@@ -46,7 +46,7 @@ impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // The output of a program that must stop is still recorded; it costs no more virtual time.
-        let result = if self.flow().is_leaving() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
+        let result = if self.flow().is_exiting() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }
@@ -105,12 +105,12 @@ impl<F: Flow> Support for Caller<F> {
     fn task_wait(&self, key: u64, kind: i32, holder: i32, deadline_us: i64) -> Result<i32, Stop> {
         let holder = u32::try_from(holder).unwrap_or(0);
         self.wait_at_once(SupportCall::task_wait, |robot, _| {
-            if robot.tasks.look_in_queue(key) {
+            if robot.tasks.enqueue_or_check(key) {
                 Poll::Ready(1)
             } else if robot.now >= Time(deadline_us) {
                 Poll::Ready(0)
             } else {
-                Poll::Until { at: Time(deadline_us), waits_for: Waits::Task(TaskWait { kind, holder }) }
+                Poll::Pending { at: Time(deadline_us), reason: WaitReason::Task(TaskWait { kind, holder }) }
             }
         })
     }
@@ -130,7 +130,7 @@ impl<F: Flow> Support for Caller<F> {
     }
 
     fn task_yield(&self) -> Result<i32, Stop> {
-        self.give_way(SupportCall::task_yield).map(|()| 0)
+        self.yield_turn(SupportCall::task_yield).map(|()| 0)
     }
 
     fn task_turn(&self) -> Result<i32, Stop> {

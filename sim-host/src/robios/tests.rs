@@ -18,7 +18,7 @@ use sim_core::time::Time;
 use sim_format::{read_companion, read_robi, read_world};
 
 use super::caller::Poll;
-use super::robot::{Ending, Waits};
+use super::robot::{Ending, WaitReason};
 use super::*;
 
 /// A robot of 200 mm centred on its axle, wheels of 100 mm with 1,000 ticks a turn, 10 turns a second at most.
@@ -106,17 +106,17 @@ impl Bench {
 }
 
 /// Time and reason of a wait.
-fn wait_of<R>(poll: Poll<R>) -> (Time, Waits) {
+fn wait_of<R>(poll: Poll<R>) -> (Time, WaitReason) {
     match poll {
         Poll::Ready(_) => panic!("there is nothing to wait for"),
-        Poll::Until { at, waits_for } => (at, waits_for),
+        Poll::Pending { at, reason } => (at, reason),
     }
 }
 
 fn ready<R>(poll: Poll<R>) -> R {
     match poll {
         Poll::Ready(result) => result,
-        Poll::Until { waits_for, .. } => panic!("waits for {waits_for}"),
+        Poll::Pending { reason, .. } => panic!("waits for {reason}"),
     }
 }
 
@@ -182,7 +182,7 @@ fn drives_end_where_and_when_they_should() {
     assert_eq!(vw::drive_done(robot, handle), 1, "none was commanded");
     assert_eq!(vw::drive_straight(robot, world, handle, -0.25, 0.125), 0);
     assert_eq!(vw::drive_done(robot, handle), 0);
-    assert_eq!(wait_of(vw::drive_wait(robot, handle)), (Time(2_000_000), Waits::Drive));
+    assert_eq!(wait_of(vw::drive_wait(robot, handle)), (Time(2_000_000), WaitReason::Drive));
     bench.at_ms(500);
     assert_eq!(vw::drive_remain(&mut bench.robot, handle), 0.1875);
     let mut speed = Out::<SpeedType>::wanted();
@@ -213,7 +213,7 @@ fn a_drive_against_a_wall_stalls_and_never_ends() {
     let Bench { robot, world } = &mut bench;
     // The body of 0.1 m radius meets the wall after 0.9 m, at 1.8 s.
     vw::drive_straight(robot, world, handle, 2.0, 0.5);
-    assert_eq!(wait_of(vw::drive_wait(robot, handle)), (Time::NEVER, Waits::Drive));
+    assert_eq!(wait_of(vw::drive_wait(robot, handle)), (Time::NEVER, WaitReason::Drive));
     bench.at_ms(1_799);
     assert_eq!(vw::stalled(&mut bench.robot, handle), 0);
     let mut stamp = Out::wanted();
@@ -371,10 +371,10 @@ fn infrared_compass_and_inputs() {
 fn keys_are_waited_for() {
     let mut bench = Bench::rover();
     assert_eq!(key::read(&mut bench.robot), 0);
-    let any_key = Waits::Key("any key".to_owned());
+    let any_key = WaitReason::Key("any key".to_owned());
     assert_eq!(wait_of(key::wait_for(&mut bench.robot, ANYKEY)), (Time(2_500_000), any_key));
     assert_eq!(wait_of(key::wait(&mut bench.robot, KEY3)).0, Time(3_000_000));
-    assert_eq!(wait_of(key::wait(&mut bench.robot, 2)), (Time::NEVER, Waits::Key("KEY2".to_owned())));
+    assert_eq!(wait_of(key::wait(&mut bench.robot, 2)), (Time::NEVER, WaitReason::Key("KEY2".to_owned())));
     assert_eq!(ready(key::wait(&mut bench.robot, 0)), -1);
     assert_eq!(ready(key::get_into(&mut bench.robot, &mut Out::null())), -1);
     bench.at_ms(2_500);
@@ -390,7 +390,7 @@ fn waiting_for_one_key_forgets_the_others() {
     let mut bench = Bench::rover();
     bench.robot.devices.press(Time(2_700_000), Touch::Key(2));
     bench.at_ms(2_600);
-    let key2 = (Time(2_700_000), Waits::Key("KEY2".to_owned()));
+    let key2 = (Time(2_700_000), WaitReason::Key("KEY2".to_owned()));
     assert_eq!(wait_of(key::wait(&mut bench.robot, KEY2)), key2, "KEY1 has been pressed before");
     bench.at_ms(2_700);
     assert_eq!(ready(key::wait(&mut bench.robot, KEY2)), 0);
@@ -453,7 +453,7 @@ fn the_machine() {
     os::time(&bench.robot, [h, m, s, ticks]);
     assert_eq!(out.map(|value| *value.value().unwrap()), [0, 0, 0, 2], "past midnight");
     let end = bench.robot.now + os::span_of_hundredths(5);
-    assert_eq!(wait_of(os::wait_until(&bench.robot, end)), (end, Waits::Time(end)));
+    assert_eq!(wait_of(os::wait_until(&bench.robot, end)), (end, WaitReason::Time(end)));
     assert_eq!([os::span_of_hundredths(-1), os::span_of_hundredths(i32::MIN)], [Time::ZERO; 2]);
     os::error(&mut bench.robot, Some(b"motor"), 7, true);
     assert_eq!(bench.robot.ending, Some(Ending::Failed { reason: "OSError 7: motor".to_owned() }));
@@ -492,9 +492,9 @@ fn what_nobody_sends_is_waited_for_in_vain() {
 }
 
 /// Pseudo-random arguments from a linear congruential generator, mostly edge cases.
-struct Storm(u64);
+struct Fuzzer(u64);
 
-impl Storm {
+impl Fuzzer {
     fn next(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % end
@@ -517,17 +517,17 @@ impl Storm {
 
 #[test]
 fn no_argument_does_harm() {
-    let (mut bench, mut storm) = (Bench::rover(), Storm(1));
+    let (mut bench, mut fuzzer) = (Bench::rover(), Fuzzer(1));
     for step in 0..4_000 {
-        bench.robot.state.now += Time(storm.next(22_000) as i64);
+        bench.robot.state.now += Time(fuzzer.next(22_000) as i64);
         bench.robot.settle(&bench.world);
         let Bench { robot, world } = &mut bench;
-        let ints: [i32; 7] = std::array::from_fn(|_| storm.int());
+        let ints: [i32; 7] = std::array::from_fn(|_| fuzzer.int());
         let [a, b, c, d, ..] = ints;
-        let floats: [f32; 4] = std::array::from_fn(|_| storm.float());
+        let floats: [f32; 4] = std::array::from_fn(|_| fuzzer.float());
         let [x, y, z, _] = floats;
         let handle = if step % 3 == 0 { a } else { vw::HANDLE };
-        match storm.next(54) {
+        match fuzzer.next(54) {
             0 => _ = vw::init(robot, world, VW_DRIVE, a),
             1 => _ = vw::set_speed(robot, world, handle, x, y),
             2 => _ = vw::set_position(robot, handle, x, y, z),
@@ -549,25 +549,25 @@ fn no_argument_does_harm() {
             18 => _ = motor::odometer_read(robot, a),
             19 => _ = servo::init(robot, a),
             20 => _ = servo::set(robot, world, a, b),
-            21 => _ = psd::init(robot, [PSD_FRONT, 2, 3, a][storm.next(4)]),
+            21 => _ = psd::init(robot, [PSD_FRONT, 2, 3, a][fuzzer.next(4)]),
             22 => _ = psd::start(robot, a, b != 0),
             23 => _ = psd::get(robot, world, a),
             24 => _ = psd::get_raw(robot, world, a),
             25 => _ = psd::stop(robot),
             26 if step % 20 == 0 => _ = psd::release(robot),
-            27 => _ = bump::init(robot, [BUMP_FRONT, BUMP_BACK, a][storm.next(3)]),
+            27 => _ = bump::init(robot, [BUMP_FRONT, BUMP_BACK, a][fuzzer.next(3)]),
             28 => _ = bump::check(robot, a, &mut Out::null()),
-            29 => _ = ir::init(robot, [IR_FRONT, a][storm.next(2)]),
+            29 => _ = ir::init(robot, [IR_FRONT, a][fuzzer.next(2)]),
             30 => _ = ir::read(robot, world, a),
-            31 => _ = compass::init(robot, [COMPASS, a][storm.next(2)]),
+            31 => _ = compass::init(robot, [COMPASS, a][fuzzer.next(2)]),
             32 => _ = compass::start(robot, a != 0),
             33 => _ = compass::get(robot),
             34 => _ = compass::stop(robot),
-            35 => _ = display::put_at(robot, Call::LCDSetString, [a, b], storm.text()),
-            36 => _ = display::put(robot, Call::LCDPutString, storm.text()),
+            35 => _ = display::put_at(robot, Call::LCDSetString, [a, b], fuzzer.text()),
+            36 => _ = display::put(robot, Call::LCDPutString, fuzzer.text()),
             37 => _ = display::put_float(robot, x, a, b),
             38 => _ = display::put_int(robot, a, b),
-            39 => _ = display::set_menu_entry(robot, a, storm.text()),
+            39 => _ = display::set_menu_entry(robot, a, fuzzer.text()),
             40 => _ = display::draw(robot, Call::LCDLine, d, |lcd, ink| Ok(lcd.draw_line([a, b], [c, d], ink))),
             41 => _ = display::draw(robot, Call::LCDArea, d, |lcd, ink| lcd.draw_area([a, b], [c, d], ink)),
             42 => _ = display::pixel(robot, a, b),
@@ -580,7 +580,7 @@ fn no_argument_does_harm() {
             49 => _ = latch::read_analog(robot, a),
             50 => _ = serial::init_6(robot, a, b, c),
             51 => _ = audio::play_tone(robot, Call::AUTone, -1, a, b),
-            52 => _ = audio::play_sample_6(robot, storm.text()),
+            52 => _ = audio::play_sample_6(robot, fuzzer.text()),
             _ => _ = hdt::find_nth(robot, a, b, &mut Out::wanted()),
         }
         let pose = robot.state.motion.pose(robot.state.now);

@@ -61,7 +61,7 @@ impl Timers {
         for timer in &mut self.list {
             if timer.next <= now {
                 due.push(timer.callback);
-                timer.go_on(now);
+                timer.skip_past(now);
             }
         }
         due
@@ -71,13 +71,13 @@ impl Timers {
     /// continues however long its callbacks take.
     pub fn end_callbacks(&mut self, now: Time) {
         self.in_callback = false;
-        self.list.iter_mut().for_each(|timer| timer.go_on(now));
+        self.list.iter_mut().for_each(|timer| timer.skip_past(now));
     }
 }
 
 impl Timer {
     /// Moves the next tick of the timer past `now`.
-    fn go_on(&mut self, now: Time) {
+    fn skip_past(&mut self, now: Time) {
         if self.next <= now {
             let missed = (now - self.next).0 / self.period.0;
             self.next += Time((missed + 1) * self.period.0);

@@ -12,7 +12,7 @@ use sim_core::world::World;
 
 use super::caller::Poll;
 use super::hint::{LONG_DRIVE, LONG_TURN, Mistake};
-use super::robot::{Robot, Waits};
+use super::robot::{Robot, WaitReason};
 use sim_core::record::Event;
 
 /// The only handle: a number that no other family returns, so that a mixed-up handle is detected.
@@ -29,7 +29,7 @@ pub struct Vw {
 
 /// Reason why a command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum DriveRefusal {
     /// The duration of the drive would be infinite or undefined.
     #[error("it takes a length or angle that is a number, a speed other than 0, and a length for a curve")]
     Endless,
@@ -243,10 +243,10 @@ pub(super) fn start_drive(
     displacement: Twist,
     seconds: f64,
     event: Event<'_>,
-) -> Result<(), Refusal> {
+) -> Result<(), DriveRefusal> {
     // A speed of 0 gives an infinite time, or NaN for a distance of 0.
     if !seconds.is_finite() {
-        return Err(Refusal::Endless);
+        return Err(DriveRefusal::Endless);
     }
     robot.command(world, Command::Drive { displacement, duration: seconds.abs() })?;
     robot.record(event);
@@ -254,7 +254,7 @@ pub(super) fn start_drive(
 }
 
 /// Drives with a linear and an angular speed from now on.
-pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) -> Result<(), Refusal> {
+pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) -> Result<(), DriveRefusal> {
     robot.command(world, Command::Twist(Twist::new(v, omega)))?;
     robot.record(Event::DriveSpeed { v_m_per_s: v, omega_rad_per_s: omega });
     Ok(())
@@ -268,7 +268,7 @@ pub(super) fn twist(robot: &mut Robot) -> Twist {
 }
 
 /// Sets the odometry pose.
-pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), Refusal> {
+pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), DriveRefusal> {
     robot.state.motion.set_odometry(robot.state.now, Pose::new(x, y, phi))?;
     robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
     Ok(())
@@ -282,7 +282,7 @@ pub(super) fn odometry(robot: &mut Robot) -> Pose {
 }
 
 /// Starts the controllers of linear and angular speed.
-pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), Refusal> {
+pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), DriveRefusal> {
     robot.state.motion.start_control(robot.state.now, gains)?;
     let Gains { vv, tv, vw, tw } = gains;
     robot.record(Event::ControlStarted { v_gain: vv, v_reset_s: tv, omega_gain: vw, omega_reset_s: tw });
@@ -300,5 +300,5 @@ pub(super) fn wait_for_drive(robot: &mut Robot) -> Poll<i32> {
     if robot.state.motion.is_drive_done(robot.state.now) {
         return Poll::Ready(0);
     }
-    Poll::Until { at: robot.motion.drive_end().unwrap_or(Time::NEVER), waits_for: Waits::Drive }
+    Poll::Pending { at: robot.motion.drive_end().unwrap_or(Time::NEVER), reason: WaitReason::Drive }
 }

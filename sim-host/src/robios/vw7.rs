@@ -12,11 +12,11 @@ use super::caller::Poll;
 use super::hint::Mistake;
 use super::robot::Robot;
 use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
-use super::vw::{self, Refusal};
+use super::vw::{self, DriveRefusal};
 use sim_core::record::Event;
 
 /// A drive that is replaced within this time of its start was probably to be waited for.
-const AT_ONCE: Time = Time::from_millis(20);
+const IMMEDIATE_REPLACEMENT: Time = Time::from_millis(20);
 
 /// A length and a speed both below this are probably meant in metres.
 const SHORT_MM: i32 = 5;
@@ -128,8 +128,8 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
 
 /// Starts a drive of `seconds`, whose sign is ignored.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
-    let replaces_at_once = robot.robios.vw.begun.is_some_and(|begun| robot.now - begun <= AT_ONCE);
-    if replaces_at_once && !robot.state.motion.is_drive_done(robot.state.now) {
+    let replaces_immediately = robot.robios.vw.begun.is_some_and(|begun| robot.now - begun <= IMMEDIATE_REPLACEMENT);
+    if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
         robot.hint_at(Mistake::MissingWait);
     }
     match vw::start_drive(robot, world, displacement, seconds, event) {
@@ -137,10 +137,10 @@ fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seco
             robot.robios.vw.begun = Some(robot.now);
             0
         }
-        Err(Refusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
+        Err(DriveRefusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
             robot.refused(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
         }
-        Err(Refusal::Endless) => robot.refused(call, 1, |_| {
+        Err(DriveRefusal::Endless) => robot.refused(call, 1, |_| {
             "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, and C cuts 0.3 to 0".to_owned()
         }),
         Err(refusal) => robot.refused(call, 1, |_| refusal.to_string()),

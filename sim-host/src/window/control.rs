@@ -5,19 +5,19 @@ use std::time::Duration;
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use sim_core::record::Action;
-use sim_view::window::Asked;
+use sim_view::window::PendingCommand;
 
 /// Hands the pages' requests to the thread that advances the run, which checks for them between two slots.
 #[derive(Default)]
 pub struct Control {
-    is_stirred: AtomicBool,
-    wishes: Mutex<Wishes>,
-    stirred: Condvar,
+    is_changed: AtomicBool,
+    requests: Mutex<PendingRequests>,
+    changed: Condvar,
 }
 
 /// Pending requests to a run.
 #[derive(Default)]
-pub struct Wishes {
+pub struct PendingRequests {
     /// The run pauses before the next slot.
     pub is_paused: bool,
     /// Number of slots to run while paused.
@@ -25,7 +25,7 @@ pub struct Wishes {
     /// Simulated seconds for each second of real time; none for as fast as possible.
     pub speed: Option<f64>,
     /// Interventions in order, each with the command of a page to be answered.
-    pub actions: Vec<(Action, Asked)>,
+    pub actions: Vec<(Action, PendingCommand)>,
     /// An update of the pages is due.
     pub is_show_due: bool,
     /// The run must end because another one begins.
@@ -36,29 +36,29 @@ pub struct Wishes {
 
 impl Control {
     /// Changes the requests and wakes the thread that waits for them.
-    pub fn ask<T>(&self, wish: impl FnOnce(&mut Wishes) -> T) -> T {
-        let answer = wish(&mut self.wishes.lock());
-        self.is_stirred.store(true, Ordering::Release);
-        self.stirred.notify_all();
+    pub fn ask<T>(&self, change: impl FnOnce(&mut PendingRequests) -> T) -> T {
+        let answer = change(&mut self.requests.lock());
+        self.is_changed.store(true, Ordering::Release);
+        self.changed.notify_all();
         answer
     }
 
-    /// Returns true if something was requested since the last call of [`Self::wishes`].
-    fn is_stirred(&self) -> bool {
-        self.is_stirred.load(Ordering::Acquire)
+    /// Returns true if something was requested since the last call of [`Self::requests`].
+    fn is_changed(&self) -> bool {
+        self.is_changed.load(Ordering::Acquire)
     }
 
     /// Locks the requests and marks them as seen.
-    pub fn wishes(&self) -> MutexGuard<'_, Wishes> {
-        self.is_stirred.store(false, Ordering::Release);
-        self.wishes.lock()
+    pub fn requests(&self) -> MutexGuard<'_, PendingRequests> {
+        self.is_changed.store(false, Ordering::Release);
+        self.requests.lock()
     }
 
     /// Waits for a request, at most for `time`.
     pub fn wait(&self, time: Duration) {
-        let mut wishes = self.wishes.lock();
-        if !self.is_stirred() {
-            self.stirred.wait_for(&mut wishes, time);
+        let mut requests = self.requests.lock();
+        if !self.is_changed() {
+            self.changed.wait_for(&mut requests, time);
         }
     }
 }

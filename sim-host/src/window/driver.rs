@@ -9,30 +9,30 @@ use parking_lot::Mutex;
 use sim_core::record::Action;
 use sim_core::time::Time;
 use sim_view::protocol::RunState;
-use sim_view::window::Asked;
+use sim_view::window::PendingCommand;
 
 use super::control::Control;
 use super::show::{Moment, Show};
-use crate::executive::conductor::Boundary;
+use crate::executive::dispatcher::Boundary;
 use crate::executive::scheduler::{Progress, Scheduler};
 
 /// Longest wait without a check for requests.
-const NAP: Duration = Duration::from_millis(20);
+const MAX_WAIT: Duration = Duration::from_millis(20);
 
 /// Delay beyond which a run no longer catches up with its pace.
-const MOST_DELAY: Duration = Duration::from_millis(250);
+const MAX_DELAY: Duration = Duration::from_millis(250);
 
 /// Least period over which the speed is measured.
 const RATE_PERIOD: Duration = Duration::from_millis(500);
 
 /// Interval at which a run at full speed checks for requests: short enough for users, long enough to cost nothing.
-const STRETCH: Duration = Duration::from_millis(5);
+const CHECK_INTERVAL: Duration = Duration::from_millis(5);
 
 /// Least time between two updates of the pages at full speed: users cannot follow more.
 const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
 
-/// At full speed at most 1 / `SHARE_AT_FULL_SPEED` of the time goes into updates of the pages.
-const SHARE_AT_FULL_SPEED: u32 = 25;
+/// At full speed at most 1 / `INVERSE_SHARE_AT_FULL_SPEED` of the time goes into updates of the pages.
+const INVERSE_SHARE_AT_FULL_SPEED: u32 = 25;
 
 /// Advances a run with the pace, pauses, steps and interventions that its pages request.
 pub struct Driver {
@@ -45,7 +45,7 @@ pub struct Driver {
     /// Simulated time that the run has reached.
     now: Time,
     /// The latest change has not been shown to the pages yet.
-    is_news: bool,
+    has_unshown_change: bool,
     /// Earliest instant of the next update of the pages.
     not_before: Option<Instant>,
     rate: Rate,
@@ -61,7 +61,7 @@ impl Driver {
             speed: None,
             anchor: None,
             now: Time::ZERO,
-            is_news: true,
+            has_unshown_change: true,
             not_before: None,
             rate: Rate::default(),
         }
@@ -69,21 +69,21 @@ impl Driver {
 
     /// Advances the run to its end.
     pub fn drive(&mut self, run: &mut Scheduler) {
-        while self.go_on(run) == Progress::Paused {}
+        while self.advance(run) == Progress::Paused {}
     }
 
     /// Applies the requested pace and pause; returns the other requests.
-    fn take_wishes(&mut self) -> Wished {
-        let mut wishes = self.control.wishes();
-        if (self.is_paused, self.speed) != (wishes.is_paused, wishes.speed) {
-            (self.is_paused, self.speed) = (wishes.is_paused, wishes.speed);
+    fn take_requests(&mut self) -> TakenRequests {
+        let mut requests = self.control.requests();
+        if (self.is_paused, self.speed) != (requests.is_paused, requests.speed) {
+            (self.is_paused, self.speed) = (requests.is_paused, requests.speed);
             self.anchor = None;
-            self.is_news = true;
+            self.has_unshown_change = true;
         }
-        Wished {
-            is_ending: wishes.is_ending,
-            is_show_due: take(&mut wishes.is_show_due),
-            actions: take(&mut wishes.actions),
+        TakenRequests {
+            is_ending: requests.is_ending,
+            is_show_due: take(&mut requests.is_show_due),
+            actions: take(&mut requests.actions),
         }
     }
 
@@ -100,12 +100,12 @@ impl Driver {
         let is_full_speed = self.speed.is_none() && !self.is_paused;
         // The texts of the update are serialised on another thread, but on the same processors.
         let rest = if is_full_speed {
-            (SHARE_AT_FULL_SPEED * start.elapsed()).max(PERIOD_AT_FULL_SPEED)
+            (INVERSE_SHARE_AT_FULL_SPEED * start.elapsed()).max(PERIOD_AT_FULL_SPEED)
         } else {
             start.elapsed()
         };
         self.not_before = Some(start + rest);
-        self.is_news = false;
+        self.has_unshown_change = false;
     }
 
     /// Returns true if the run has programs and all of them have ended.
@@ -130,58 +130,60 @@ impl Driver {
         self.now = self.now.max(reached);
     }
 
-    /// Runs the slot at `next`, which was due at `due`; at full speed also the slots that follow, for [`STRETCH`].
-    fn begin(&mut self, run: &mut Scheduler, next: Time, due: Option<Instant>) -> Progress {
-        if due.is_some_and(|due| due.elapsed() > MOST_DELAY) {
+    /// Runs the slot at `next`, which was due at `due`; at full speed also the slots that follow, for [`CHECK_INTERVAL`].
+    fn run_slot(&mut self, run: &mut Scheduler, next: Time, due: Option<Instant>) -> Progress {
+        if due.is_some_and(|due| due.elapsed() > MAX_DELAY) {
             self.anchor = None;
         }
         if self.is_paused || self.speed.is_some() {
             run.advance_to(next + Time(1))
         } else {
-            run.advance_within(Time::NEVER, STRETCH)
+            run.advance_within(Time::NEVER, CHECK_INTERVAL)
         }
     }
 
     /// Waits until the paused run may continue, then applies the pending interventions or runs its next slots.
-    fn go_on(&mut self, run: &mut Scheduler) -> Progress {
+    fn advance(&mut self, run: &mut Scheduler) -> Progress {
         let boundary @ Boundary { limit, slot, .. } = run.boundary();
         let next = boundary.next_within_limit();
         self.now = self.now.max(boundary.following);
         loop {
-            let wished = self.take_wishes();
-            if wished.is_ending || run.run().interrupt().is_set() {
+            let taken = self.take_requests();
+            if taken.is_ending || run.run().interrupt().is_set() {
                 run.interrupt();
                 return Progress::Over;
             }
-            if !wished.actions.is_empty() {
-                return self.act(run, wished.actions);
+            if !taken.actions.is_empty() {
+                return self.act(run, taken.actions);
             }
             let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(run);
             let is_idle = next.is_none();
             let may_show = self.not_before.is_none_or(|instant| instant <= Instant::now());
-            if self.is_news || wished.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks()) {
+            if self.has_unshown_change
+                || taken.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks())
+            {
                 self.present(run, is_idle && !is_over);
             }
             match (self.is_paused, next) {
                 (true, _) if self.take_step() => {
-                    self.is_news = true;
+                    self.has_unshown_change = true;
                     match next {
                         _ if is_over => return Progress::Over,
-                        Some(next) if next <= self.now => return self.begin(run, next, None),
+                        Some(next) if next <= self.now => return self.run_slot(run, next, None),
                         _ => self.now += slot,
                     }
                 }
-                (true, _) => self.control.wait(NAP),
+                (true, _) => self.control.wait(MAX_WAIT),
                 (false, _) if is_over => return Progress::Over,
                 (false, Some(next)) => {
-                    let Some(factor) = self.speed else { return self.begin(run, next, None) };
+                    let Some(factor) = self.speed else { return self.run_slot(run, next, None) };
                     let due = self.due(next, factor);
                     let left = due.saturating_duration_since(Instant::now());
                     if left.is_zero() {
-                        return self.begin(run, next, Some(due));
+                        return self.run_slot(run, next, Some(due));
                     }
                     self.follow_clock(slot, Some(next), factor);
-                    self.control.wait(left.min(NAP));
+                    self.control.wait(left.min(MAX_WAIT));
                 }
                 (false, None) => {
                     if let Some(factor) = self.speed {
@@ -190,19 +192,19 @@ impl Driver {
                             return Progress::Over;
                         }
                     }
-                    self.control.wait(NAP);
+                    self.control.wait(MAX_WAIT);
                 }
             }
         }
     }
 
     /// Applies interventions to the run and answers the pages that requested them.
-    fn act(&mut self, run: &mut Scheduler, actions: Vec<(Action, Asked)>) -> Progress {
-        self.is_news = true;
-        for (action, asked) in actions {
+    fn act(&mut self, run: &mut Scheduler, actions: Vec<(Action, PendingCommand)>) -> Progress {
+        self.has_unshown_change = true;
+        for (action, pending) in actions {
             match run.act(self.now, &action) {
-                Ok(()) => asked.accept(),
-                Err(refusal) => asked.refuse(refusal.to_string()),
+                Ok(()) => pending.accept(),
+                Err(refusal) => pending.refuse(refusal.to_string()),
             }
         }
         if run.is_ending() { Progress::Over } else { Progress::Paused }
@@ -210,18 +212,18 @@ impl Driver {
 
     /// Consumes one requested single step; returns false if none is pending.
     fn take_step(&self) -> bool {
-        let mut wishes = self.control.wishes();
-        let has_step = wishes.steps > 0;
-        wishes.steps = wishes.steps.saturating_sub(1);
+        let mut requests = self.control.requests();
+        let has_step = requests.steps > 0;
+        requests.steps = requests.steps.saturating_sub(1);
         has_step
     }
 }
 
 /// Requests taken over at one time.
-struct Wished {
+struct TakenRequests {
     is_ending: bool,
     is_show_due: bool,
-    actions: Vec<(Action, Asked)>,
+    actions: Vec<(Action, PendingCommand)>,
 }
 
 /// Measures simulated seconds for each second of real time.

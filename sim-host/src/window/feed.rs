@@ -141,7 +141,7 @@ const SHOWN: [Kind; 7] =
     [Kind::Pose, Kind::Object, Kind::LcdText, Kind::LcdClear, Kind::LcdGraphics, Kind::Posture, Kind::Footfall];
 
 /// Returns true if pages get events of this kind one by one.
-pub fn is_told(kind: Kind) -> bool {
+pub fn is_listed(kind: Kind) -> bool {
     !READINGS.contains(&kind) && !SHOWN.contains(&kind)
 }
 
@@ -154,7 +154,7 @@ impl Sink for Feed {
         if !self.keep_readings(record) {
             self.count += 1;
             if self.events.len() < MOST_EVENTS {
-                self.events.push(told(self.count, record));
+                self.events.push(page_event(self.count, record));
             }
         }
         Ok(())
@@ -166,7 +166,7 @@ impl Sink for Feed {
 }
 
 /// Converts an event into the page's protocol; `number` counts within the run.
-fn told(number: u32, record: &Record<'_>) -> protocol::Event {
+fn page_event(number: u32, record: &Record<'_>) -> protocol::Event {
     let fields = serde_json::to_value(record).unwrap_or_default();
     let robot = (record.robot != WORLD).then_some(record.robot.0);
     event_of(number, record.time, robot, record.event.kind().name(), fields)
@@ -183,7 +183,7 @@ pub fn event_of(
     if let Some(fields) = fields.as_object_mut() {
         ["t_s", "robot", "seq", "event"].iter().for_each(|name| drop(fields.remove(*name)));
     }
-    let text = words(kind, &Fields(&fields));
+    let text = describe(kind, &Fields(&fields));
     protocol::Event { number, t_s: at.seconds(), robot, kind: kind.to_owned(), text, fields }
 }
 
@@ -223,7 +223,7 @@ impl Fields<'_> {
 }
 
 /// Description of an event in words.
-fn words(kind: &str, fields: &Fields<'_>) -> String {
+fn describe(kind: &str, fields: &Fields<'_>) -> String {
     let text = |name| fields.text(name);
     let number = |name| fields.number(name);
     match kind {
@@ -277,7 +277,7 @@ fn words(kind: &str, fields: &Fields<'_>) -> String {
         "call" if fields.0["result"] == "" => format!("{}({})", text("function"), text("arguments")),
         "call" => format!("{}({}) = {}", text("function"), text("arguments"), text("result")),
         "intervention" => intervention(&fields.0["action"]),
-        other => plain_words(other, fields.0),
+        other => describe_fields(other, fields.0),
     }
 }
 
@@ -302,12 +302,12 @@ fn intervention(action: &serde_json::Value) -> String {
         "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
         "remove_object" => format!("a hand takes object {} away", number("object")),
         "end" => "a hand ends the run".to_owned(),
-        other => plain_words(other, action),
+        other => describe_fields(other, action),
     }
 }
 
 /// Description of other events: the kind, and the fields by their names.
-fn plain_words(kind: &str, fields: &serde_json::Value) -> String {
+fn describe_fields(kind: &str, fields: &serde_json::Value) -> String {
     let mut words = kind.replace('_', " ");
     for (name, value) in fields.as_object().into_iter().flatten() {
         // Writing to a string cannot fail.
@@ -354,7 +354,7 @@ mod tests {
 
     #[test]
     fn events_have_words() {
-        let words = |event| told(1, &record(event)).text;
+        let words = |event| page_event(1, &record(event)).text;
         let contact = |with| Event::Contact { at_s: 1.0, with, x_m: 0.5, y_m: 1.25 };
         assert_eq!(words(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
         assert_eq!(words(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
@@ -372,7 +372,7 @@ mod tests {
     fn every_kind_is_told_or_kept_or_shown() {
         let interest = Feed::default().interest();
         for kind in Kind::ALL {
-            assert_eq!(interest.contains(*kind), is_told(*kind) || READINGS.contains(kind), "{}", kind.name());
+            assert_eq!(interest.contains(*kind), is_listed(*kind) || READINGS.contains(kind), "{}", kind.name());
         }
     }
 }

@@ -6,7 +6,7 @@
 
 mod action;
 pub mod control;
-pub mod desk;
+pub mod control_panel;
 pub mod detail;
 mod device;
 pub mod driver;

@@ -8,9 +8,9 @@ use sim_core::build;
 use sim_core::record::{Action, Kind};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_view::protocol::{Life, Recording, Scene, Shown, Standing, Stood, Track};
+use sim_view::protocol::{DisplayChange, Recording, RobotHistory, Scene, Standing, StandingChange, Track};
 
-use super::feed::{event_of, is_told};
+use super::feed::{event_of, is_listed};
 use super::planar;
 use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
 use crate::robios::lcd::{self, Lcd};
@@ -41,10 +41,10 @@ pub fn recording<R: BufRead>(
     mut remarks: Vec<String>,
 ) -> Result<Recording, TraceError> {
     let slot = Time(trace.header().slot_us).seconds();
-    let mut maker = Maker {
+    let mut builder = RecordingBuilder {
         slot,
-        robots: scene.robots.iter().map(|robot| (robot.id, RobotMaker::default())).collect(),
-        objects: scene.objects.iter().map(|object| (object.id, TrackMaker::default())).collect(),
+        robots: scene.robots.iter().map(|robot| (robot.id, RobotHistoryBuilder::default())).collect(),
+        objects: scene.objects.iter().map(|object| (object.id, TrackBuilder::default())).collect(),
         events: Vec::new(),
         counts: BTreeMap::new(),
         count: 0,
@@ -53,12 +53,12 @@ pub fn recording<R: BufRead>(
     };
     for robot in &spec.robots {
         let start = planar(&robot.start);
-        maker.put_robot(robot.id.0, 0.0, [start.x_m, start.y_m, start.phi_rad]);
+        builder.put_robot(robot.id.0, 0.0, [start.x_m, start.y_m, start.phi_rad]);
     }
     let (mut duration_s, mut end) = (0.0_f64, None);
     while let Some(line) = trace.next_line()? {
         match line {
-            Line::Event(event) => maker.take(event),
+            Line::Event(event) => builder.take(event),
             Line::Slot { end, .. } => duration_s = duration_s.max(end.seconds()),
             Line::End { end: at, digest } => {
                 duration_s = duration_s.max(at.seconds());
@@ -69,9 +69,9 @@ pub fn recording<R: BufRead>(
     if end.is_none() {
         remarks.push(format!("the trace was cut off after {duration_s:.3} s"));
     }
-    let Maker { robots, objects, events, count, .. } = maker;
-    for (robot, maker) in scene.robots.iter_mut().zip(robots.values()) {
-        robot.lcd.has_colours |= maker.display.is_large;
+    let RecordingBuilder { robots, objects, events, count, .. } = builder;
+    for (robot, builder) in scene.robots.iter_mut().zip(robots.values()) {
+        robot.lcd.has_colours |= builder.display.is_large;
     }
     Ok(Recording {
         scene,
@@ -79,18 +79,18 @@ pub fn recording<R: BufRead>(
         why: if end.is_some() { "the run ended".to_owned() } else { "the trace was cut off".to_owned() },
         digest: end.map(|digest| digest.to_string()).unwrap_or_default(),
         remarks,
-        robots: robots.into_values().map(RobotMaker::finish).collect(),
-        objects: objects.into_values().map(TrackMaker::finish).collect(),
+        robots: robots.into_values().map(RobotHistoryBuilder::finish).collect(),
+        objects: objects.into_values().map(TrackBuilder::finish).collect(),
         events_left_out: count - events.len() as u32,
         events,
     })
 }
 
 /// Collects the contents of a recording.
-struct Maker {
+struct RecordingBuilder {
     slot: f64,
-    robots: BTreeMap<u32, RobotMaker>,
-    objects: BTreeMap<u32, TrackMaker>,
+    robots: BTreeMap<u32, RobotHistoryBuilder>,
+    objects: BTreeMap<u32, TrackBuilder>,
     events: Vec<sim_view::protocol::Event>,
     /// Number of events of each kind.
     counts: BTreeMap<String, u32>,
@@ -102,16 +102,16 @@ struct Maker {
     next_object: u32,
 }
 
-impl Maker {
+impl RecordingBuilder {
     fn take(&mut self, event: RecordedEvent) {
         let RecordedEvent { at, robot, kind, fields } = event;
         let t_s = at.seconds();
         self.move_bodies(t_s, robot, &kind, &fields);
-        if let Some(maker) = robot.and_then(|robot| self.robots.get_mut(&robot)) {
-            maker.take(t_s, &kind, &fields);
+        if let Some(builder) = robot.and_then(|robot| self.robots.get_mut(&robot)) {
+            builder.take(t_s, &kind, &fields);
         }
         let known = Kind::ALL.iter().find(|known| known.name() == kind);
-        if known.is_none_or(|kind| is_told(*kind)) {
+        if known.is_none_or(|kind| is_listed(*kind)) {
             self.count += 1;
             let of_kind = self.counts.entry(kind.clone()).or_default();
             *of_kind += 1;
@@ -126,7 +126,7 @@ impl Maker {
         let slot = self.slot;
         let object = fields["object"].as_u64().and_then(|object| u32::try_from(object).ok());
         let track = match kind {
-            "pose" | "placed" => robot.and_then(|robot| self.robots.get_mut(&robot)).map(|maker| &mut maker.track),
+            "pose" | "placed" => robot.and_then(|robot| self.robots.get_mut(&robot)).map(|builder| &mut builder.track),
             "object" | "object_placed" => object.and_then(|object| self.objects.get_mut(&object)),
             "intervention" => return self.intervene(t_s, &fields["action"]),
             _ => None,
@@ -150,8 +150,8 @@ impl Maker {
                 self.next_object += 1;
             }
             Action::RemoveRobot { robot } => {
-                if let Some(maker) = self.robots.get_mut(&robot) {
-                    maker.track.until = Some(t_s);
+                if let Some(builder) = self.robots.get_mut(&robot) {
+                    builder.track.until = Some(t_s);
                 }
             }
             Action::RemoveObject { object } => {
@@ -164,8 +164,8 @@ impl Maker {
     }
 
     fn put_robot(&mut self, robot: u32, t_s: f64, pose: [f64; 3]) {
-        if let Some(maker) = self.robots.get_mut(&robot) {
-            maker.track.jump(t_s, pose);
+        if let Some(builder) = self.robots.get_mut(&robot) {
+            builder.track.jump(t_s, pose);
         }
     }
 
@@ -185,15 +185,16 @@ fn pose_of(fields: &serde_json::Value) -> Option<[f64; 3]> {
 
 /// Collects the history of a robot.
 #[derive(Default)]
-struct RobotMaker {
-    track: TrackMaker,
-    standings: Vec<Stood>,
-    display: Display,
+struct RobotHistoryBuilder {
+    track: TrackBuilder,
+    standings: Vec<StandingChange>,
+    display: DisplayHistory,
 }
 
-impl RobotMaker {
+impl RobotHistoryBuilder {
     fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
-        let mut stand = |standing| self.standings.push(Stood { t_s: round(t_s, 1e6), standing, why: String::new() });
+        let mut stand =
+            |standing| self.standings.push(StandingChange { t_s: round(t_s, 1e6), standing, why: String::new() });
         match kind {
             "program_started" if fields["program"] == "" => stand(Standing::NoProgram),
             "program_started" => stand(Standing::Running),
@@ -212,24 +213,24 @@ impl RobotMaker {
         }
     }
 
-    fn finish(self) -> Life {
-        Life { track: self.track.finish(), standings: self.standings, lcd: self.display.finish() }
+    fn finish(self) -> RobotHistory {
+        RobotHistory { track: self.track.finish(), standings: self.standings, lcd: self.display.finish() }
     }
 }
 
 /// Contents of a display over time.
 #[derive(Default)]
-struct Display {
+struct DisplayHistory {
     classic: Lcd,
     /// Lines of a display larger than the classic one.
     lines: Vec<String>,
     is_large: bool,
-    shown: Vec<Shown>,
+    shown: Vec<DisplayChange>,
     /// Least time between two contents, in seconds.
     period: f64,
 }
 
-impl Display {
+impl DisplayHistory {
     fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
         let number = |name: &str| fields[name].as_u64().unwrap_or_default() as usize;
         let text = fields["text"].as_str().unwrap_or_default();
@@ -270,7 +271,7 @@ impl Display {
         match self.shown.last_mut() {
             Some(last) if t_s - last.t_s < self.period => last.lines = lines,
             Some(last) if last.lines == lines => {}
-            _ => self.shown.push(Shown { t_s: round(t_s, 1e3), lines }),
+            _ => self.shown.push(DisplayChange { t_s: round(t_s, 1e3), lines }),
         }
         if self.shown.len() > MOST_SHOWN {
             self.period *= 2.0;
@@ -283,7 +284,7 @@ impl Display {
         }
     }
 
-    fn finish(self) -> Vec<Shown> {
+    fn finish(self) -> Vec<DisplayChange> {
         self.shown
     }
 }
@@ -294,7 +295,7 @@ const MOST_ROWS: usize = 256;
 /// Collects the track of a body and drops redundant points. Keeps the range of slopes of all lines through the last corner that
 /// pass all later points within the tolerance (swinging door, Bristol 1990).
 #[derive(Default)]
-struct TrackMaker {
+struct TrackBuilder {
     corners: Vec<Corner>,
     /// The newest point, not yet a corner, and the range of slopes left for each axis.
     open: Option<(Corner, [[f64; 2]; 3])>,
@@ -308,7 +309,7 @@ struct Corner {
     pose: [f64; 3],
 }
 
-impl TrackMaker {
+impl TrackBuilder {
     /// Adds `pose` at `t_s`; after a gap the body has rested until one slot (of length `slot`) before.
     fn push(&mut self, t_s: f64, pose: [f64; 3], slot: f64) {
         if let Some(last) = self.last()

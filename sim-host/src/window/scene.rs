@@ -17,7 +17,7 @@ use crate::record::mcap::scene::point;
 use crate::robios::lcd;
 
 /// The parts of a run that do not change with every slot, from which its [`scene`](Self::scene) is made.
-pub struct Subject<'a> {
+pub struct SceneInput<'a> {
     /// Number of the run since the window was opened, from 1.
     pub run: u32,
     /// Seed of the run.
@@ -29,15 +29,15 @@ pub struct Subject<'a> {
     /// Scenery that cameras see.
     pub scenery: &'a Scenery,
     /// The robots that are in the world, in order of their ids.
-    pub robots: Vec<RobotSubject>,
+    pub robots: Vec<RobotInput>,
     /// The movable objects that are in the world, in order of their ids.
-    pub objects: Vec<ObjectSubject>,
+    pub objects: Vec<ObjectInput>,
     /// Types of robots and objects that can be added.
-    pub workshop: protocol::Workshop,
+    pub workshop: protocol::AddableTypes,
 }
 
 /// A robot.
-pub struct RobotSubject {
+pub struct RobotInput {
     /// Its number.
     pub id: RobotId,
     /// Its type.
@@ -51,7 +51,7 @@ pub struct RobotSubject {
 }
 
 /// A movable object.
-pub struct ObjectSubject {
+pub struct ObjectInput {
     /// Its number.
     pub id: ObjectId,
     /// Its type.
@@ -60,7 +60,7 @@ pub struct ObjectSubject {
     pub position: DVec2,
 }
 
-impl Subject<'_> {
+impl SceneInput<'_> {
     /// The scene in the page's protocol.
     pub fn scene(&self) -> protocol::Scene {
         let mut surfaces = Surfaces::default();
@@ -150,8 +150,8 @@ fn ground_of(ground: &camera::Ground, surfaces: &mut Surfaces) -> protocol::Grou
 /// Assumed height of a robot's body whose colliders give none, in metres.
 const ROBOT_HEIGHT: f64 = 0.15;
 
-fn robot_of(robot: &RobotSubject) -> protocol::Robot {
-    let RobotSubject { id, robi, program, has_colours, .. } = robot;
+fn robot_of(robot: &RobotInput) -> protocol::Robot {
+    let RobotInput { id, robi, program, has_colours, .. } = robot;
     let top = robi.colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
     let size_px = if *has_colours {
         [robi.lcd.width, robi.lcd.height].map(u32::from)
@@ -171,7 +171,7 @@ fn robot_of(robot: &RobotSubject) -> protocol::Robot {
     }
 }
 
-fn object_of(object: &ObjectSubject) -> protocol::Object {
+fn object_of(object: &ObjectInput) -> protocol::Object {
     protocol::Object { id: object.id.0, kind: object.kind.name.clone(), body: body_of(&object.kind) }
 }
 

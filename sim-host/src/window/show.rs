@@ -9,12 +9,12 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::Standing;
-use sim_view::protocol::{Detail, RunState, Scene, Snapshot, Workshop};
+use sim_view::protocol::{AddableTypes, Detail, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
 use super::feed::Feed;
-use super::scene::{ObjectSubject, RobotSubject, Subject};
+use super::scene::{ObjectInput, RobotInput, SceneInput};
 use super::snapshot;
 use crate::executive::run::Run;
 use crate::executive::scheduler::RobotEnd;
@@ -30,9 +30,9 @@ pub struct Show {
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
     /// Bodies of the scene that pages received last, and that scene.
-    cast: Option<(Cast, Arc<Scene>)>,
+    bodies: Option<(BodySet, Arc<Scene>)>,
     /// Bodies when the run was shown last.
-    standings: Standings,
+    body_poses: BodyPoses,
     /// Robots of which pages request details.
     looks: Vec<Look>,
     details: Details,
@@ -40,7 +40,7 @@ pub struct Show {
 
 /// The robots and the movable objects that are in the world.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Cast {
+struct BodySet {
     robots: Vec<RobotId>,
     objects: Vec<ObjectId>,
 }
@@ -65,7 +65,7 @@ pub struct ShowParts {
 
 /// Types and poses of the robots and movable objects in the world.
 #[derive(Clone, Debug, Default)]
-pub struct Standings {
+pub struct BodyPoses {
     /// Robots in the order of their numbers.
     pub robots: Vec<Standing>,
     /// Objects in the order of their numbers.
@@ -94,15 +94,15 @@ impl Show {
     /// A show of which pages have received nothing yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed } = parts;
-        let (cast, standings, looks, details) = (None, Standings::default(), Vec::new(), Details::default());
-        Self { window, run, seed, slot, spec, scenery, feed, cast, standings, looks, details }
+        let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
+        Self { window, run, seed, slot, spec, scenery, feed, bodies, body_poses, looks, details }
     }
 
     /// Shows the run; if no page is connected, only events are kept, for later pages.
     pub fn present(&mut self, moment: Moment<'_>) {
         let Moment { run, world, now, state, speed, rate, ends } = moment;
         self.look(run);
-        self.standings = standings(run, world);
+        self.body_poses = body_poses(run, world);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
             self.window.tell(events);
@@ -110,7 +110,7 @@ impl Show {
         }
         self.set_scene(run, world);
         self.window.tell(events);
-        let Some((Cast { robots, objects }, _)) = self.cast.clone() else { return };
+        let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
         let chosen = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
         let chosen: Vec<RobotId> = chosen.collect();
         let others = robots.iter().copied().filter(|id| !chosen.contains(id));
@@ -131,7 +131,7 @@ impl Show {
 
     /// Returns true if pages have selected other robots since the last update, or if the first page has connected.
     pub fn has_new_looks(&self) -> bool {
-        self.window.looks() != self.looks || self.cast.is_none() && self.window.has_pages()
+        self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
     /// Has RoBIOS calls recorded for the robots of which a page requests them.
@@ -143,7 +143,7 @@ impl Show {
         let wants_calls = |looks: &[Look], robot| looks.iter().any(|look| look.robot == robot && look.calls);
         for Look { robot, .. } in self.looks.iter().chain(&looks) {
             if (1..=run.robot_count()).contains(&(*robot as usize)) {
-                run.listen_to(RobotId(*robot), wants_calls(&looks, *robot));
+                run.set_verbose(RobotId(*robot), wants_calls(&looks, *robot));
             }
         }
         self.looks = looks;
@@ -151,15 +151,15 @@ impl Show {
 
     /// Shows the scene if pages have not received it or if bodies were added or removed.
     fn set_scene(&mut self, run: &Run, world: &World) {
-        let cast = Cast::of(world);
-        if self.cast.as_ref().is_some_and(|(shown, _)| *shown == cast) {
+        let bodies = BodySet::of(world);
+        if self.bodies.as_ref().is_some_and(|(shown, _)| *shown == bodies) {
             return;
         }
         let spawner = run.spawner();
         let at = world.slot_start();
         let robot = |id: &RobotId| {
             let spec = &spawner.roster().robots()[id.index()];
-            RobotSubject {
+            RobotInput {
                 id: *id,
                 robi: Arc::clone(&spec.robi),
                 program: spec.program_name().to_owned(),
@@ -169,31 +169,31 @@ impl Show {
         };
         let object = |id: &ObjectId| {
             let kind = Arc::clone(&spawner.roster().objects()[id.index()].kind);
-            ObjectSubject { id: *id, kind, position: world.object_pose(*id, at).position }
+            ObjectInput { id: *id, kind, position: world.object_pose(*id, at).position }
         };
-        let subject = Subject {
+        let input = SceneInput {
             run: self.run,
             seed: self.seed,
             slot: self.slot,
             spec: &self.spec,
             scenery: &self.scenery.get(),
-            robots: cast.robots.iter().map(robot).collect(),
-            objects: cast.objects.iter().map(object).collect(),
+            robots: bodies.robots.iter().map(robot).collect(),
+            objects: bodies.objects.iter().map(object).collect(),
             workshop: names(spawner.roster()),
         };
-        let scene = subject.scene();
+        let scene = input.scene();
         self.window.show_scene(scene.clone());
-        self.cast = Some((cast, Arc::new(scene)));
+        self.bodies = Some((bodies, Arc::new(scene)));
     }
 
     /// The scene that pages received last; none before the first page.
     pub fn scene(&self) -> Option<Arc<Scene>> {
-        self.cast.as_ref().map(|(_, scene)| Arc::clone(scene))
+        self.bodies.as_ref().map(|(_, scene)| Arc::clone(scene))
     }
 
     /// Types and poses of the bodies when the run was shown last.
-    pub fn standings(&self) -> &Standings {
-        &self.standings
+    pub fn body_poses(&self) -> &BodyPoses {
+        &self.body_poses
     }
 
     fn detail(&mut self, run: &Run, world: &World, look: Look, ends: &[RobotEnd]) -> Detail {
@@ -205,7 +205,7 @@ impl Show {
     }
 }
 
-impl Cast {
+impl BodySet {
     fn of(world: &World) -> Self {
         let at = world.slot_start();
         let robots = (0..world.robot_count()).map(RobotId::from_index).filter(|id| world.is_robot_there(*id, at));
@@ -215,14 +215,14 @@ impl Cast {
 }
 
 /// Types that can be added.
-fn names(roster: &Roster) -> Workshop {
+fn names(roster: &Roster) -> AddableTypes {
     let robots = roster.robot_types.names().map(str::to_owned).collect();
-    Workshop { robots, objects: roster.object_types.names().map(str::to_owned).collect() }
+    AddableTypes { robots, objects: roster.object_types.names().map(str::to_owned).collect() }
 }
 
-fn standings(run: &Run, world: &World) -> Standings {
+fn body_poses(run: &Run, world: &World) -> BodyPoses {
     let spawner = run.spawner();
-    let (Cast { robots, objects }, at) = (Cast::of(world), world.slot_start());
+    let (BodySet { robots, objects }, at) = (BodySet::of(world), world.slot_start());
     let robot = |id: &RobotId| {
         let (kind, pose) = (spawner.roster().robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
         Standing { number: id.0, kind, pose }
@@ -231,5 +231,5 @@ fn standings(run: &Run, world: &World) -> Standings {
         let (kind, pose) = (spawner.roster().objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
         Standing { number: id.0, kind, pose }
     };
-    Standings { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }
+    BodyPoses { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }
 }

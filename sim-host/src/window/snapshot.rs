@@ -7,8 +7,8 @@ use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{Beam, Leg, ObjectState, RobotState, Standing};
 
 use super::planar;
+use crate::executive::program_status::waits_now;
 use crate::executive::run::Run;
-use crate::executive::standing::waits_now;
 use crate::robios::ir;
 use crate::robios::robot::{Ending, Robot};
 use sim_core::device::range::Sight;

@@ -2,7 +2,7 @@
 
 import type { Model, Player, Source } from "./model";
 import { type Motion, mix } from "./motion";
-import type { Detail, Life, Pose, Recording, RobotState, Snapshot, Track } from "./protocol";
+import type { Detail, Pose, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
 
 /** Interval at which panels are updated during playback. */
 const TELL_MS = 100;
@@ -16,7 +16,7 @@ export class RecordedSource implements Source, Player {
   private nextEvent = 0;
   private last_ms = 0;
   private told_ms = 0;
-  private readonly lives = new Map<number, Life>();
+  private readonly lives = new Map<number, RobotHistory>();
 
   constructor(
     private readonly model: Model,
@@ -161,7 +161,7 @@ class RecordedMotion implements Motion {
   private readonly end: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
 
   constructor(
-    private readonly lives: ReadonlyMap<number, Life>,
+    private readonly lives: ReadonlyMap<number, RobotHistory>,
     private readonly tracks: ReadonlyMap<number, Track>,
   ) {}
 

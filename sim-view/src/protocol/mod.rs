@@ -15,11 +15,11 @@ mod typescript;
 
 pub use action::Action;
 pub use event::{Event, Events};
-pub use recording::{Life, Recording, Shown, Stood, Track};
+pub use recording::{DisplayChange, Recording, RobotHistory, StandingChange, Track};
 pub use request::{Command, Request, Seed};
 pub use scene::{
-    Body, Camera, Floor, Ground, Image, Lcd, Light, Material, Mesh, Object, Part, Place, Point, Robot, Scene, Sensor,
-    SensorKind, Sky, Spot, Workshop,
+    AddableTypes, Body, Camera, Floor, Ground, Image, Lcd, Light, Material, Mesh, Object, Part, Place, Point, Robot,
+    Scene, Sensor, SensorKind, Sky, Spot,
 };
 pub use state::{
     Beam, Detail, Leg, ObjectState, Parameter, Picture, Pose, Reading, RobotState, RunState, Scan, SensorState,

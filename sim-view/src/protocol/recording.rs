@@ -19,7 +19,7 @@ pub struct Recording {
     /// Notices for the user: the trace is truncated, or the scene's files have changed since.
     pub remarks: Vec<String>,
     /// One for each robot of the scene, in the same order.
-    pub robots: Vec<Life>,
+    pub robots: Vec<RobotHistory>,
     /// One for each movable object of the scene, in the same order.
     pub objects: Vec<Track>,
     /// Events in order.
@@ -31,13 +31,13 @@ pub struct Recording {
 /// History of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Life {
+pub struct RobotHistory {
     /// Its poses.
     pub track: Track,
     /// States of its program, in order of time.
-    pub standings: Vec<Stood>,
+    pub standings: Vec<StandingChange>,
     /// Texts on its display, in order of time.
-    pub lcd: Vec<Shown>,
+    pub lcd: Vec<DisplayChange>,
 }
 
 /// Poses of a body over time, thinned: linear interpolation between two points is accurate to 2 mm and 1 degree.
@@ -60,7 +60,7 @@ pub struct Track {
 /// State of a program from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Stood {
+pub struct StandingChange {
     /// Time at which the state begins.
     pub t_s: f64,
     /// The state.
@@ -72,7 +72,7 @@ pub struct Stood {
 /// Contents of a display from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Shown {
+pub struct DisplayChange {
     /// Time at which the contents appear.
     pub t_s: f64,
     /// Its lines of text, the menu last.

@@ -33,7 +33,7 @@ pub struct Scene {
     /// All movable objects that are in the world, in order of their numbers.
     pub objects: Vec<Object>,
     /// Types that can be added.
-    pub workshop: Workshop,
+    pub workshop: AddableTypes,
 }
 
 /// An image.
@@ -280,7 +280,7 @@ pub struct Object {
 /// Types of bodies that can be added to a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Workshop {
+pub struct AddableTypes {
     /// Types of robots.
     pub robots: Vec<String>,
     /// Types of movable objects.

@@ -27,14 +27,14 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// A value and its serialised text, which is made once.
-struct Shown<T> {
+struct CachedText<T> {
     value: T,
     text: OnceLock<Utf8Bytes>,
 }
 
-impl<T> Shown<T> {
-    fn new(value: T) -> Arc<Shown<T>> {
-        Arc::new(Shown { value, text: OnceLock::new() })
+impl<T> CachedText<T> {
+    fn new(value: T) -> Arc<CachedText<T>> {
+        Arc::new(CachedText { value, text: OnceLock::new() })
     }
 
     fn text(&self, message: impl FnOnce(&T) -> Utf8Bytes) -> Utf8Bytes {
@@ -48,7 +48,7 @@ pub(super) fn text_of(message: &impl Serialize) -> Utf8Bytes {
 }
 
 /// A detail without its display, and the display apart, since some pages have the display already.
-struct ShownDetail {
+struct CachedDetail {
     detail: Detail,
     lcd: Option<Arc<Picture>>,
     /// Version of the picture, counted over all robots.
@@ -57,7 +57,7 @@ struct ShownDetail {
     whole: OnceLock<Utf8Bytes>,
 }
 
-impl ShownDetail {
+impl CachedDetail {
     fn text(&self, with_lcd: bool) -> Utf8Bytes {
         let place = if with_lcd { &self.whole } else { &self.lean };
         place
@@ -75,11 +75,11 @@ struct State {
     /// Counts all changes.
     version: u64,
     run: u32,
-    scene: Option<(u64, Arc<Shown<Message>>)>,
-    snapshot: Option<(u64, Arc<Shown<Message>>)>,
-    build: Option<(u64, Arc<Shown<Message>>)>,
-    details: BTreeMap<u32, (u64, Arc<ShownDetail>)>,
-    events: VecDeque<Arc<Shown<Event>>>,
+    scene: Option<(u64, Arc<CachedText<Message>>)>,
+    snapshot: Option<(u64, Arc<CachedText<Message>>)>,
+    build: Option<(u64, Arc<CachedText<Message>>)>,
+    details: BTreeMap<u32, (u64, Arc<CachedDetail>)>,
+    events: VecDeque<Arc<CachedText<Event>>>,
     /// Number of events that the ring buffer has dropped since the run began.
     lost: u64,
 }
@@ -93,7 +93,7 @@ impl State {
 
 #[derive(Default)]
 struct Inbox {
-    asked: VecDeque<Asked>,
+    commands: VecDeque<PendingCommand>,
     looks: BTreeMap<u64, Look>,
     pages: u64,
     is_woken: bool,
@@ -106,7 +106,7 @@ pub(super) struct Hub {
     changed: watch::Sender<()>,
     inbox: Mutex<Inbox>,
     /// Wakes the simulation.
-    asked: Condvar,
+    command_arrived: Condvar,
 }
 
 impl Hub {
@@ -115,7 +115,7 @@ impl Hub {
             state: Mutex::default(),
             changed: watch::Sender::new(()),
             inbox: Mutex::default(),
-            asked: Condvar::new(),
+            command_arrived: Condvar::new(),
         })
     }
 
@@ -133,7 +133,7 @@ impl Hub {
             state.lost = 0;
         }
         let version = state.next();
-        state.scene = Some((version, Shown::new(Message::Scene(Box::new(scene)))));
+        state.scene = Some((version, CachedText::new(Message::Scene(Box::new(scene)))));
         drop(state);
         self.changed.send_replace(());
     }
@@ -141,7 +141,7 @@ impl Hub {
     pub(super) fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         let mut state = lock(&self.state);
         let version = state.next();
-        state.snapshot = Some((version, Shown::new(Message::Snapshot(snapshot))));
+        state.snapshot = Some((version, CachedText::new(Message::Snapshot(snapshot))));
         for mut detail in details {
             let version = state.next();
             let before = state
@@ -154,7 +154,7 @@ impl Hub {
                 (None, Some(before)) => (before.lcd.clone(), before.lcd_version),
                 (None, None) => (None, 0),
             };
-            let shown = ShownDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
+            let shown = CachedDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
             state.details.insert(shown.detail.robot, (version, Arc::new(shown)));
         }
         drop(state);
@@ -168,7 +168,7 @@ impl Hub {
                 state.events.pop_front();
                 state.lost += 1;
             }
-            state.events.push_back(Shown::new(event));
+            state.events.push_back(CachedText::new(event));
         }
         drop(state);
         self.changed.send_replace(());
@@ -177,7 +177,7 @@ impl Hub {
     pub(super) fn build(&self, build: Build) {
         let mut state = lock(&self.state);
         let version = state.next();
-        state.build = Some((version, Shown::new(Message::Build(build))));
+        state.build = Some((version, CachedText::new(Message::Build(build))));
         drop(state);
         self.changed.send_replace(());
     }
@@ -212,31 +212,31 @@ impl Hub {
         };
         inbox.is_woken = true;
         drop(inbox);
-        self.asked.notify_all();
+        self.command_arrived.notify_all();
     }
 
     /// Queues a command for the simulation; returns it if the queue is full.
-    pub(super) fn ask(&self, asked: Asked) -> Result<(), Asked> {
+    pub(super) fn ask(&self, pending: PendingCommand) -> Result<(), PendingCommand> {
         let mut inbox = lock(&self.inbox);
-        if inbox.asked.len() == COMMANDS {
-            return Err(asked);
+        if inbox.commands.len() == COMMANDS {
+            return Err(pending);
         }
-        inbox.asked.push_back(asked);
+        inbox.commands.push_back(pending);
         drop(inbox);
-        self.asked.notify_all();
+        self.command_arrived.notify_all();
         Ok(())
     }
 }
 
 /// Command of a page that waits to be carried out. Dropping it without an answer refuses it.
-pub struct Asked {
+pub struct PendingCommand {
     /// The command.
     pub command: Command,
     pub(super) number: u32,
     pub(super) answers: Option<mpsc::UnboundedSender<Answer>>,
 }
 
-impl Asked {
+impl PendingCommand {
     /// Tells the page that its command has been carried out.
     pub fn accept(mut self) {
         self.answer(None);
@@ -255,15 +255,18 @@ impl Asked {
     }
 }
 
-impl Drop for Asked {
+impl Drop for PendingCommand {
     fn drop(&mut self) {
         self.answer(Some("the run took no more commands".into()));
     }
 }
 
-impl std::fmt::Debug for Asked {
+impl std::fmt::Debug for PendingCommand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Asked").field("number", &self.number).field("command", &self.command).finish_non_exhaustive()
+        f.debug_struct("PendingCommand")
+            .field("number", &self.number)
+            .field("command", &self.command)
+            .finish_non_exhaustive()
     }
 }
 
@@ -276,38 +279,38 @@ pub struct Commands {
 impl Commands {
     /// Takes the next command, if there is one.
     #[must_use]
-    pub fn try_recv(&self) -> Option<Asked> {
-        lock(&self.hub.inbox).asked.pop_front()
+    pub fn try_recv(&self) -> Option<PendingCommand> {
+        lock(&self.hub.inbox).commands.pop_front()
     }
 
     /// Takes the next command, waiting at most for `timeout`. Also returns `None` when [`looks`](super::Window::looks) has changed
     /// or after [`wake`](Self::wake).
     #[must_use]
-    pub fn recv_timeout(&self, timeout: Duration) -> Option<Asked> {
+    pub fn recv_timeout(&self, timeout: Duration) -> Option<PendingCommand> {
         let until = Instant::now() + timeout;
         let mut inbox = lock(&self.hub.inbox);
         loop {
-            if let Some(asked) = inbox.asked.pop_front() {
-                return Some(asked);
+            if let Some(pending) = inbox.commands.pop_front() {
+                return Some(pending);
             }
             let left = until.saturating_duration_since(Instant::now());
             if std::mem::take(&mut inbox.is_woken) || left.is_zero() {
                 return None;
             }
-            inbox = self.hub.asked.wait_timeout(inbox, left).unwrap_or_else(PoisonError::into_inner).0;
+            inbox = self.hub.command_arrived.wait_timeout(inbox, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
     /// Ends a wait in [`recv_timeout`](Self::recv_timeout).
     pub fn wake(&self) {
         lock(&self.hub.inbox).is_woken = true;
-        self.hub.asked.notify_all();
+        self.hub.command_arrived.notify_all();
     }
 }
 
 /// Versions of the messages that a page has already received.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct SentVersions {
     run: u32,
     scene: u64,
     snapshot: u64,
@@ -318,7 +321,7 @@ pub(super) struct Seen {
     events: u64,
 }
 
-impl Seen {
+impl SentVersions {
     /// Forgets the detail, so that it is sent again with its display: the page has selected another robot or a new run began.
     pub(super) fn forget_detail(&mut self) {
         self.detail = 0;
@@ -338,13 +341,13 @@ impl Seen {
             (self.run, self.events) = (state.run, 0);
             self.forget_detail();
         }
-        for (seen, place) in
+        for (sent, place) in
             [(&mut self.build, &state.build), (&mut self.scene, &state.scene), (&mut self.snapshot, &state.snapshot)]
         {
             if let Some((version, message)) = place
-                && *version > *seen
+                && *version > *sent
             {
-                *seen = *version;
+                *sent = *version;
                 news.push(News::Message(message.clone()));
             }
         }
@@ -381,9 +384,9 @@ fn is_wanted(event: &Event, look: Option<Look>) -> bool {
 }
 
 enum News {
-    Message(Arc<Shown<Message>>),
-    Detail(Arc<ShownDetail>, bool),
-    Events(Vec<Arc<Shown<Event>>>, u64),
+    Message(Arc<CachedText<Message>>),
+    Detail(Arc<CachedDetail>, bool),
+    Events(Vec<Arc<CachedText<Event>>>, u64),
 }
 
 impl News {

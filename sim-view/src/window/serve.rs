@@ -31,7 +31,7 @@ use crate::page::Page;
 /// Most pages served at a time.
 const PAGES: usize = 64;
 /// Most further pages refused by a close frame with the reason; others get an HTTP error.
-const TURNED_AWAY: usize = 32;
+const REFUSED: usize = 32;
 /// Most connections that are not pages yet; a new one replaces the oldest.
 const CONNECTIONS: usize = 128;
 /// Most connections accepted in each tenth of a second.
@@ -256,9 +256,9 @@ fn plain(name: &str) -> String {
 }
 
 async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
-    let place = Place::take(server);
+    let place = SocketGuard::take(server);
     let open = place.server.sockets.load(Ordering::Relaxed);
-    if open > PAGES + TURNED_AWAY {
+    if open > PAGES + REFUSED {
         return (StatusCode::SERVICE_UNAVAILABLE, format!("{PAGES} pages are open already")).into_response();
     }
     upgrade
@@ -268,7 +268,7 @@ async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrad
         .write_buffer_size(0)
         .on_upgrade(move |socket| async move {
             if open > PAGES {
-                socket::turn_away(socket, &format!("{PAGES} pages are open already")).await;
+                socket::refuse(socket, &format!("{PAGES} pages are open already")).await;
             } else {
                 socket::serve(socket, &place.server).await;
             }
@@ -276,18 +276,18 @@ async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrad
 }
 
 /// Guard that counts one open socket.
-struct Place {
+struct SocketGuard {
     server: Arc<Server>,
 }
 
-impl Place {
-    fn take(server: Arc<Server>) -> Place {
+impl SocketGuard {
+    fn take(server: Arc<Server>) -> SocketGuard {
         server.sockets.fetch_add(1, Ordering::Relaxed);
-        Place { server }
+        SocketGuard { server }
     }
 }
 
-impl Drop for Place {
+impl Drop for SocketGuard {
     fn drop(&mut self) {
         self.server.sockets.fetch_sub(1, Ordering::Relaxed);
     }

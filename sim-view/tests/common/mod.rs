@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use sim_view::protocol::{
-    Detail, Event, Lcd, Light, PROTOCOL, Picture, Robot, RunState, Scene, Sky, Snapshot, Workshop,
+    AddableTypes, Detail, Event, Lcd, Light, PROTOCOL, Picture, Robot, RunState, Scene, Sky, Snapshot,
 };
 use sim_view::{Access, Options, Page, Window};
 use tungstenite::client::IntoClientRequest;
@@ -59,7 +59,7 @@ pub fn scene(run: u32) -> Scene {
             lcd: Lcd { size_px: [128, 64], has_colours: false },
         }],
         objects: vec![],
-        workshop: Workshop::default(),
+        workshop: AddableTypes::default(),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::executive::scheduler::{self, Scheduler};
 use crate::executive::script::Script;
 use crate::files::slashed;
 use crate::launch::settings::index_of;
-use crate::launch::{Built, Error, Finished, Observers, Ready, Rejected, Running, Scene, check};
+use crate::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, Running, Scene, check};
 use crate::plot;
 use crate::record::log::{Filter, Pattern};
 use crate::record::report::Input;
@@ -34,7 +34,7 @@ use sim_core::RobotId;
 /// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
 pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
     let scene = Scene::open(&args.sim, args.options())?;
-    tell(scene.diagnostics(), scene.inputs(), args.strict)?;
+    report_diagnostics(scene.diagnostics(), scene.inputs(), args.strict)?;
     Ok(scene)
 }
 
@@ -42,10 +42,10 @@ pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
 ///
 /// # Errors
 /// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
-pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
+pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
     let mut builder = scene.builder()?;
     if !args.quiet {
-        builder = builder.watched_by(Box::new(Building::on_stderr()));
+        builder = builder.with_observer(Box::new(Building::on_stderr()));
     }
     let built = scene.build(&builder).inspect_err(|error| {
         if let Error::Rejected(Rejected { diagnostics, inputs }) = error {
@@ -58,7 +58,11 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
 }
 
 /// Shows the diagnostics of a scene; rejects the scene if there are errors or, when `strict`, warnings.
-pub(in crate::cli) fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
+pub(in crate::cli) fn report_diagnostics(
+    diagnostics: &[Diagnostic],
+    inputs: &[InputFile],
+    strict: bool,
+) -> anyhow::Result<()> {
     if !diagnostics.is_empty() {
         show(diagnostics, inputs)?;
     }
@@ -82,7 +86,7 @@ fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let repeated = args.repeat.as_deref().map(slashed);
     let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
     output::check_outputs(&given(&outputs), inputs)?;
-    args.plot.as_deref().map(plot::Kind::of).transpose().context("--plot")?;
+    args.plot.as_deref().map(plot::PictureKind::of).transpose().context("--plot")?;
     Ok(())
 }
 

@@ -10,25 +10,25 @@ use sim_view::protocol;
 
 use crate::launch::Ready;
 use crate::record::Mcap;
-use crate::record::mcap::Beginning;
-use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
+use crate::record::mcap::InitialContents;
+use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
 
 /// Creates the recording at `path` of a run that keeps its frames.
 pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
     let (scene, settings) = (ready.scene(), ready.settings());
-    let robot = |robot: &sim_core::spec::RobotSpec| RobotSubject {
+    let robot = |robot: &sim_core::spec::RobotSpec| RobotInput {
         id: robot.id,
         robi: Arc::clone(&robot.robi),
         program: robot.program_name().to_owned(),
         position: robot.start.position,
         has_colours: false,
     };
-    let object = |(id, object): (u32, &ObjectSpec)| ObjectSubject {
+    let object = |(id, object): (u32, &ObjectSpec)| ObjectInput {
         id: ObjectId(id),
         kind: Arc::clone(&object.kind),
         position: object.pose.position,
     };
-    let shown = Subject {
+    let shown = SceneInput {
         run: 1,
         seed: settings.seed,
         slot: settings.slot,
@@ -36,9 +36,9 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         scenery: &ready.scenery().get(),
         robots: scene.robots.iter().map(robot).collect(),
         objects: (1..).zip(build::movable(scene)).map(object).collect(),
-        workshop: protocol::Workshop::default(),
+        workshop: protocol::AddableTypes::default(),
     };
-    let beginning = Beginning {
+    let contents = InitialContents {
         seed: settings.seed,
         slot: settings.slot,
         scene: shown.scene(),
@@ -46,5 +46,5 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         objects: build::movable(scene).map(|object| object.pose).collect(),
         frames: ready.frames().cloned().unwrap_or_default(),
     };
-    Ok(Mcap::create(path, beginning)?)
+    Ok(Mcap::create(path, contents)?)
 }

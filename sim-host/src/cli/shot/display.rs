@@ -54,9 +54,9 @@ fn framed(display: &Canvas, caption: &Caption) -> Canvas {
     let (top, bottom) = (TOP as i32, (TOP + height) as i32 - 1);
     let mut picture = Canvas::new(width + 2 * SIDE, height + TOP + BOTTOM, BODY);
     let [outer_right, outer_bottom] = picture.size().map(|side| side as i32 - 1);
-    picture.draw_frame([0, 0], [outer_right, outer_bottom], Ink::Colour(EDGE));
-    picture.draw_frame([left - 2, top - 2], [right + 2, bottom + 2], Ink::Colour(EDGE));
-    picture.draw_frame([left - 1, top - 1], [right + 1, bottom + 1], Ink::Colour(EDGE));
+    picture.draw_rectangle([0, 0], [outer_right, outer_bottom], Ink::Colour(EDGE));
+    picture.draw_rectangle([left - 2, top - 2], [right + 2, bottom + 2], Ink::Colour(EDGE));
+    picture.draw_rectangle([left - 1, top - 1], [right + 1, bottom + 1], Ink::Colour(EDGE));
     picture.show([left, top], width, display.pixels().iter().copied());
     let row = i32::from(LABEL.size.cell()[1]);
     let caption_top = (top - row) / 2;

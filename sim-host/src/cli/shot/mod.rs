@@ -16,15 +16,15 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use self::display::Caption;
-use self::view::{Content, Eye, Shot};
+use self::view::{Content, Shot, ShotCamera};
 use super::EXIT_PROGRAM;
 use super::output::check_outputs;
 use super::output::say;
 use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
-use crate::record::report::write_whole;
-use crate::robios::camera::NoImage;
+use crate::record::report::write_atomically;
+use crate::robios::camera::ImageUnavailable;
 use sim_core::record::Outcome;
 
 /// Arguments of `eyesim shot`: those of a run, and what the picture shows.
@@ -79,7 +79,7 @@ const ROBOT_HELP: &str = "Show what this robot sees";
 /// Subject of the picture.
 enum Subject {
     Display(u32),
-    View(Eye),
+    View(ShotCamera),
 }
 
 impl Subject {
@@ -87,16 +87,16 @@ impl Subject {
     fn check(&self, scene: &SceneSpec) -> anyhow::Result<()> {
         match self {
             Self::Display(robot) => index_of(scene, *robot).map(drop).context("--lcd"),
-            Self::View(Eye::Robot(robot)) => {
+            Self::View(ShotCamera::Robot(robot)) => {
                 let index = index_of(scene, *robot).context("--robot")?;
                 let robi = &scene.robots[index].robi;
                 match robi.camera {
                     Some(_) => Ok(()),
-                    None => Err(NoImage::from(CameraError::Absent(robi.file.clone())))
+                    None => Err(ImageUnavailable::from(CameraError::Absent(robi.file.clone())))
                         .with_context(|| format!("--robot {robot}")),
                 }
             }
-            Self::View(Eye::Point(_)) => Ok(()),
+            Self::View(ShotCamera::Point(_)) => Ok(()),
         }
     }
 }
@@ -121,7 +121,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     ran.write_files(&args.run)?;
     let (file, what) = match &subject {
         Subject::Display(robot) => of_display(&ran, *robot, &args)?,
-        Subject::View(eye) => of_view(&ran, eye, &args)?,
+        Subject::View(camera) => of_view(&ran, camera, &args)?,
     };
     let inputs = ran.finished.scenery.inputs();
     let inputs = inputs.iter().map(|input| input.path.as_str());
@@ -129,7 +129,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
         &[("-o", &output)],
         inputs.chain(ran.finished.report.inputs.iter().map(|input| input.path.as_str())),
     )?;
-    write_whole(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
+    write_atomically(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
 
     // A program that waits for a key is not a failure here.
     ran.finished.report.robots.iter_mut().for_each(|robot| {
@@ -154,8 +154,8 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
             bail!("--robot {robot} and --from are two views: expected one of them")
         }
         (Some(robot), ..) => Subject::Display(robot),
-        (None, Some((from, to)), _) => Subject::View(Eye::looking(from, to, args.fov)?),
-        (None, None, Some(robot)) => Subject::View(Eye::Robot(robot)),
+        (None, Some((from, to)), _) => Subject::View(ShotCamera::looking(from, to, args.fov)?),
+        (None, None, Some(robot)) => Subject::View(ShotCamera::Robot(robot)),
         (None, None, None) => bail!(
             "nothing to show: `--robot 1` shows what robot 1 sees, `--from X,Y,Z --to X,Y,Z` the scene from anywhere, `--lcd` \
              the display of robot 1, `--lcd 2` that of robot 2"
@@ -178,17 +178,17 @@ fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>
 }
 
 /// File of a view's picture, and its description.
-fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+fn of_view(ran: &Ran, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let content = match args {
         ShotArgs { depth: true, .. } => Content::Depth,
         ShotArgs { labels: true, .. } => Content::Labels,
         _ => Content::Colour { samples: args.samples },
     };
     let is_new = ran.finished.scenery.built().is_none();
-    let shot = Shot { eye, at: args.at, size: args.size, content };
+    let shot = Shot { camera, at: args.at, size: args.size, content };
     let picture = shot.take(ran)?;
     if let Some(built) = ran.finished.scenery.built().filter(|_| is_new) {
-        run::tell(&built.diagnostics, &ran.finished.scenery.inputs(), args.run.strict)?;
+        run::report_diagnostics(&built.diagnostics, &ran.finished.scenery.inputs(), args.run.strict)?;
     }
     let taken = picture.time.seconds();
     match args.at.map(|at| (at, picture.time.cmp(&at))) {
@@ -207,15 +207,15 @@ fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, St
         _ => {}
     }
     let [width, height] = picture.size;
-    let what = match (eye, content) {
+    let what = match (camera, content) {
         (_, Content::Depth) => "distances",
         (_, Content::Labels) => "labels",
-        (Eye::Robot(_), _) => "what it sees",
-        (Eye::Point(_), _) => "the scene",
+        (ShotCamera::Robot(_), _) => "what it sees",
+        (ShotCamera::Point(_), _) => "the scene",
     };
-    let whose = match eye {
-        Eye::Robot(robot) => format!("r{robot}, "),
-        Eye::Point(_) => String::new(),
+    let whose = match camera {
+        ShotCamera::Robot(robot) => format!("r{robot}, "),
+        ShotCamera::Point(_) => String::new(),
     };
     let what = format!("{whose}{what} at {taken:.3} s, {width} x {height} pixels");
     Ok((picture.file, what))

@@ -12,7 +12,7 @@ use sim_core::time::Time;
 use crate::cli::run::Ran;
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
-use crate::robios::camera::{self, NoImage};
+use crate::robios::camera::{self, ImageUnavailable};
 
 /// Most pixels on either side of a picture.
 pub const MOST_SIDE: u32 = 4096;
@@ -27,7 +27,7 @@ const SIZE: [u32; 2] = [640, 480];
 const SAMPLES: u32 = 4;
 
 /// Camera of a picture.
-pub enum Eye {
+pub enum ShotCamera {
     /// The camera of this robot.
     Robot(u32),
     /// A free camera: pose and lens.
@@ -51,7 +51,7 @@ pub enum Content {
 /// A picture to be taken.
 pub struct Shot<'a> {
     /// Its camera.
-    pub eye: &'a Eye,
+    pub camera: &'a ShotCamera,
     /// Time of the picture; `None` for the run's end.
     pub at: Option<Time>,
     /// Width and height in pixels; `None` for the camera's default.
@@ -61,7 +61,7 @@ pub struct Shot<'a> {
 }
 
 /// A picture that has been taken.
-pub struct Taken {
+pub struct ShotPicture {
     /// Contents of the PNG file.
     pub file: Vec<u8>,
     /// Width and height in pixels.
@@ -70,7 +70,7 @@ pub struct Taken {
     pub time: Time,
 }
 
-impl Eye {
+impl ShotCamera {
     /// A camera at `from` that looks at `to`, with a horizontal field of view of `fov` rad.
     ///
     /// # Errors
@@ -87,19 +87,19 @@ impl Shot<'_> {
     ///
     /// # Errors
     /// If the robot or its camera does not exist, or the view is invalid.
-    pub fn take(&self, ran: &Ran) -> anyhow::Result<Taken> {
+    pub fn take(&self, ran: &Ran) -> anyhow::Result<ShotPicture> {
         let run = &ran.finished.ended.run;
         let world = run.world();
         // Nothing moves after the end; before it, the world remembers motion for `HISTORY`.
         let time =
             self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
-        let (view, by) = match self.eye {
-            Eye::Robot(number) => {
+        let (view, by) = match self.camera {
+            ShotCamera::Robot(number) => {
                 let id = RobotId::from_index(index_of(&ran.finished.scene, *number).context("--robot")?);
-                let view = run.robot(id).camera_view(time, self.size).map_err(NoImage::from);
+                let view = run.robot(id).camera_view(time, self.size).map_err(ImageUnavailable::from);
                 (view.with_context(|| format!("--robot {number}"))?, Some(id))
             }
-            Eye::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
+            ShotCamera::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
         };
         let scenery = ran.finished.scenery.get();
         let still = scenery.still(&world, time);
@@ -118,10 +118,10 @@ impl Shot<'_> {
             Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&still, &view, by))).png(size),
             Content::Labels => {
                 let labels = renderer.labels(&still, &view, by);
-                let census = crate::robios::truth::Census::of(&ran.finished.scene);
-                Pixels::Labels(&camera::numbers_of_labels(&labels, &census)).png(size)
+                let entity_numbers = crate::robios::ground_truth::EntityNumbers::of(&ran.finished.scene);
+                Pixels::Labels(&camera::numbers_of_labels(&labels, &entity_numbers)).png(size)
             }
         };
-        Ok(Taken { file, size, time })
+        Ok(ShotPicture { file, size, time })
     }
 }

@@ -64,7 +64,7 @@ pub mod refusal {
     /// The dynamic linker refuses the library.
     pub const LINKER: u32 = 1;
     /// The library does not fit this eyesim.
-    pub const MISFIT: u32 = 2;
+    pub const INCOMPATIBLE: u32 = 2;
     /// Anything else.
     pub const OTHER: u32 = 3;
 }

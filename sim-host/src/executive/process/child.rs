@@ -23,7 +23,7 @@ use crate::executive::watchdog;
 pub const CHILD_NAME: &str = "eyesim: ";
 
 /// Interval at which a child that has the turn is checked.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Time in which an overdue child must report its place before it is killed.
 const GRACE: Duration = Duration::from_millis(300);
@@ -38,7 +38,7 @@ pub struct Child {
     /// Channels of tasks besides the first channel.
     tasks: Mutex<Tasks>,
     /// Last request of the watchdog for the program's place.
-    asked: Mutex<Option<Asked>>,
+    place_request: Mutex<Option<PlaceRequest>>,
     is_ending: AtomicBool,
     /// The process was found stopped by a signal, from which it would never continue by itself.
     was_stopped: AtomicBool,
@@ -68,7 +68,7 @@ pub struct Release {
     pub number: u64,
 }
 
-struct Asked {
+struct PlaceRequest {
     since: Instant,
     /// Release in which it was asked.
     release: Release,
@@ -83,29 +83,29 @@ struct Tasks {
 }
 
 /// Request to start a process.
-struct Order {
+struct SpawnRequest {
     command: Command,
     answer: mpsc::SyncSender<io::Result<std::process::Child>>,
 }
 
 /// Starts a process on a thread that lives as long as this process, since the kernel kills a child when the thread that started it ends.
 fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> {
-    static ORDERS: Mutex<Option<mpsc::Sender<Order>>> = Mutex::new(None);
-    let mut orders = ORDERS.lock();
-    if orders.is_none() {
-        let (sender, incoming) = mpsc::channel::<Order>();
+    static REQUESTS: Mutex<Option<mpsc::Sender<SpawnRequest>>> = Mutex::new(None);
+    let mut requests = REQUESTS.lock();
+    if requests.is_none() {
+        let (sender, incoming) = mpsc::channel::<SpawnRequest>();
         let serve = move || {
-            for Order { mut command, answer } in incoming {
+            for SpawnRequest { mut command, answer } in incoming {
                 // The requester waits for this one message.
                 let _ = answer.send(command.spawn());
             }
         };
         std::thread::Builder::new().name("spawner".to_owned()).spawn(serve)?;
-        *orders = Some(sender);
+        *requests = Some(sender);
     }
     let (answer, answered) = mpsc::sync_channel(1);
-    let sent = orders.as_ref().is_some_and(|orders| orders.send(Order { command, answer }).is_ok());
-    drop(orders);
+    let sent = requests.as_ref().is_some_and(|requests| requests.send(SpawnRequest { command, answer }).is_ok());
+    drop(requests);
     let started = if sent { answered.recv().ok() } else { None };
     started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
 }
@@ -141,7 +141,7 @@ impl Child {
             channels,
             first,
             tasks: Mutex::default(),
-            asked: Mutex::new(None),
+            place_request: Mutex::new(None),
             is_ending: AtomicBool::new(false),
             was_stopped: AtomicBool::new(false),
             has_exited: AtomicBool::new(false),
@@ -198,7 +198,7 @@ impl Child {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
-        while !channel.wait_for(Turn::Host, Some(LOOK)) {
+        while !channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
             // A message sent before the child ended still counts.
             if let Some(status) = self.exit_status()
                 && !channel.wait_for(Turn::Host, Some(Duration::ZERO))
@@ -266,16 +266,16 @@ impl Child {
         if self.is_debugged {
             return;
         }
-        let mut asked = self.asked.lock();
-        match &mut *asked {
-            Some(asked) if asked.release == release => {
-                if asked.since.elapsed() > GRACE {
-                    asked.is_killed = true;
+        let mut place_request = self.place_request.lock();
+        match &mut *place_request {
+            Some(place_request) if place_request.release == release => {
+                if place_request.since.elapsed() > GRACE {
+                    place_request.is_killed = true;
                     self.kill();
                 }
             }
-            asked => {
-                *asked = Some(Asked { since: Instant::now(), release, is_killed: false });
+            place_request => {
+                *place_request = Some(PlaceRequest { since: Instant::now(), release, is_killed: false });
                 // Threads for whose call the host works, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
@@ -293,7 +293,7 @@ impl Child {
 
     /// Returns true if the child was found overdue in this release and asked for its place; the answer itself takes processor time.
     pub fn is_asked(&self, release: Release) -> bool {
-        self.asked.lock().as_ref().is_some_and(|asked| asked.release == release)
+        self.place_request.lock().as_ref().is_some_and(|request| request.release == release)
     }
 
     /// Ends the child. If its `main` has returned, the child may end by itself until `deadline`, as it has files to close; otherwise it
@@ -361,7 +361,7 @@ impl Child {
         if self.is_debugged {
             return self.broken("the debugger was left before the program had ended");
         }
-        if self.asked.lock().as_ref().is_some_and(|asked| asked.is_killed) {
+        if self.place_request.lock().as_ref().is_some_and(|request| request.is_killed) {
             let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
             return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
         }

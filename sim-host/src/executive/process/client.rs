@@ -8,7 +8,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::{io, thread};
 
-use robios_sys::wire::{Line, Malformed, Plain as _, Reader, put_bytes};
+use robios_sys::wire::{HostConnection, Malformed, Plain as _, Reader, put_bytes};
 use robios_sys::{CallSite, Callback, Host, Program, Robios6Table, Robios7Table, Status, Stop, SupportTable};
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
@@ -110,11 +110,11 @@ impl ProgramLine {
         let library = match open(library) {
             Ok(opened) => opened.kept(),
             Err(OpenError::Linker(what)) => self.refuse(refusal::LINKER, &what),
-            Err(OpenError::Misfit(what)) => self.refuse(refusal::MISFIT, &what),
+            Err(OpenError::Incompatible(what)) => self.refuse(refusal::INCOMPATIBLE, &what),
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
-        let order = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
-        let code = match arguments(&order) {
+        let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
+        let code = match arguments(&run_message) {
             Ok(arguments) => run_main(library.description(), &arguments),
             // Stopped before `main` began.
             Err(Malformed) => robios_sys::EXIT_STOPPED,
@@ -181,7 +181,7 @@ impl ProgramLine {
     }
 }
 
-impl Line for ProgramLine {
+impl HostConnection for ProgramLine {
     unsafe fn from_context<'a>(_: *mut c_void) -> Option<&'a Self> {
         // SAFETY: null, or leaked by `adopt`.
         unsafe { LINE.get().as_ref() }
@@ -225,11 +225,11 @@ fn put_call_site(call: &mut Vec<u8>) {
 }
 
 /// The arguments of `main` in a RUN message.
-fn arguments(order: &Message) -> Result<Vec<CString>, Malformed> {
-    if order.kind != kind::RUN {
+fn arguments(run_message: &Message) -> Result<Vec<CString>, Malformed> {
+    if run_message.kind != kind::RUN {
         return Err(Malformed);
     }
-    let mut body = Reader::new(&order.body);
+    let mut body = Reader::new(&run_message.body);
     let count: u32 = body.get()?;
     (0..count).map(|_| CString::new(body.bytes()?.unwrap_or_default()).map_err(|_nul| Malformed)).collect()
 }

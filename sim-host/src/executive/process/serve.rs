@@ -30,11 +30,11 @@ pub struct RemoteProgram {
 
 /// Reasons why a child has no program to run.
 #[derive(Debug)]
-pub enum Refusal {
+pub enum LoadRefusal {
     /// The dynamic linker refuses the library, in its words.
     Linker(String),
     /// The library does not fit this eyesim, for this reason.
-    Misfit(String),
+    Incompatible(String),
     /// The child ended or broke while it loaded the library.
     Broken(String),
 }
@@ -43,11 +43,11 @@ impl RemoteProgram {
     /// Waits until the child has loaded `prepared`; `main` gets the program's name followed by `arguments`.
     ///
     /// # Errors
-    /// [`Refusal`] if the child cannot load the program.
-    pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, Refusal> {
-        let message = child.receive(child.first()).map_err(|broken| Refusal::Broken(broken.what))?;
+    /// [`LoadRefusal`] if the child cannot load the program.
+    pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, LoadRefusal> {
+        let message = child.receive(child.first()).map_err(|broken| LoadRefusal::Broken(broken.what))?;
         let mut body = Reader::new(&message.body);
-        let malformed = |Malformed| Refusal::Broken(child.malformed().what);
+        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().what);
         match message.kind {
             kind::READY => {
                 let base = body.get().map_err(malformed)?;
@@ -58,9 +58,9 @@ impl RemoteProgram {
                 let what: u32 = body.get().map_err(malformed)?;
                 let text = String::from_utf8_lossy(body.rest()).into_owned();
                 Err(match what {
-                    refusal::LINKER => Refusal::Linker(text),
-                    refusal::MISFIT => Refusal::Misfit(text),
-                    _ => Refusal::Broken(text),
+                    refusal::LINKER => LoadRefusal::Linker(text),
+                    refusal::INCOMPATIBLE => LoadRefusal::Incompatible(text),
+                    _ => LoadRefusal::Broken(text),
                 })
             }
             _ => Err(malformed(Malformed)),
@@ -77,14 +77,14 @@ impl RemoteProgram {
     /// # Errors
     /// [`Broken`] if the program or its process broke.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
-        let mut order = (self.arguments.len() as u32).to_le_bytes().to_vec();
-        self.arguments.iter().for_each(|argument| put_bytes(Some(argument.as_bytes()), &mut order));
+        let mut run_message = (self.arguments.len() as u32).to_le_bytes().to_vec();
+        self.arguments.iter().for_each(|argument| put_bytes(Some(argument.as_bytes()), &mut run_message));
         let channel = self.child.first();
-        channel.send(kind::RUN, &[&order]);
+        channel.send(kind::RUN, &[&run_message]);
         let service = Service { program: self, channel, host };
         match service.serve()? {
-            Back::Exited(code) => Ok(code),
-            Back::Returned(_) => Err(self.child.malformed()),
+            ServiceEnd::Exited(code) => Ok(code),
+            ServiceEnd::Returned(_) => Err(self.child.malformed()),
         }
     }
 
@@ -117,7 +117,7 @@ impl RemoteProgram {
 }
 
 /// Event that ends a service.
-enum Back {
+enum ServiceEnd {
     Returned(Status),
     Exited(i32),
 }
@@ -136,7 +136,7 @@ thread_local! {
 
 impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
     /// Answers calls until the program, or the function that the host called in it, returns.
-    fn serve(&self) -> Result<Back, Broken> {
+    fn serve(&self) -> Result<ServiceEnd, Broken> {
         let child = &self.program.child;
         let outer = SERVED.replace((Arc::as_ptr(child), self.channel));
         let back = self.answer_all();
@@ -144,7 +144,7 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
         back
     }
 
-    fn answer_all(&self) -> Result<Back, Broken> {
+    fn answer_all(&self) -> Result<ServiceEnd, Broken> {
         let child = &self.program.child;
         let mut reply = Vec::new();
         loop {
@@ -159,8 +159,8 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
                         if self.channel.send(kind, &[&reply]) { Ok(None) } else { Err(Malformed) }
                     })
                 }
-                kind::RETURNED => code().map(|status| Some(Back::Returned(Status(status)))),
-                kind::EXITED => code().map(|code| Some(Back::Exited(code))),
+                kind::RETURNED => code().map(|status| Some(ServiceEnd::Returned(Status(status)))),
+                kind::EXITED => code().map(|code| Some(ServiceEnd::Exited(code))),
                 _ => Err(Malformed),
             };
             match back {
@@ -272,8 +272,8 @@ unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static
         })
     };
     match back {
-        Ok(Back::Returned(status)) => status,
+        Ok(ServiceEnd::Returned(status)) => status,
         // The process is lost, or exited within a function: the thread that serves its first channel is told, too.
-        Ok(Back::Exited(_)) | Err(_) => Status::STOP,
+        Ok(ServiceEnd::Exited(_)) | Err(_) => Status::STOP,
     }
 }

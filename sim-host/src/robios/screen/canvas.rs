@@ -83,7 +83,7 @@ impl Canvas {
     }
 
     /// Draws the edges of the rectangle between two corners, each pixel once.
-    pub fn draw_frame(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
+    pub fn draw_rectangle(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
         let ([left, top], [right, bottom]) = corners(from, to);
         let mut changed = self.draw_span(top, left, right, ink);
         if bottom > top {

@@ -32,7 +32,7 @@ pub fn draw(lines: &[Line], canvas: &mut Canvas) {
     let right = canvas.size()[0] as i32 - 1;
     for (top, line) in (0..).step_by(ROW.into()).zip(lines) {
         canvas.fill_area([0, top], [right, top + i32::from(ROW) - 1], Ink::Colour(line.entry.paper));
-        canvas.draw_frame([0, top], [right, top + i32::from(ROW) - 1], Ink::Colour(BLACK));
+        canvas.draw_rectangle([0, top], [right, top + i32::from(ROW) - 1], Ink::Colour(BLACK));
         let y = top + (i32::from(ROW) - i32::from(FONT.size.cell()[1])) / 2;
         let mut x = INDENT;
         for character in line.entry.text.chars().filter(|character| !character.is_control()) {

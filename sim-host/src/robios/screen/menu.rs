@@ -42,7 +42,7 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     for (index, entry) in entries.iter().enumerate() {
         let [left, right] = columns(index, width).map(|column| column as i32);
         canvas.fill_area([left, top], [right - 1, bottom], Ink::Colour(entry.paper));
-        canvas.draw_frame([left, top], [right - 1, bottom], Ink::Colour(BLACK));
+        canvas.draw_rectangle([left, top], [right - 1, bottom], Ink::Colour(BLACK));
         draw_label(entry, [left + 2, top + 1], [right - 3, bottom - 1], canvas);
     }
 }

@@ -55,9 +55,9 @@ impl Default for Modes {
 pub struct Screen {
     size: [u16; 2],
     /// Current content.
-    face: Face,
+    content: Content,
     /// Content that is visible until the next refresh, if automatic refresh is off.
-    held: Option<Box<Face>>,
+    visible: Option<Box<Content>>,
     /// Position of the next character in pixels.
     cursor: [i32; 2],
     font: Font,
@@ -70,7 +70,7 @@ pub struct Screen {
 }
 
 #[derive(Clone, Debug)]
-struct Face {
+struct Content {
     page: Page,
     entries: [Entry; menu::KEYS],
     has_menu: bool,
@@ -90,8 +90,8 @@ impl Screen {
         let size = size.map(|pixels| pixels.max(64));
         Self {
             size,
-            face: Face::new(size),
-            held: None,
+            content: Content::new(size),
+            visible: None,
             cursor: [0, 0],
             font: Font { family: Family::Courier, variation: Variation::Normal, size: Size::Normal },
             ink: WHITE,
@@ -108,7 +108,7 @@ impl Screen {
 
     /// Makes the display black; the next text is written at the top left. Menu, colours and font are kept.
     pub fn clear(&mut self) {
-        self.face.page.clear();
+        self.content.page.clear();
         self.cursor = [0, 0];
     }
 
@@ -119,44 +119,45 @@ impl Screen {
 
     /// Colour of a pixel; black outside.
     pub fn pixel(&mut self, x: i32, y: i32) -> Rgb {
-        let list_bottom = self.face.shown_list().len() as i32 * i32::from(list::ROW);
-        if y < list_bottom || self.face.has_menu && y >= i32::from(self.text_bottom()) {
-            return self.face.picture().pixel(x, y).unwrap_or(canvas::BLACK);
+        let list_bottom = self.content.shown_list().len() as i32 * i32::from(list::ROW);
+        if y < list_bottom || self.content.has_menu && y >= i32::from(self.text_bottom()) {
+            return self.content.picture().pixel(x, y).unwrap_or(canvas::BLACK);
         }
-        self.face.page.canvas_mut().pixel(x, y).unwrap_or(canvas::BLACK)
+        self.content.page.canvas_mut().pixel(x, y).unwrap_or(canvas::BLACK)
     }
 
     /// Visible text without trailing blanks: the lines of the list if one is shown, otherwise the rows from the top to
     /// the last one with text; then one line of the menu texts, separated by ` | ` and empty without a menu.
     pub fn lines(&self) -> Vec<String> {
-        let face = self.shown();
-        let mut lines = match face.shown_list() {
-            [] => face.page.lines(),
+        let content = self.shown();
+        let mut lines = match content.shown_list() {
+            [] => content.page.lines(),
             list => list.iter().map(|line| line.entry.text.trim_end().to_owned()).collect(),
         };
-        let menu = face.entries.each_ref().map(|entry| entry.text.replace('\n', " "));
-        lines.push(if face.has_menu { menu.join(" | ").trim_end().to_owned() } else { String::new() });
+        let menu = content.entries.each_ref().map(|entry| entry.text.replace('\n', " "));
+        lines.push(if content.has_menu { menu.join(" | ").trim_end().to_owned() } else { String::new() });
         lines
     }
 
     /// Switches automatic refresh: drawing becomes visible at once, or at the next [`refresh`](Self::refresh).
-    pub fn set_refreshing(&mut self, is_at_once: bool) {
-        self.held = if is_at_once { None } else { self.held.take().or_else(|| Some(Box::new(self.face.clone()))) };
+    pub fn set_auto_refresh(&mut self, is_automatic: bool) {
+        self.visible =
+            if is_automatic { None } else { self.visible.take().or_else(|| Some(Box::new(self.content.clone()))) };
     }
 
     /// Makes everything drawn visible.
     pub fn refresh(&mut self) {
-        if let Some(held) = &mut self.held {
-            **held = self.face.clone();
+        if let Some(visible) = &mut self.visible {
+            **visible = self.content.clone();
         }
     }
 
-    fn shown(&self) -> &Face {
-        self.held.as_deref().unwrap_or(&self.face)
+    fn shown(&self) -> &Content {
+        self.visible.as_deref().unwrap_or(&self.content)
     }
 }
 
-impl Face {
+impl Content {
     fn new([width, height]: [u16; 2]) -> Self {
         let page = Page::new(width, height);
         Self { page, entries: menu::entries(), has_menu: false, list: Vec::new(), has_list: false }
@@ -245,7 +246,7 @@ impl Screen {
         let ink = turned(self.ink, self.modes.is_ink_inverse);
         let paper = (!self.modes.is_transparent).then(|| turned(self.paper, self.modes.is_paper_inverse));
         if paper.is_some() || character != ' ' {
-            self.face.page.put(x, y, Cell { character, font: self.font, width, ink, paper });
+            self.content.page.put(x, y, Cell { character, font: self.font, width, ink, paper });
         }
         self.cursor[0] = x.saturating_add(width.into());
     }
@@ -257,7 +258,7 @@ impl Screen {
         if self.cursor[1].saturating_add(row) > i32::from(bottom) {
             if self.modes.is_scrolling {
                 self.cursor[1] = (i32::from(bottom) / row - 1) * row;
-                self.face.page.scroll(bottom, row as u16);
+                self.content.page.scroll(bottom, row as u16);
             } else {
                 self.cursor[1] = 0;
             }
@@ -266,7 +267,7 @@ impl Screen {
 
     /// First row of pixels below the text: the top of the menu, or the display's end.
     fn text_bottom(&self) -> u16 {
-        self.size[1] - if self.face.has_menu { menu::HEIGHT } else { 0 }
+        self.size[1] - if self.content.has_menu { menu::HEIGHT } else { 0 }
     }
 }
 
@@ -274,18 +275,18 @@ impl Screen {
 impl Screen {
     /// Draws on the pixels; text under the drawing stays part of [`lines`](Self::lines).
     pub fn draw(&mut self, shape: impl FnOnce(&mut Canvas) -> u32) -> u32 {
-        shape(self.face.page.canvas_mut())
+        shape(self.content.page.canvas_mut())
     }
 
     /// Fills the rectangle between two corners, edges included; the text that it covers is removed.
     pub fn fill_area(&mut self, from: [i32; 2], to: [i32; 2], colour: Rgb) -> u32 {
-        self.face.page.cover(from, to);
+        self.content.page.cover(from, to);
         self.draw(|canvas| canvas.fill_area(from, to, Ink::Colour(colour)))
     }
 
     /// Draws the edges of the rectangle between two corners.
-    pub fn draw_frame(&mut self, from: [i32; 2], to: [i32; 2], colour: Rgb) -> u32 {
-        self.draw(|canvas| canvas.draw_frame(from, to, Ink::Colour(colour)))
+    pub fn draw_rectangle(&mut self, from: [i32; 2], to: [i32; 2], colour: Rgb) -> u32 {
+        self.draw(|canvas| canvas.draw_rectangle(from, to, Ink::Colour(colour)))
     }
 
     /// Sets the upper left corner of the following images.
@@ -301,7 +302,7 @@ impl Screen {
         }
         let at = self.image_at;
         let last = |at: i32, size: usize| at.saturating_add(i32::try_from(size - 1).unwrap_or(i32::MAX));
-        self.face.page.cover(at, [last(at[0], width), last(at[1], height)]);
+        self.content.page.cover(at, [last(at[0], width), last(at[1], height)]);
         self.draw(|canvas| canvas.show(at, width, image.take(width.saturating_mul(height))))
     }
 }
@@ -310,40 +311,40 @@ impl Screen {
 impl Screen {
     /// Shows or hides the menu.
     pub fn set_menu_shown(&mut self, is_shown: bool) {
-        self.face.has_menu = is_shown;
+        self.content.has_menu = is_shown;
     }
 
     /// Sets the text of key `index` (0 to 3) and shows the menu; the key's colours are kept.
     pub fn set_menu_text(&mut self, index: usize, text: &str) {
-        self.face.has_menu = true;
-        if let Some(entry) = self.face.entries.get_mut(index) {
+        self.content.has_menu = true;
+        if let Some(entry) = self.content.entries.get_mut(index) {
             text.clone_into(&mut entry.text);
         }
     }
 
     /// Sets the colours of key `index` (0 to 3).
     pub fn set_menu_colours(&mut self, index: usize, ink: Rgb, paper: Rgb) {
-        if let Some(entry) = self.face.entries.get_mut(index) {
+        if let Some(entry) = self.content.entries.get_mut(index) {
             (entry.ink, entry.paper) = (ink, paper);
         }
     }
 
     /// Shows or hides the list.
     pub fn set_list_shown(&mut self, is_shown: bool) {
-        self.face.has_list = is_shown;
+        self.content.has_list = is_shown;
     }
 
     /// Sets line `index` of the list and shows the list; `None` truncates the list before that line. Returns false if
     /// there is no line above it or no room.
     pub fn set_list_line(&mut self, index: usize, line: Option<Line>) -> bool {
-        let is_place = index <= self.face.list.len() && index < self.list_room();
+        let is_place = index <= self.content.list.len() && index < self.list_room();
         match line {
             Some(line) if is_place => {
-                self.face.list.splice(index..self.face.list.len().min(index + 1), [line]);
-                self.face.has_list = true;
+                self.content.list.splice(index..self.content.list.len().min(index + 1), [line]);
+                self.content.has_list = true;
             }
             Some(_) => return false,
-            None => self.face.list.truncate(index),
+            None => self.content.list.truncate(index),
         }
         true
     }
@@ -357,7 +358,7 @@ impl Screen {
     pub fn list_key_at(&self, [x, y]: [i32; 2]) -> i32 {
         let is_across = (0..i32::from(self.size[0])).contains(&x);
         let row = usize::try_from(y).ok().filter(|_| is_across).map(|y| y / usize::from(list::ROW));
-        row.and_then(|row| self.face.shown_list().get(row)).map_or(0, |line| line.key)
+        row.and_then(|row| self.content.shown_list().get(row)).map_or(0, |line| line.key)
     }
 
     /// Key (0 to 3) at a pixel, even if the menu is hidden.

@@ -50,11 +50,11 @@ fn areas_have_their_edges_whichever_corner_comes_first() {
     let ink = Ink::Colour(WHITE);
     assert_eq!(art(|canvas| canvas.fill_area([2, 1], [5, 3], ink)).0, 4 * 3);
     assert_eq!(art(|canvas| canvas.fill_area([5, 3], [2, 1], ink)).0, 4 * 3);
-    assert_eq!(art(|canvas| canvas.draw_frame([2, 1], [5, 3], ink)).0, 2 * 4 + 2);
-    assert_eq!(art(|canvas| canvas.draw_frame([2, 1], [2, 3], ink)).0, 3);
-    assert_eq!(art(|canvas| canvas.draw_frame([2, 1], [2, 1], Ink::Invert)).0, 1, "inverted once, not twice");
+    assert_eq!(art(|canvas| canvas.draw_rectangle([2, 1], [5, 3], ink)).0, 2 * 4 + 2);
+    assert_eq!(art(|canvas| canvas.draw_rectangle([2, 1], [2, 3], ink)).0, 3);
+    assert_eq!(art(|canvas| canvas.draw_rectangle([2, 1], [2, 1], Ink::Invert)).0, 1, "inverted once, not twice");
     assert_eq!(art(|canvas| canvas.fill_area([i32::MIN; 2], [i32::MAX; 2], ink)).0, 240);
-    assert_eq!(art(|canvas| canvas.draw_frame([i32::MIN; 2], [i32::MAX; 2], ink)).0, 0);
+    assert_eq!(art(|canvas| canvas.draw_rectangle([i32::MIN; 2], [i32::MAX; 2], ink)).0, 0);
 }
 
 #[test]
@@ -133,7 +133,7 @@ proptest! {
         _ = (screen.position(), screen.pixel(a, b), screen.key_at([c, d]));
         for ink in [Ink::Invert, Ink::Colour(RED)] {
             screen.draw(|canvas| canvas.draw_line([a, b], [c, d], ink));
-            screen.draw(|canvas| canvas.draw_frame([a, b], [c, d], ink));
+            screen.draw(|canvas| canvas.draw_rectangle([a, b], [c, d], ink));
             screen.draw(|canvas| canvas.draw_circle([a, b], c, ink));
             screen.draw(|canvas| canvas.fill_circle([a, b], c, ink));
         }
@@ -156,11 +156,11 @@ fn a_robot_that_only_prints_needs_no_pixels() {
         screen.set_position(16, 0);
     }
     screen.set_menu_text(0, "GO");
-    assert!(screen.face.page.is_text_alone());
+    assert!(screen.content.page.is_text_alone());
     screen.fill_area([0, 0], [1, 1], RED);
-    assert!(!screen.face.page.is_text_alone());
+    assert!(!screen.content.page.is_text_alone());
     screen.clear();
-    assert!(screen.face.page.is_text_alone(), "a cleared display is black again");
+    assert!(screen.content.page.is_text_alone(), "a cleared display is black again");
     assert_eq!(screen.lines(), ["GO |  |  |"]);
 }
 
@@ -329,14 +329,14 @@ fn a_list_lies_above_the_text_and_its_lines_are_keys() {
 #[test]
 fn a_display_that_does_not_refresh_itself_waits() {
     let mut screen = written("a");
-    screen.set_refreshing(false);
+    screen.set_auto_refresh(false);
     screen.write("b");
     assert_eq!(screen.lines(), ["a", ""]);
     screen.refresh();
     assert_eq!(screen.lines(), ["ab", ""]);
     screen.write("c");
-    screen.set_refreshing(false);
+    screen.set_auto_refresh(false);
     assert_eq!(screen.lines(), ["ab", ""], "still held");
-    screen.set_refreshing(true);
+    screen.set_auto_refresh(true);
     assert_eq!(screen.lines(), ["abc", ""]);
 }

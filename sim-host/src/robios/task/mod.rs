@@ -16,12 +16,12 @@ use robios_sys::robios6::IDLE_PRI;
 use robios_sys::support::wait;
 use sim_core::time::{TICK, Time};
 
-use scheduler::{Next, Policy, Scheduler};
-use semaphore::{Passing, Semaphores};
+use scheduler::{NextTask, Policy, Scheduler};
+use semaphore::{PassOutcome, Semaphores};
 
 use crate::program::site::Site;
 
-use super::robot::{Robot, Waiting, Waits};
+use super::robot::{Robot, Wait, WaitReason};
 
 /// Number of the task that runs `main`.
 pub const MAIN: u32 = 1;
@@ -42,7 +42,7 @@ pub struct Tasks {
     /// Number of waits in queues that have begun.
     queued: u64,
     /// The task that left first, once the program must end: no task continues, all leave.
-    first_to_leave: Option<u32>,
+    first_exiting: Option<u32>,
     /// Scheduler of RoBIOS 6, once multi-tasking has started.
     scheduler: Option<Scheduler>,
     /// No task runs under the scheduler: virtual time passes until one can.
@@ -56,7 +56,7 @@ pub struct Task {
     /// Number of the task, from 1; never reused.
     pub number: u32,
     /// The wait in progress, if the task's call waits.
-    pub waiting: Option<Waiting>,
+    pub waiting: Option<Wait>,
     /// Earliest time at which the awaited condition may hold, during a wait.
     wake: Time,
     /// Place in a queue of waiting tasks.
@@ -64,11 +64,11 @@ pub struct Task {
     /// Another task has interrupted the wait.
     is_interrupted: bool,
     /// The task has left with the whole program.
-    has_left: bool,
+    has_exited: bool,
     /// Arguments of `OSSpawn`; the default for `main` and for threads.
     pub origin: Origin,
     /// Progress of `OSKill` on the task.
-    killed: Killed,
+    kill_state: KillState,
     /// The task has been granted the semaphore that it waits for.
     has_semaphore: bool,
 }
@@ -86,12 +86,12 @@ pub struct Origin {
 
 /// Progress of killing a task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Killed {
+enum KillState {
     /// The task has not been killed.
     #[default]
-    No,
+    None,
     /// The task is notified when it next runs; task `killer`, if any, waits until it has ended.
-    Told { killer: Option<u32> },
+    Requested { killer: Option<u32> },
     /// The task unwinds: no other task runs.
     Unwinds { killer: Option<u32> },
 }
@@ -120,7 +120,7 @@ impl Default for Tasks {
             last_number: MAIN,
             slice_end: TICK,
             queued: 0,
-            first_to_leave: None,
+            first_exiting: None,
             scheduler: None,
             is_idle: false,
             semaphores: Semaphores::default(),
@@ -136,24 +136,24 @@ impl Task {
             wake: Time::ZERO,
             queue: None,
             is_interrupted: false,
-            has_left: false,
+            has_exited: false,
             origin: Origin::default(),
-            killed: Killed::No,
+            kill_state: KillState::None,
             has_semaphore: false,
         }
     }
 
     /// Returns true while a killed task unwinds: only its destructors run, and no other task.
     pub fn is_unwinding(&self) -> bool {
-        matches!(self.killed, Killed::Unwinds { .. })
+        matches!(self.kill_state, KillState::Unwinds { .. })
     }
 
     fn is_ready(&self, now: Time) -> bool {
         self.waiting.is_none() || self.wake <= now
     }
 
-    fn waits_for(&self, what: &Waits) -> bool {
-        self.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == *what)
+    fn waits_for(&self, what: &WaitReason) -> bool {
+        self.waiting.as_ref().is_some_and(|waiting| waiting.reason == *what)
     }
 }
 
@@ -179,7 +179,7 @@ impl Tasks {
     }
 
     /// Returns true if every task waits, one of them for `what`.
-    pub fn wait_for(&self, what: &Waits) -> bool {
+    pub fn wait_for(&self, what: &WaitReason) -> bool {
         self.are_waiting() && self.list.iter().any(|task| task.waits_for(what))
     }
 
@@ -201,17 +201,17 @@ impl Tasks {
     }
 
     /// Makes the running task wait until `wake`.
-    pub fn wait(&mut self, now: Time, mut waiting: Waiting, wake: Time) {
+    pub fn wait(&mut self, now: Time, mut waiting: Wait, wake: Time) {
         self.reach(now);
         let number = self.list[self.current].number;
         match &mut self.scheduler {
-            Some(scheduler) if waiting.leaves_processor() => scheduler.block(number, wake),
+            Some(scheduler) if waiting.is_blocking() => scheduler.block(number, wake),
             Some(scheduler) => scheduler.wait(number, wake),
             None => {}
         }
         let task = &mut self.list[self.current];
-        if let (Some(Waiting { waits_for: Waits::Task(before), .. }), Waits::Task(wait)) =
-            (&task.waiting, &mut waiting.waits_for)
+        if let (Some(Wait { reason: WaitReason::Task(before), .. }), WaitReason::Task(wait)) =
+            (&task.waiting, &mut waiting.reason)
         {
             // The holder may have changed since the wait began.
             wait.holder = before.holder;
@@ -255,7 +255,7 @@ impl Tasks {
     }
 
     /// Thread whose turn it is at the end of a call: another one that is ready, if the time slice is over.
-    pub fn whose_turn(&mut self, now: Time) -> Option<u32> {
+    pub fn next_turn(&mut self, now: Time) -> Option<u32> {
         if !self.has_others() || now < self.slice_end {
             return None;
         }
@@ -277,7 +277,7 @@ impl Tasks {
 
     /// Puts the running task at the end of the queue of `key`, unless it is in a queue; returns true if it has been
     /// woken.
-    pub fn look_in_queue(&mut self, key: u64) -> bool {
+    pub fn enqueue_or_check(&mut self, key: u64) -> bool {
         let queue = &mut self.list[self.current].queue;
         if queue.is_none() {
             self.queued += 1;
@@ -299,7 +299,7 @@ impl Tasks {
             queue.is_woken = true;
         }
         for task in self.list.iter_mut().filter(|task| task.queue.as_ref().is_some_and(|queue| queue.is(key))) {
-            if let Some(Waiting { waits_for: Waits::Task(wait), .. }) = &mut task.waiting
+            if let Some(Wait { reason: WaitReason::Task(wait), .. }) = &mut task.waiting
                 && wait.holder != 0
             {
                 wait.holder = number;
@@ -314,7 +314,7 @@ impl Tasks {
         let task = &mut self.list[index];
         let is_woken = task.queue.as_ref().is_some_and(|queue| queue.is_woken);
         let Some(waiting) = &task.waiting else { return false };
-        if is_woken || !waiting.waits_for.is_interruptible() {
+        if is_woken || !waiting.reason.is_interruptible() {
             return false;
         }
         task.queue = None;
@@ -327,87 +327,88 @@ impl Tasks {
     }
 
     /// Makes the tasks that wait for the world check their conditions.
-    pub fn look_at_world(&mut self, now: Time) {
-        self.look_again(now, |waits_for| !waits_for.is_for_task());
+    pub fn recheck_world(&mut self, now: Time) {
+        self.recheck(now, |reason| !reason.is_for_task());
     }
 
     /// Makes the tasks that wait for the end of a drive check it again.
-    pub fn look_at_drive(&mut self, now: Time) {
-        self.look_again(now, |waits_for| *waits_for == Waits::Drive);
+    pub fn recheck_drive(&mut self, now: Time) {
+        self.recheck(now, |reason| *reason == WaitReason::Drive);
     }
 
-    fn look_again(&mut self, now: Time, is_meant: impl Fn(&Waits) -> bool) {
+    fn recheck(&mut self, now: Time, is_meant: impl Fn(&WaitReason) -> bool) {
         self.reach(now);
-        self.look_from(Time::ZERO, is_meant);
+        self.recheck_from(Time::ZERO, is_meant);
     }
 
-    fn look_from(&mut self, time: Time, is_meant: impl Fn(&Waits) -> bool) {
+    fn recheck_from(&mut self, time: Time, is_meant: impl Fn(&WaitReason) -> bool) {
         for task in &mut self.list {
-            if task.waiting.as_ref().is_some_and(|waiting| is_meant(&waiting.waits_for)) {
+            if task.waiting.as_ref().is_some_and(|waiting| is_meant(&waiting.reason)) {
                 task.wake = task.wake.min(time);
                 if let Some(scheduler) = &mut self.scheduler {
-                    scheduler.look_at(task.number, time);
+                    scheduler.advance_wake(task.number, time);
                 }
             }
         }
     }
 
     /// Makes the tasks that wait for a message check at `visible`, when one becomes visible.
-    pub fn look_at_radio(&mut self, visible: Time) {
-        self.look_from(visible, |waits_for| *waits_for == Waits::Message);
+    pub fn recheck_radio(&mut self, visible: Time) {
+        self.recheck_from(visible, |reason| *reason == WaitReason::Message);
     }
 
     /// Makes the tasks that wait for input check at `at`, when there is some.
-    pub fn look_at_input(&mut self, at: Time) {
-        self.look_from(at, |waits_for| matches!(waits_for, Waits::Key(_) | Waits::Input(_)));
+    pub fn recheck_input(&mut self, at: Time) {
+        self.recheck_from(at, |reason| matches!(reason, WaitReason::Key(_) | WaitReason::Input(_)));
     }
 
     /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the running task waits, and
     /// some task waits for something that the scheduler step can bring: the end of the drive, a message, or user input.
-    pub fn wake_with(&mut self, drive_end: Time) -> Option<Time> {
-        let is_brought =
-            |waits_for: &Waits| matches!(waits_for, Waits::Drive | Waits::Message | Waits::Key(_) | Waits::Input(_));
-        let is_meant = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_brought(&waiting.waits_for));
+    pub fn earliest_wake(&mut self, drive_end: Time) -> Option<Time> {
+        let is_brought = |reason: &WaitReason| {
+            matches!(reason, WaitReason::Drive | WaitReason::Message | WaitReason::Key(_) | WaitReason::Input(_))
+        };
+        let is_meant = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_brought(&waiting.reason));
         let is_waiting = if self.scheduler.is_some() { self.is_idle } else { self.current().waiting.is_some() };
         if !is_waiting || !self.list.iter().any(is_meant) {
             return None;
         }
         if let Some(scheduler) = &mut self.scheduler {
-            let of_drive = self.list.iter().filter(|task| task.waits_for(&Waits::Drive));
+            let of_drive = self.list.iter().filter(|task| task.waits_for(&WaitReason::Drive));
             of_drive.for_each(|task| scheduler.reset_wake(task.number, drive_end));
-            return Some(if let Next::At(time) = scheduler.next() { time } else { Time::ZERO });
+            return Some(if let NextTask::NotBefore(time) = scheduler.next() { time } else { Time::ZERO });
         }
-        self.list.iter().map(|task| if task.waits_for(&Waits::Drive) { drive_end } else { task.wake }).min()
+        self.list.iter().map(|task| if task.waits_for(&WaitReason::Drive) { drive_end } else { task.wake }).min()
     }
 
     /// Begins to leave the program; the running task is the first to leave.
-    pub fn begin_leaving(&mut self) {
+    pub fn begin_exit(&mut self) {
         let number = self.current().number;
-        self.first_to_leave.get_or_insert(number);
+        self.first_exiting.get_or_insert(number);
     }
 
     /// The task that left first, if the program had several.
-    pub fn first_to_leave(&self) -> Option<u32> {
-        self.first_to_leave.filter(|_| self.has_others())
+    pub fn first_exiting(&self) -> Option<u32> {
+        self.first_exiting.filter(|_| self.has_others())
     }
 
     /// Prefix `` task `x`:  `` of an error message, if RoBIOS 6 multi-tasking is on and the running task, or the first
     /// to leave, is not `main`; otherwise empty.
     pub fn prefix(&self) -> String {
-        let number = self.first_to_leave().unwrap_or(self.current().number);
+        let number = self.first_exiting().unwrap_or(self.current().number);
         if self.scheduler.is_none() || number == MAIN { String::new() } else { format!("{}: ", self.name(number)) }
     }
 
     /// Returns true once the program must end.
-    pub fn is_leaving(&self) -> bool {
-        self.first_to_leave.is_some()
+    pub fn is_exiting(&self) -> bool {
+        self.first_exiting.is_some()
     }
 
     /// Ends the running task, which is not `main`, and returns the number of the task that continues. While the program
     /// leaves, that is `main`, and the last wait of the ended task is kept.
     pub fn end_current(&mut self, now: Time) -> u32 {
-        if self.is_leaving() {
-            self.list[self.current].has_left = true;
+        if self.is_exiting() {
+            self.list[self.current].has_exited = true;
             self.switch_to(MAIN, now);
             return MAIN;
         }
@@ -427,7 +428,7 @@ impl Tasks {
                 }
                 None => {
                     scheduler.advance(now);
-                    if let Next::Go(next) = scheduler.next() { next } else { MAIN }
+                    if let NextTask::Run(next) = scheduler.next() { next } else { MAIN }
                 }
             };
             self.switch_to(next, now);
@@ -472,12 +473,12 @@ impl Tasks {
     }
 
     /// Task that continues at `now`, while no call is in progress; for programs with a scheduler.
-    pub fn turn(&mut self, now: Time) -> Next {
+    pub fn turn(&mut self, now: Time) -> NextTask {
         self.is_idle = false;
-        let Some(scheduler) = &mut self.scheduler else { return Next::Go(self.list[self.current].number) };
+        let Some(scheduler) = &mut self.scheduler else { return NextTask::Run(self.list[self.current].number) };
         scheduler.advance(now);
         let next = scheduler.next();
-        self.is_idle = matches!(next, Next::At(_));
+        self.is_idle = matches!(next, NextTask::NotBefore(_));
         next
     }
 
@@ -532,7 +533,7 @@ impl Tasks {
     }
 
     /// Records the wait of the running task for the end of its own suspension.
-    pub fn note_suspension(&mut self, waiting: Waiting) {
+    pub fn note_suspension(&mut self, waiting: Wait) {
         self.list[self.current].waiting = Some(waiting);
     }
 
@@ -542,10 +543,10 @@ impl Tasks {
         let current = self.current().number;
         let Some(index) = self.index(number) else { return };
         let task = &mut self.list[index];
-        task.killed = Killed::Told { killer: Some(current).filter(|killer| *killer != number) };
+        task.kill_state = KillState::Requested { killer: Some(current).filter(|killer| *killer != number) };
         task.queue = None;
         let held = std::mem::take(&mut task.has_semaphore);
-        if let Some(Waiting { waits_for: Waits::Semaphore(semaphore), .. }) = task.waiting.take() {
+        if let Some(Wait { reason: WaitReason::Semaphore(semaphore), .. }) = task.waiting.take() {
             self.semaphores.leave(semaphore, number);
             if held {
                 self.release_semaphore(semaphore);
@@ -559,14 +560,14 @@ impl Tasks {
     /// Returns true, once, if the running task has been killed and must unwind.
     pub fn take_kill(&mut self) -> bool {
         let task = &mut self.list[self.current];
-        let Killed::Told { killer } = task.killed else { return false };
-        task.killed = Killed::Unwinds { killer };
+        let KillState::Requested { killer } = task.kill_state else { return false };
+        task.kill_state = KillState::Unwinds { killer };
         true
     }
 
     /// Returns true once the running task must end while the others continue.
     pub fn is_killed(&self) -> bool {
-        self.current().killed != Killed::No
+        self.current().kill_state != KillState::None
     }
 
     /// Releases semaphore `number`: the first waiting task passes, or the count rises; returns false if there is no
@@ -586,22 +587,22 @@ impl Tasks {
 
     /// Passes semaphore `number` for the running task, which called at `site`, or puts the task at the end of its
     /// queue.
-    pub fn pass_semaphore(&mut self, number: u32, site: &Site) -> Passing {
+    pub fn pass_semaphore(&mut self, number: u32, site: &Site) -> PassOutcome {
         let task = &mut self.list[self.current];
         if std::mem::take(&mut task.has_semaphore) {
-            return Passing::Passed;
+            return PassOutcome::Passed;
         }
         let task = task.number;
         let passing = self.semaphores.pass(number, task);
-        if passing == Passing::Passed {
+        if passing == PassOutcome::Passed {
             self.semaphores.note_passing(number, self.name(task), site.clone());
         }
         passing
     }
 
     /// Number of a task besides `main` that has yet to leave.
-    pub fn next_to_leave(&self) -> Option<u32> {
-        self.list.iter().skip(1).find(|task| !task.has_left).map(|task| task.number)
+    pub fn next_to_exit(&self) -> Option<u32> {
+        self.list.iter().skip(1).find(|task| !task.has_exited).map(|task| task.number)
     }
 }
 
@@ -616,9 +617,9 @@ pub enum NextThread {
 
 impl Task {
     fn killer(&self) -> Option<u32> {
-        match self.killed {
-            Killed::Told { killer } | Killed::Unwinds { killer } => killer,
-            Killed::No => None,
+        match self.kill_state {
+            KillState::Requested { killer } | KillState::Unwinds { killer } => killer,
+            KillState::None => None,
         }
     }
 }
@@ -639,7 +640,7 @@ impl TaskWait {
 
 impl TaskWait {
     /// Describes the wait in words; `name_of` names the holder.
-    pub fn words(self, name_of: impl Fn(u32) -> String) -> String {
+    pub fn describe(self, name_of: impl Fn(u32) -> String) -> String {
         let what = match self.kind {
             wait::MUTEX => "a mutex",
             wait::CONDITION => "a condition to be signalled",
@@ -663,14 +664,14 @@ impl TaskWait {
 
 impl fmt::Display for TaskWait {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words(|number| format!("task {number}")))
+        f.write_str(&self.describe(|number| format!("task {number}")))
     }
 }
 
 impl Robot {
     /// Earliest time at which a wait of its tasks may be over, given the effects of the slot that ends at `slot_end`;
     /// `None` if the scheduler step cannot have changed it.
-    pub fn wake_after(&mut self, slot_end: Time) -> Option<Time> {
+    pub fn earliest_wake_after(&mut self, slot_end: Time) -> Option<Time> {
         // Calls of a callback are work, whatever the interrupted call waits for.
         if self.timers.in_callback {
             return None;
@@ -679,7 +680,7 @@ impl Robot {
         let is_done = self.motion.is_drive_done(slot_end);
         let drive_end = if is_done { Some(slot_end) } else { self.motion.drive_end() };
         let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);
-        let wake = self.tasks.wake_with(drive_end)?;
+        let wake = self.tasks.earliest_wake(drive_end)?;
         Some(wake.min(self.timers.next_due()).min(self.devices.due()))
     }
 }

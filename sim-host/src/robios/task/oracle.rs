@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use sim_core::time::Time;
 
-use super::scheduler::{LEVELS, Next, Policy, Scheduler};
+use super::scheduler::{LEVELS, NextTask, Policy, Scheduler};
 
 const TICK_MS: i64 = 10;
 
@@ -12,7 +12,7 @@ const TICK_MS: i64 = 10;
 const HORIZON_MS: i64 = 2_000;
 
 /// The processor of one robot; every ready task has a ticket, and the lowest ticket among equal priorities is next.
-struct Slow {
+struct ReferenceScheduler {
     permits: bool,
     can_permit: bool,
     tasks: Vec<Slot>,
@@ -25,12 +25,12 @@ struct Slow {
 struct Slot {
     priority: usize,
     is_suspended: bool,
-    doing: Doing,
+    activity: Activity,
     ticket: Option<i64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Doing {
+enum Activity {
     Run,
     Busy(i64),
     Block(i64),
@@ -48,9 +48,9 @@ enum Act {
     Permit(bool),
 }
 
-impl Slow {
+impl ReferenceScheduler {
     fn new(policy: Policy, priorities: &[usize]) -> Self {
-        let slot = |priority| Slot { priority, is_suspended: true, doing: Doing::Run, ticket: None };
+        let slot = |priority| Slot { priority, is_suspended: true, activity: Activity::Run, ticket: None };
         let mut tasks: Vec<Slot> = std::iter::once(0).chain(priorities.iter().copied()).map(slot).collect();
         tasks[0].is_suspended = false;
         Self {
@@ -80,7 +80,7 @@ impl Slow {
     }
 
     fn change(&mut self, task: usize, change: impl FnOnce(&mut Slot)) {
-        let is_ready = |slot: &Slot| !slot.is_suspended && !matches!(slot.doing, Doing::Block(_));
+        let is_ready = |slot: &Slot| !slot.is_suspended && !matches!(slot.activity, Activity::Block(_));
         let before = is_ready(&self.tasks[task]);
         change(&mut self.tasks[task]);
         match (before, is_ready(&self.tasks[task])) {
@@ -96,8 +96,8 @@ impl Slow {
         self.now += 1;
         let now = self.now;
         for task in 0..self.tasks.len() {
-            if matches!(self.tasks[task].doing, Doing::Block(wake) if wake <= now) {
-                self.change(task, |slot| slot.doing = Doing::Run);
+            if matches!(self.tasks[task].activity, Activity::Block(wake) if wake <= now) {
+                self.change(task, |slot| slot.activity = Activity::Run);
             }
         }
     }
@@ -125,11 +125,11 @@ impl Slow {
     }
 
     /// Next task to continue, and its time; `None` if there is none within the horizon.
-    fn go_on(&mut self) -> Option<(usize, i64)> {
+    fn next_task(&mut self) -> Option<(usize, i64)> {
         for _ in 0..HORIZON_MS {
             if let Some(owner) = self.owner
-                && match self.tasks[owner].doing {
-                    Doing::Busy(wake) => wake <= self.now,
+                && match self.tasks[owner].activity {
+                    Activity::Busy(wake) => wake <= self.now,
                     _ => true,
                 }
             {
@@ -142,18 +142,18 @@ impl Slow {
     }
 
     fn act(&mut self, me: usize, cost_ms: i64, act: Act) {
-        self.tasks[me].doing = Doing::Run;
+        self.tasks[me].activity = Activity::Run;
         (0..cost_ms).for_each(|_| self.tick());
         match act {
             Act::Compute => {}
-            Act::Wait(ms) => self.tasks[me].doing = Doing::Busy(self.now + ms),
+            Act::Wait(ms) => self.tasks[me].activity = Activity::Busy(self.now + ms),
             Act::Block(ms) => {
                 let wake = ms.map_or(i64::MAX, |ms| self.now + ms);
-                self.change(me, |slot| slot.doing = Doing::Block(wake));
+                self.change(me, |slot| slot.activity = Activity::Block(wake));
             }
             Act::Ready(task) => self.change(task, |slot| slot.is_suspended = false),
             Act::Suspend(task) => self.change(task, |slot| slot.is_suspended = true),
-            Act::Wake(task) => self.change(task, |slot| slot.doing = Doing::Run),
+            Act::Wake(task) => self.change(task, |slot| slot.activity = Activity::Run),
             Act::Reschedule => {
                 if let Some(owner) = self.owner {
                     self.queue(owner, false);
@@ -213,15 +213,15 @@ proptest! {
         calls in proptest::collection::vec((acts(TASKS), 1..25i64, 0..3i64), 1..80),
     ) {
         let policy = if is_preemptive { Policy::Preempt { is_permitted: true } } else { Policy::Coop };
-        let mut slow = Slow::new(policy, &priorities);
+        let mut reference = ReferenceScheduler::new(policy, &priorities);
         let mut scheduler = Scheduler::new(policy, 0, 0, Time::ZERO);
         for (index, priority) in priorities.iter().enumerate() {
             prop_assert!(*priority < LEVELS);
             scheduler.add(index as u32 + 1, *priority);
         }
         for (call, cost_ms, parts) in calls {
-            let from = slow.now;
-            let expected = slow.go_on();
+            let from = reference.now;
+            let expected = reference.next_task();
             // Time may pass in parts, as when scheduler steps intervene.
             for part in 1..=parts {
                 let to = expected.map_or(HORIZON_MS / 2, |(_, at)| at - from) * part / (parts + 1);
@@ -231,9 +231,9 @@ proptest! {
             }
             let found = loop {
                 match scheduler.next() {
-                    Next::Go(task) => break Some(task),
-                    Next::At(at) if at > time(from + HORIZON_MS) => break None,
-                    Next::At(at) => {
+                    NextTask::Run(task) => break Some(task),
+                    NextTask::NotBefore(at) if at > time(from + HORIZON_MS) => break None,
+                    NextTask::NotBefore(at) => {
                         prop_assert!(expected.is_none_or(|(_, due)| at <= time(due)), "not later than somebody goes on");
                         scheduler.advance(at);
                     }
@@ -241,7 +241,7 @@ proptest! {
             };
             prop_assert_eq!(found, expected.map(|(task, _)| task as u32));
             let Some((me, at)) = expected else { return Ok(()) };
-            slow.act(me, cost_ms, call);
+            reference.act(me, cost_ms, call);
             act(&mut scheduler, me as u32, at + cost_ms, call);
         }
     }

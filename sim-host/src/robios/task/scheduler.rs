@@ -27,11 +27,11 @@ pub enum Policy {
 
 /// Next task to continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum NextTask {
     /// This task, now.
-    Go(u32),
+    Run(u32),
     /// No task before this time, at which one may continue; [`Time::NEVER`] if none ever will.
-    At(Time),
+    NotBefore(Time),
 }
 
 /// The processor of one robot and the tasks that share it.
@@ -53,12 +53,12 @@ struct Entry {
     number: u32,
     priority: usize,
     is_suspended: bool,
-    doing: Doing,
+    activity: Activity,
 }
 
 /// Use that a task makes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Doing {
+enum Activity {
     /// Computes.
     Run,
     /// Waits for the world, until this time.
@@ -70,7 +70,7 @@ enum Doing {
 impl Scheduler {
     /// The processor from `now` on, with one task that owns it.
     pub fn new(policy: Policy, main: u32, priority: usize, now: Time) -> Self {
-        let main_entry = Entry { number: main, priority, is_suspended: false, doing: Doing::Run };
+        let main_entry = Entry { number: main, priority, is_suspended: false, activity: Activity::Run };
         Self {
             policy,
             entries: vec![main_entry],
@@ -95,7 +95,12 @@ impl Scheduler {
 
     /// Adds a suspended task; its number must be higher than all before.
     pub fn add(&mut self, number: u32, priority: usize) {
-        self.entries.push(Entry { number, priority: priority.min(LEVELS - 1), is_suspended: true, doing: Doing::Run });
+        self.entries.push(Entry {
+            number,
+            priority: priority.min(LEVELS - 1),
+            is_suspended: true,
+            activity: Activity::Run,
+        });
     }
 
     /// Priority of a task; that of `main` if there is no such task.
@@ -125,23 +130,23 @@ impl Scheduler {
 
     /// Ends a task's wait: it computes from now on.
     pub fn run(&mut self, number: u32) {
-        self.change(number, |entry| entry.doing = Doing::Run);
+        self.change(number, |entry| entry.activity = Activity::Run);
     }
 
     /// Puts a task into a busy wait for the world until `wake`.
     pub fn wait(&mut self, number: u32, wake: Time) {
-        self.change(number, |entry| entry.doing = Doing::Busy(wake));
+        self.change(number, |entry| entry.activity = Activity::Busy(wake));
     }
 
     /// Blocks a task until `wake`: it leaves the processor to others.
     pub fn block(&mut self, number: u32, wake: Time) {
-        self.change(number, |entry| entry.doing = Doing::Block(wake));
+        self.change(number, |entry| entry.activity = Activity::Block(wake));
     }
 
     /// Brings the end of a task's busy wait forward to `wake`, if that is earlier.
-    pub fn look_at(&mut self, number: u32, wake: Time) {
+    pub fn advance_wake(&mut self, number: u32, wake: Time) {
         if let Some(index) = self.index(number)
-            && let Doing::Busy(at) = &mut self.entries[index].doing
+            && let Activity::Busy(at) = &mut self.entries[index].activity
         {
             *at = (*at).min(wake);
         }
@@ -150,7 +155,7 @@ impl Scheduler {
     /// Sets the end of a task's busy wait to `wake`.
     pub fn reset_wake(&mut self, number: u32, wake: Time) {
         if let Some(index) = self.index(number)
-            && let Doing::Busy(at) = &mut self.entries[index].doing
+            && let Activity::Busy(at) = &mut self.entries[index].activity
         {
             *at = wake;
         }
@@ -178,14 +183,14 @@ impl Scheduler {
         if let Some(owner) = self.owner.take() {
             self.queue_of(owner).push_front(owner);
         }
-        self.change(number, |entry| (entry.is_suspended, entry.doing) = (false, Doing::Run));
+        self.change(number, |entry| (entry.is_suspended, entry.activity) = (false, Activity::Run));
         self.queues.iter_mut().for_each(|queue| queue.retain(|other| *other != number));
         self.owner = Some(number);
     }
 
     /// Advances to virtual time `now` within a call, whose task keeps the processor to the call's end.
     pub fn reach(&mut self, now: Time) {
-        self.rise(now);
+        self.wake_sleepers(now);
         self.now = self.now.max(now);
     }
 
@@ -198,32 +203,32 @@ impl Scheduler {
         self.settle();
         loop {
             match self.next() {
-                Next::At(time) if time <= to => self.pass(time),
-                Next::At(_) => return self.pass(to),
-                Next::Go(_) => return self.pass_at_once(to),
+                NextTask::NotBefore(time) if time <= to => self.pass(time),
+                NextTask::NotBefore(_) => return self.pass(to),
+                NextTask::Run(_) => return self.pass_at_once(to),
             }
         }
     }
 
     /// Next task to continue in the present state.
-    pub fn next(&self) -> Next {
+    pub fn next(&self) -> NextTask {
         let Some(owner) = self.owner.and_then(|number| self.index(number)).map(|index| &self.entries[index]) else {
-            return Next::At(self.first_risen(0));
+            return NextTask::NotBefore(self.earliest_ready(0));
         };
-        let wake = match owner.doing {
-            Doing::Busy(wake) if wake > self.now => wake,
-            _ => return Next::Go(owner.number),
+        let wake = match owner.activity {
+            Activity::Busy(wake) if wake > self.now => wake,
+            _ => return NextTask::Run(owner.number),
         };
         if !self.is_permitted() {
-            return Next::At(wake);
+            return NextTask::NotBefore(wake);
         }
         let peers = &self.queues[owner.priority];
-        let first = if peers.is_empty() { wake } else { self.first_chance(wake, peers) };
-        Next::At(first.min(self.first_risen(owner.priority)))
+        let first = if peers.is_empty() { wake } else { self.earliest_turn(wake, peers) };
+        NextTask::NotBefore(first.min(self.earliest_ready(owner.priority)))
     }
 
     /// Earliest time at which one of the tasks that take turns has something to do in its own slice.
-    fn first_chance(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
+    fn earliest_turn(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
         let round = Time(TICK.0 * (peers.len() as i64 + 1));
         let chance = |place: usize, wake: Time| {
             let end = self.slice_end + Time(TICK.0 * place as i64);
@@ -235,15 +240,15 @@ impl Scheduler {
             wake.max(if place == 0 && rounds == 0 { self.now } else { end - TICK })
         };
         let of_peers = peers.iter().enumerate().map(|(place, number)| {
-            let doing = self.index(*number).map(|index| self.entries[index].doing);
-            chance(place + 1, if let Some(Doing::Busy(wake)) = doing { wake } else { Time::ZERO })
+            let activity = self.index(*number).map(|index| self.entries[index].activity);
+            chance(place + 1, if let Some(Activity::Busy(wake)) = activity { wake } else { Time::ZERO })
         });
         of_peers.fold(chance(0, owner_wake), Time::min)
     }
 
     /// Earliest time at which a task of at least this priority becomes ready by itself.
-    fn first_risen(&self, priority: usize) -> Time {
-        let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(Entry::risen);
+    fn earliest_ready(&self, priority: usize) -> Time {
+        let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(Entry::ready_at);
         wakes.min().unwrap_or(Time::NEVER)
     }
 
@@ -277,13 +282,13 @@ impl Scheduler {
     }
 
     /// Makes the tasks whose sleep ends by `to` ready, in order of their wake times.
-    fn rise(&mut self, to: Time) {
+    fn wake_sleepers(&mut self, to: Time) {
         let mut risen: Vec<(Time, u32)> = Vec::new();
         for entry in &mut self.entries {
-            if let Doing::Block(wake) = entry.doing
+            if let Activity::Block(wake) = entry.activity
                 && wake <= to
             {
-                entry.doing = Doing::Run;
+                entry.activity = Activity::Run;
                 risen.push((wake, entry.number));
             }
         }
@@ -359,13 +364,13 @@ impl Scheduler {
 
 impl Entry {
     fn is_ready(&self) -> bool {
-        !self.is_suspended && !matches!(self.doing, Doing::Block(_))
+        !self.is_suspended && !matches!(self.activity, Activity::Block(_))
     }
 
     /// Time at which the task becomes ready by itself.
-    fn risen(&self) -> Time {
-        match self.doing {
-            Doing::Block(wake) if !self.is_suspended => wake,
+    fn ready_at(&self) -> Time {
+        match self.activity {
+            Activity::Block(wake) if !self.is_suspended => wake,
             _ => Time::NEVER,
         }
     }
@@ -400,7 +405,7 @@ mod tests {
         let mut turns = Vec::new();
         for ms in 1..=60 {
             scheduler.advance(Time::from_millis(ms));
-            if let Next::Go(task) = scheduler.next()
+            if let NextTask::Run(task) = scheduler.next()
                 && turns.last() != Some(&task)
             {
                 turns.push(task);
@@ -413,48 +418,48 @@ mod tests {
     fn turns_in_busy_waits_are_taken_in_closed_form() {
         let mut scheduler = processor(OPEN, &[3, 3, 3]);
         for (task, wake_s, slice_end_ms) in [(2, 1_000_000, 10), (3, 2_000_000, 20), (4, 3_000_000, 20)] {
-            assert_eq!(scheduler.next(), Next::Go(task));
+            assert_eq!(scheduler.next(), NextTask::Run(task));
             scheduler.wait(task, Time::from_millis(1000 * wake_s));
             scheduler.advance(Time::from_millis(slice_end_ms));
         }
         // Slices of 2 begin at 0, 30, 60 ms and so on: the one of 1e9 ms began at 999,999,990 ms and ends then.
-        assert_eq!(scheduler.next(), Next::At(Time::from_millis(1_000_000_020)));
+        assert_eq!(scheduler.next(), NextTask::NotBefore(Time::from_millis(1_000_000_020)));
         scheduler.advance(Time::from_millis(1_000_000_020));
-        assert_eq!(scheduler.next(), Next::Go(2));
+        assert_eq!(scheduler.next(), NextTask::Run(2));
     }
 
     #[test]
-    fn nobody_ever_goes_on_where_all_wait_for_ever() {
+    fn no_task_continues_if_all_wait_for_ever() {
         let mut scheduler = processor(OPEN, &[3, 3]);
         scheduler.wait(2, Time::NEVER);
         scheduler.advance(Time::from_millis(10));
         scheduler.wait(3, Time::NEVER);
-        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        assert_eq!(scheduler.next(), NextTask::NotBefore(Time::NEVER));
         scheduler.advance(Time::from_millis(1_000_000_000));
-        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        assert_eq!(scheduler.next(), NextTask::NotBefore(Time::NEVER));
         scheduler.block(2, Time::NEVER);
         scheduler.block(3, Time::NEVER);
-        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        assert_eq!(scheduler.next(), NextTask::NotBefore(Time::NEVER));
     }
 
     #[test]
-    fn whoever_has_the_processor_keeps_it_where_tasks_cooperate() {
+    fn cooperative_tasks_keep_the_processor() {
         for policy in [Policy::Coop, Policy::Preempt { is_permitted: false }] {
             let mut scheduler = processor(policy, &[1, 8]);
-            assert_eq!(scheduler.next(), Next::Go(3), "main gave way to the highest");
+            assert_eq!(scheduler.next(), NextTask::Run(3), "main gave way to the highest");
             scheduler.wait(3, Time::from_millis(95));
-            assert_eq!(scheduler.next(), Next::At(Time::from_millis(95)));
+            assert_eq!(scheduler.next(), NextTask::NotBefore(Time::from_millis(95)));
             scheduler.advance(Time::from_millis(95));
             scheduler.run(3);
             scheduler.reschedule();
-            assert_eq!(scheduler.next(), Next::Go(3), "a lower one does not get it");
+            assert_eq!(scheduler.next(), NextTask::Run(3), "a lower one does not get it");
             scheduler.block(3, Time::from_millis(100));
-            assert_eq!(scheduler.next(), Next::Go(2));
+            assert_eq!(scheduler.next(), NextTask::Run(2));
             scheduler.advance(Time::from_millis(200));
-            assert_eq!(scheduler.next(), Next::Go(2), "not even when a higher one is ready");
+            assert_eq!(scheduler.next(), NextTask::Run(2), "not even when a higher one is ready");
             scheduler.permit(true);
             scheduler.advance(Time::from_millis(200));
-            assert_eq!(scheduler.next(), Next::Go(if policy == Policy::Coop { 2 } else { 3 }));
+            assert_eq!(scheduler.next(), NextTask::Run(if policy == Policy::Coop { 2 } else { 3 }));
         }
     }
 
@@ -464,18 +469,18 @@ mod tests {
         scheduler.block(2, Time::from_millis(50));
         scheduler.suspend(2);
         scheduler.advance(Time::from_millis(60));
-        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        assert_eq!(scheduler.next(), NextTask::NotBefore(Time::NEVER));
         scheduler.ready(2);
         scheduler.advance(Time::from_millis(60));
-        assert_eq!(scheduler.next(), Next::Go(2));
+        assert_eq!(scheduler.next(), NextTask::Run(2));
     }
 
     #[test]
-    fn who_takes_over_runs_before_all_others() {
+    fn take_over_preempts_all_tasks() {
         let mut scheduler = processor(OPEN, &[5, 2]);
         scheduler.take_over(3);
-        assert_eq!(scheduler.next(), Next::Go(3));
+        assert_eq!(scheduler.next(), NextTask::Run(3));
         scheduler.remove(3);
-        assert_eq!(scheduler.next(), Next::Go(2));
+        assert_eq!(scheduler.next(), NextTask::Run(2));
     }
 }

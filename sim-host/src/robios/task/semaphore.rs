@@ -25,7 +25,7 @@ pub struct Semaphore {
 
 /// Outcome of passing a semaphore.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Passing {
+pub enum PassOutcome {
     /// The task has passed.
     Passed,
     /// The semaphore is closed.
@@ -54,19 +54,19 @@ impl Semaphores {
     }
 
     /// Passes a semaphore, if it is open.
-    pub fn try_pass(&mut self, number: u32) -> Passing {
-        let Some(semaphore) = self.get_mut(number) else { return Passing::Unknown };
+    pub fn try_pass(&mut self, number: u32) -> PassOutcome {
+        let Some(semaphore) = self.get_mut(number) else { return PassOutcome::Unknown };
         if semaphore.count == 0 {
-            return Passing::Closed;
+            return PassOutcome::Closed;
         }
         semaphore.count -= 1;
-        Passing::Passed
+        PassOutcome::Passed
     }
 
     /// Passes a semaphore for `task`, or puts the task at the end of its queue, unless it is in the queue already.
-    pub fn pass(&mut self, number: u32, task: u32) -> Passing {
+    pub fn pass(&mut self, number: u32, task: u32) -> PassOutcome {
         let passing = self.try_pass(number);
-        if passing == Passing::Closed
+        if passing == PassOutcome::Closed
             && let Some(semaphore) = self.get_mut(number)
             && !semaphore.waiting.contains(&task)
         {
@@ -103,7 +103,7 @@ impl Semaphores {
 
 impl Semaphore {
     /// Returns true while tasks wait at the semaphore.
-    pub fn is_waited_at(&self) -> bool {
+    pub fn has_waiters(&self) -> bool {
         !self.waiting.is_empty()
     }
 }
@@ -113,17 +113,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_came_first_passes_first() {
+    fn semaphores_are_first_come_first_served() {
         let mut semaphores = Semaphores::default();
         let number = semaphores.make(1, Site::default()).unwrap();
         assert_eq!([2, 5, 3, 5].map(|task| semaphores.pass(number, task)), {
-            [Passing::Passed, Passing::Closed, Passing::Closed, Passing::Closed]
+            [PassOutcome::Passed, PassOutcome::Closed, PassOutcome::Closed, PassOutcome::Closed]
         });
         assert_eq!(semaphores.release(number), Some(Some(5)));
         semaphores.leave(number, 3);
         assert_eq!(semaphores.release(number), Some(None));
-        assert_eq!(semaphores.pass(number, 9), Passing::Passed);
-        assert_eq!(semaphores.pass(number + 1, 9), Passing::Unknown);
+        assert_eq!(semaphores.pass(number, 9), PassOutcome::Passed);
+        assert_eq!(semaphores.pass(number + 1, 9), PassOutcome::Unknown);
         assert_eq!(semaphores.release(0), None);
     }
 
@@ -132,7 +132,7 @@ mod tests {
         let mut semaphores = Semaphores::default();
         let number = semaphores.make(i32::MAX, Site::default()).unwrap();
         assert_eq!(semaphores.release(number), None);
-        assert_eq!(semaphores.pass(number, 1), Passing::Passed);
+        assert_eq!(semaphores.pass(number, 1), PassOutcome::Passed);
         assert_eq!(semaphores.release(number), Some(None));
     }
 }

@@ -10,7 +10,7 @@ import { listen } from "./keyboard";
 import { lcdPanel } from "./lcd";
 import { noisePanel } from "./noise";
 import { noticePanel } from "./notice";
-import { Picks } from "./picks";
+import { PlotSelection } from "./picks";
 import { plotPanel } from "./plot";
 import { readingsPanel } from "./readings";
 import { robotsPanel } from "./robots";
@@ -20,7 +20,7 @@ import { sensorsPanel } from "./sensors";
 
 /** All panels in order; those of class `bar` go into the bar above the 3D view. */
 export function panels(model: Model): HTMLElement[] {
-  const picks = new Picks();
+  const picks = new PlotSelection();
   const made = [
     runPanel(model),
     helpPanel(model),

@@ -4,9 +4,9 @@ import { recall, remember } from "./control";
 
 const MEMORY = "eyesim.plotted";
 /** Number of curve colours. */
-export const MOST_PICKS = 8;
+export const MAX_SELECTED = 8;
 
-export class Picks {
+export class PlotSelection {
   private names: string[] = recall(MEMORY, "").split("\n").filter((name) => name !== "");
   private readonly listeners: (() => void)[] = [];
 
@@ -19,10 +19,10 @@ export class Picks {
     return this.names.includes(name);
   }
 
-  /** Picks or unpicks a reading; beyond [`MOST_PICKS`] the oldest is dropped. */
+  /** Picks or unpicks a reading; beyond [`MAX_SELECTED`] the oldest is dropped. */
   set(name: string, isPicked: boolean): void {
     const others = this.names.filter((other) => other !== name);
-    this.change(isPicked ? [...others, name].slice(-MOST_PICKS) : others);
+    this.change(isPicked ? [...others, name].slice(-MAX_SELECTED) : others);
   }
 
   clear(): void {

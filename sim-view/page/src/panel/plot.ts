@@ -5,14 +5,14 @@ import { element } from "../dom";
 import type { Model } from "../model";
 import { button, choice, saveAs, section, setOptions, setText, throttled } from "./control";
 import { csvOf, nameOf, type Series, svgOf } from "./figure";
-import type { Picks } from "./picks";
+import type { PlotSelection } from "./picks";
 
 const HEIGHT_PX = 220;
 /** Colours for paper: dark enough on white. */
 const PRINTED = ["#0b6e99", "#b3400a", "#1c7d3c", "#8a2be2", "#8a6d00", "#a01c5a", "#444444", "#2244cc"];
 const WINDOWS: [value: string, text: string][] = [["5", "last 5 s"], ["20", "last 20 s"], ["60", "last minute"], ["all", "all"]];
 
-export function plotPanel(model: Model, picks: Picks): HTMLElement {
+export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
   const place = element("div", { className: "plot", testid: "plot", role: "img" });
   const none = element("p", { className: "muted", textContent: "Tick readings in the table above to see their curves." });
   const pause = button("Pause plot", "plot-pause", () => setPaused(!isPaused));

@@ -4,7 +4,7 @@ import { element } from "../dom";
 import type { Model } from "../model";
 import type { Reading } from "../protocol";
 import { button, section, setText, whileOpen } from "./control";
-import type { Picks } from "./picks";
+import type { PlotSelection } from "./picks";
 
 interface Row {
   element: HTMLElement;
@@ -13,7 +13,7 @@ interface Row {
   at: HTMLElement;
 }
 
-export function readingsPanel(model: Model, picks: Picks): HTMLElement {
+export function readingsPanel(model: Model, picks: PlotSelection): HTMLElement {
   const body = element("tbody", { testid: "readings" });
   const head = ["Plot", "Reading", "Value", "At"].map((textContent) => element("th", { textContent, scope: "col" }));
   const none = element("p", { className: "muted", textContent: "Nothing has been read yet." });
@@ -52,7 +52,7 @@ export function readingsPanel(model: Model, picks: Picks): HTMLElement {
   }
 }
 
-function rowOf(name: string, picks: Picks): Row {
+function rowOf(name: string, picks: PlotSelection): Row {
   const box = element("input", { type: "checkbox", label: `Plot ${name}`, checked: picks.has(name) });
   box.onchange = () => picks.set(name, box.checked);
   const [value, at] = [element("td", { className: "number" }), element("td", { className: "number muted" })];

@@ -61,6 +61,13 @@ export type Action = { "do": "press",
   /** Number of the object. */
   object: number, } | { "do": "end", };
 
+/** Types of bodies that can be added to a scene. */
+export type AddableTypes = {
+  /** Types of robots. */
+  robots: Array<string>,
+  /** Types of movable objects. */
+  objects: Array<string>, };
+
 /** Outcome of a command. */
 export type Answer = {
   /** Number that the page gave the command. */
@@ -138,6 +145,13 @@ export type Detail = {
   /** Scan of its laser scanner. */
   scan: Scan | null, };
 
+/** Contents of a display from a time on. */
+export type DisplayChange = {
+  /** Time at which the contents appear. */
+  t_s: number,
+  /** Its lines of text, the menu last. */
+  lines: Array<string>, };
+
 /** Event in a run. */
 export type Event = {
   /** Its number within the run, from 1. */
@@ -204,15 +218,6 @@ export type Leg = {
   omega_rad_per_s: number,
   /** Duration; the body rests afterwards. */
   lasts_s: number, };
-
-/** History of a robot. */
-export type Life = {
-  /** Its poses. */
-  track: Track,
-  /** States of its program, in order of time. */
-  standings: Array<Stood>,
-  /** Texts on its display, in order of time. */
-  lcd: Array<Shown>, };
 
 /** The sun. */
 export type Light = {
@@ -342,7 +347,7 @@ export type Recording = {
   /** Notices for the user: the trace is truncated, or the scene's files have changed since. */
   remarks: Array<string>,
   /** One for each robot of the scene, in the same order. */
-  robots: Array<Life>,
+  robots: Array<RobotHistory>,
   /** One for each movable object of the scene, in the same order. */
   objects: Array<Track>,
   /** Events in order. */
@@ -387,6 +392,15 @@ export type Robot = {
   camera: Camera | null,
   /** Its display. */
   lcd: Lcd, };
+
+/** History of a robot. */
+export type RobotHistory = {
+  /** Its poses. */
+  track: Track,
+  /** States of its program, in order of time. */
+  standings: Array<StandingChange>,
+  /** Texts on its display, in order of time. */
+  lcd: Array<DisplayChange>, };
 
 /** A robot at one instant. */
 export type RobotState = {
@@ -446,7 +460,7 @@ export type Scene = {
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<Object>,
   /** Types that can be added. */
-  workshop: Workshop, };
+  workshop: AddableTypes, };
 
 /** Seed of a restarted run. */
 export type Seed = "same" | "new" | { "number": string };
@@ -473,13 +487,6 @@ export type SensorState = {
   name: string,
   /** The sensor is switched on. */
   is_on: boolean, };
-
-/** Contents of a display from a time on. */
-export type Shown = {
-  /** Time at which the contents appear. */
-  t_s: number,
-  /** Its lines of text, the menu last. */
-  lines: Array<string>, };
 
 /** Colours of the sky. */
 export type Sky = {
@@ -520,7 +527,7 @@ export type Spot = {
 export type Standing = "running" | "waiting" | "finished" | "failed" | "no_program";
 
 /** State of a program from a time on. */
-export type Stood = {
+export type StandingChange = {
   /** Time at which the state begins. */
   t_s: number,
   /** The state. */
@@ -554,10 +561,3 @@ export type Welcome = {
   title: string,
   /** False for a page that only watches: its commands are refused. */
   may_act: boolean, };
-
-/** Types of bodies that can be added to a scene. */
-export type Workshop = {
-  /** Types of robots. */
-  robots: Array<string>,
-  /** Types of movable objects. */
-  objects: Array<string>, };

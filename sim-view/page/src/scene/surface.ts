@@ -12,7 +12,7 @@ interface Batch {
 }
 
 /** Merges meshes into one geometry with a group for each image. */
-export class Gatherer {
+export class GeometryMerger {
   private readonly batches = new Map<number | null, Batch>();
   private readonly at = new THREE.Vector3();
 

@@ -6,10 +6,10 @@ import type { Model } from "../model";
 import { shortcut } from "../panel/keyboard";
 import { Beams } from "./beam";
 import { Bodies } from "./bodies";
-import { Eye, type Mode } from "./eye";
+import { ViewCamera, type Mode } from "./camera";
 import { Guides } from "./guide";
-import { Hand } from "./hand";
-import { Happenings } from "./happening";
+import { DragControl } from "./drag";
+import { EventEffects } from "./effect";
 import { layerList, type Layer } from "./layer";
 import { Marks } from "./marks";
 import { Trails } from "./trail";
@@ -37,7 +37,7 @@ export class View {
   private readonly marks: Marks;
   private readonly trails: Trails;
   private readonly beams: Beams;
-  private readonly happenings: Happenings;
+  private readonly effects: EventEffects;
   private readonly guides = new Guides();
   private readonly frame = element("div", { className: "camera-frame" });
   private readonly layers: Layer[];
@@ -47,7 +47,7 @@ export class View {
   private readonly canvas: HTMLCanvasElement;
   private readonly modes = new Map<Mode, HTMLButtonElement>();
   private world: World | null = null;
-  private eye: Eye | null = null;
+  private viewCamera: ViewCamera | null = null;
   private size: { width: number; height: number } = { width: 1, height: 1 };
   private lastTitle = "";
   private lastRun = 0;
@@ -61,7 +61,7 @@ export class View {
     this.marks = new Marks(model, this.bodies);
     this.trails = new Trails(this.bodies);
     this.beams = new Beams(model, this.bodies);
-    this.happenings = new Happenings(model, this.bodies);
+    this.effects = new EventEffects(model, this.bodies);
     this.canvas = element("canvas", { testid: "canvas", tabIndex: 0 });
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "The world in 3D. Keys are listed in the help.");
@@ -71,15 +71,15 @@ export class View {
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
 
-    const { marks, beams, happenings, guides } = this;
+    const { marks, beams, effects, guides } = this;
     this.added.add(marks.rings, marks.labels, marks.selection, marks.ghost, this.trails.group);
-    this.added.add(beams.beams, beams.scan, beams.frusta, happenings.radio, happenings.contacts, guides.grid, guides.axes);
+    this.added.add(beams.beams, beams.scan, beams.frusta, effects.radio, effects.contacts, guides.grid, guides.axes);
     this.scene.add(this.added);
     this.layers = this.allLayers();
     const stale = () => void (this.isStale = true);
-    new Hand(model, this.bodies, marks, this.canvas, () => this.eye!, stale);
-    this.eye = new Eye(model, this.bodies, this.canvas, () => this.reduced.matches);
-    this.eye.onchange = () => this.showEye();
+    new DragControl(model, this.bodies, marks, this.canvas, () => this.viewCamera!, stale);
+    this.viewCamera = new ViewCamera(model, this.bodies, this.canvas, () => this.reduced.matches);
+    this.viewCamera.onchange = () => this.showCamera();
     const list = layerList(this.layers, stale);
     this.element.append(this.canvas, this.frame, this.buttons(), list, guides.bar);
 
@@ -111,7 +111,7 @@ export class View {
 
   /** Position on the page, in its pixels, of a point of the world. */
   where(x_m: number, y_m: number, z_m: number): { x: number; y: number } {
-    const at = new THREE.Vector3(x_m, y_m, z_m).project(this.eye!.camera);
+    const at = new THREE.Vector3(x_m, y_m, z_m).project(this.viewCamera!.camera);
     const box = this.canvas.getBoundingClientRect();
     return { x: box.left + (0.5 + 0.5 * at.x) * box.width, y: box.top + (0.5 - 0.5 * at.y) * box.height };
   }
@@ -136,12 +136,12 @@ export class View {
     model.subscribe("selected", stale);
     model.subscribe("player", stale);
     model.subscribe("events", () => {
-      this.happenings.takeEvents();
+      this.effects.takeEvents();
       stale();
     });
     model.subscribe("centre", () => {
       const body = this.bodies.robot(model.centred);
-      if (body?.isThere) this.eye?.centre(body);
+      if (body?.isThere) this.viewCamera?.centre(body);
     });
   }
 
@@ -159,11 +159,11 @@ export class View {
     this.lastRun = scene.run;
     this.trails.rebuild();
     this.beams.rebuild();
-    this.happenings.rebuild();
+    this.effects.rebuild();
     this.guides.rebuild(scene);
     for (const layer of this.layers) layer.show(layer.isOn);
     // The view is kept if the same world is shown again.
-    if (this.lastTitle !== scene.title) this.eye?.fit(scene);
+    if (this.lastTitle !== scene.title) this.viewCamera?.fit(scene);
     this.lastTitle = scene.title;
     this.isStale = this.isMoved = true;
   }
@@ -180,22 +180,22 @@ export class View {
     const began = performance.now();
     const { clock } = this.model;
     clock.tick(now_ms);
-    if (!this.world || !this.eye) return;
+    if (!this.world || !this.viewCamera) return;
     if (this.bodies.update(clock.t_s)) this.isMoved = this.isStale = true;
     this.trails.update(clock.t_s);
-    this.eye.update(passed_ms);
+    this.viewCamera.update(passed_ms);
     const { width, height } = this.size;
-    const isHappening = this.happenings.update(passed_ms, this.reduced.matches, width, height);
+    const isHappening = this.effects.update(passed_ms, this.reduced.matches, width, height);
     if (!this.isStale && !isHappening) return;
     this.isStale = false;
-    this.world.hidden = this.eye.robot;
+    this.world.hidden = this.viewCamera.robot;
     // A robot's camera always sees sky and ground, and no overlays.
-    this.world.surroundings.visible = this.eye.mode === "robot" || this.isOn("surroundings");
-    this.added.visible = this.eye.mode !== "robot";
+    this.world.surroundings.visible = this.viewCamera.mode === "robot" || this.isOn("surroundings");
+    this.added.visible = this.viewCamera.mode !== "robot";
     this.world.update();
-    this.marks.update(width, height, this.eye.robot);
+    this.marks.update(width, height, this.viewCamera.robot);
     this.beams.update();
-    this.guides.update(this.eye.px_per_m, width, height);
+    this.guides.update(this.viewCamera.px_per_m, width, height);
     const updated = performance.now();
     this.draw();
     this.times.frames++;
@@ -204,10 +204,10 @@ export class View {
   }
 
   private draw(): void {
-    if (!this.eye) return;
+    if (!this.viewCamera) return;
     if (this.isMoved) this.renderer.shadowMap.needsUpdate = true;
     this.isMoved = false;
-    this.renderer.render(this.scene, this.eye.camera);
+    this.renderer.render(this.scene, this.viewCamera.camera);
   }
 
   private resize(): void {
@@ -217,8 +217,8 @@ export class View {
     this.element.style.setProperty("--height", `${height}px`);
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height, false);
-    this.eye?.resize();
-    this.showEye();
+    this.viewCamera?.resize();
+    this.showCamera();
     // Resizing has cleared the canvas.
     this.draw();
   }
@@ -228,18 +228,18 @@ export class View {
     this.isStale = true;
   }
 
-  private showEye(): void {
-    const eye = this.eye;
-    if (!eye) return;
+  private showCamera(): void {
+    const viewCamera = this.viewCamera;
+    if (!viewCamera) return;
     this.isStale = true;
-    for (const [mode, button] of this.modes) button.ariaPressed = String(eye.mode === mode);
-    const frame = eye.frame();
+    for (const [mode, button] of this.modes) button.ariaPressed = String(viewCamera.mode === mode);
+    const frame = viewCamera.frame();
     this.frame.hidden = frame === null;
     if (frame) {
       this.frame.style.width = `${100 * frame[0]}%`;
       this.frame.style.height = `${100 * frame[1]}%`;
     }
-    this.guides.bar.hidden = eye.mode === "robot";
+    this.guides.bar.hidden = viewCamera.mode === "robot";
   }
 
   private isOn(id: string): boolean {
@@ -247,7 +247,7 @@ export class View {
   }
 
   private buttons(): HTMLElement {
-    const toggle = (mode: Mode) => () => this.eye?.setMode(this.eye.mode === mode ? "free" : mode);
+    const toggle = (mode: Mode) => () => this.viewCamera?.setMode(this.viewCamera.mode === mode ? "free" : mode);
     const button = (text: string, testid: string, key: string, what: string, run: () => void, mode?: Mode) => {
       shortcut(key, what, run);
       const made = element("button", { type: "button", textContent: text, testid, title: `${what} (${key})`, onclick: run });
@@ -255,15 +255,15 @@ export class View {
       return made;
     };
     return element("div", { className: "eyes", role: "toolbar", label: "View" }, [
-      button("Home", "view-home", "h", "The whole world", () => this.eye?.home()),
-      button("Top", "view-top", "t", "From above", () => this.eye?.top()),
+      button("Home", "view-home", "h", "The whole world", () => this.viewCamera?.home()),
+      button("Top", "view-top", "t", "From above", () => this.viewCamera?.top()),
       button("Follow", "view-follow", "f", "Follow the chosen robot", toggle("follow"), "follow"),
       button("Robot’s view", "view-robot", "v", "Through the camera of the chosen robot", toggle("robot"), "robot"),
     ]);
   }
 
   private allLayers(): Layer[] {
-    const { marks, beams, happenings, guides } = this;
+    const { marks, beams, effects, guides } = this;
     const layer = (id: string, name: string, isOn: boolean, show: (isOn: boolean) => void) => ({ id, name, isOn, show });
     const group = (id: string, name: string, isOn: boolean, ...groups: THREE.Object3D[]) =>
       layer(id, name, isOn, (on) => groups.forEach((one) => (one.visible = on)));
@@ -288,8 +288,8 @@ export class View {
       group("beams", "Beams", true, beams.beams),
       group("scan", "Laser scan", true, beams.scan),
       group("frusta", "Camera views", false, beams.frusta),
-      group("radio", "Radio", true, happenings.radio),
-      group("contacts", "Contacts", true, happenings.contacts),
+      group("radio", "Radio", true, effects.radio),
+      group("contacts", "Contacts", true, effects.contacts),
       group("odometry", "Odometry", false, marks.ghost),
       group("axes", "Axes", false, guides.axes),
       layer("grid", "Grid and scale", true, (on) => {

@@ -3,10 +3,10 @@
 import * as THREE from "three";
 import type { Place, Scene } from "../protocol";
 import type { Bodies, Shown } from "./bodies";
-import { Gatherer } from "./surface";
+import { GeometryMerger } from "./surface";
 
 /** An instanced mesh, and the bodies that have it. */
-interface Fleet {
+interface InstanceGroup {
   mesh: THREE.InstancedMesh;
   bodies: Shown[];
 }
@@ -23,10 +23,10 @@ export class World {
   readonly sun = new THREE.DirectionalLight();
   /** The robot whose camera is shown, which does not see itself. */
   hidden: Shown | null = null;
-  private readonly fleets: Fleet[] = [];
+  private readonly instanceGroups: InstanceGroup[] = [];
   private readonly textures: THREE.Texture[] = [];
   private readonly materials: THREE.MeshLambertMaterial[] = [];
-  private readonly waste: { dispose(): void }[] = [];
+  private readonly disposables: { dispose(): void }[] = [];
   private hasTextures = true;
 
   /** `changed` is called when a texture has loaded. */
@@ -46,7 +46,7 @@ export class World {
   /** Switches textures; without them a surface has its plain colour. */
   showTextures(isOn: boolean): void {
     this.hasTextures = isOn;
-    for (const material of this.materials) this.dress(material);
+    for (const material of this.materials) this.applyTexture(material);
   }
 
   showShadows(isOn: boolean): void {
@@ -56,7 +56,7 @@ export class World {
 
   /** Moves the meshes to the poses of their bodies. */
   update(): void {
-    for (const { mesh, bodies } of this.fleets) {
+    for (const { mesh, bodies } of this.instanceGroups) {
       const numbers = mesh.instanceMatrix.array;
       for (let i = 0; i < bodies.length; i++) write(numbers, 16 * i, bodies[i]!, bodies[i] !== this.hidden);
       mesh.instanceMatrix.needsUpdate = true;
@@ -66,8 +66,8 @@ export class World {
   dispose(): void {
     this.group.removeFromParent();
     this.sun.dispose();
-    for (const { mesh } of this.fleets) mesh.dispose();
-    for (const item of [...this.waste, ...this.textures, ...this.materials]) item.dispose();
+    for (const { mesh } of this.instanceGroups) mesh.dispose();
+    for (const item of [...this.disposables, ...this.textures, ...this.materials]) item.dispose();
   }
 
   /** Adds the three lights of the simulator's cameras: ambient light, the sun, and a fill light from the opposite side. */
@@ -126,11 +126,11 @@ export class World {
     material.depthWrite = false;
     // An image on the floor has its own colours.
     material.userData["colour"] = new THREE.Color(r / 255, g / 255, b / 255);
-    this.dress(material);
+    this.applyTexture(material);
     const mesh = new THREE.Mesh(geometry, material);
     mesh.receiveShadow = true;
     mesh.renderOrder = renderOrder;
-    this.waste.push(geometry);
+    this.disposables.push(geometry);
     return mesh;
   }
 
@@ -148,12 +148,12 @@ export class World {
     const sky = new THREE.Mesh(geometry, material);
     sky.frustumCulled = false;
     sky.renderOrder = -30;
-    this.waste.push(geometry, material);
+    this.disposables.push(geometry, material);
     this.surroundings.add(sky);
   }
 
   private addFixed(): void {
-    const gatherer = new Gatherer();
+    const merger = new GeometryMerger();
     for (const { mesh, place } of this.scene.parts) {
       const surface = this.scene.meshes[mesh];
       if (place.on !== "world" || !surface) continue;
@@ -163,13 +163,13 @@ export class World {
         new THREE.Quaternion(...rotation),
         new THREE.Vector3(1, 1, 1),
       );
-      gatherer.add(surface, at);
+      merger.add(surface, at);
     }
-    const gathered = gatherer.finish();
+    const gathered = merger.finish();
     if (!gathered) return;
     const mesh = new THREE.Mesh(gathered.geometry, gathered.images.map((image) => this.material(image)));
     mesh.castShadow = mesh.receiveShadow = true;
-    this.waste.push(gathered.geometry);
+    this.disposables.push(gathered.geometry);
     this.walls.add(mesh);
   }
 
@@ -187,9 +187,9 @@ export class World {
       else alike.set(key, { meshes, bodies: [body] });
     }
     for (const { meshes, bodies } of alike.values()) {
-      const gatherer = new Gatherer();
-      for (const mesh of meshes) if (this.scene.meshes[mesh]) gatherer.add(this.scene.meshes[mesh], IDENTITY);
-      const gathered = gatherer.finish();
+      const merger = new GeometryMerger();
+      for (const mesh of meshes) if (this.scene.meshes[mesh]) merger.add(this.scene.meshes[mesh], IDENTITY);
+      const gathered = merger.finish();
       if (!gathered) continue;
       const mesh = new THREE.InstancedMesh(
         gathered.geometry,
@@ -199,8 +199,8 @@ export class World {
       mesh.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
       mesh.frustumCulled = false;
       mesh.castShadow = mesh.receiveShadow = true;
-      this.waste.push(gathered.geometry);
-      this.fleets.push({ mesh, bodies });
+      this.disposables.push(gathered.geometry);
+      this.instanceGroups.push({ mesh, bodies });
       (bodies[0]?.what === "robot" ? this.robots : this.objects).add(mesh);
     }
   }
@@ -209,11 +209,11 @@ export class World {
     const material = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide });
     material.userData["image"] = image;
     this.materials.push(material);
-    this.dress(material);
+    this.applyTexture(material);
     return material;
   }
 
-  private dress(material: THREE.MeshLambertMaterial): void {
+  private applyTexture(material: THREE.MeshLambertMaterial): void {
     const image = material.userData["image"] as number | null;
     material.map = image !== null && this.hasTextures ? this.texture(image) : null;
     const colour = material.userData["colour"] as THREE.Color | undefined;

@@ -9,7 +9,7 @@ use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until, timeout};
 use super::Server;
 use crate::protocol::{Answer, Command, Message, PROTOCOL, Request, Welcome};
 use crate::window::Look;
-use crate::window::hub::{Asked, Seen, text_of};
+use crate::window::hub::{PendingCommand, SentVersions, text_of};
 
 /// Longest message of a page, in bytes.
 pub(super) const MESSAGE: usize = 64 * 1024;
@@ -31,7 +31,7 @@ const UNANSWERED: usize = 32;
 
 /// Close frame with which the server ends a connection.
 #[derive(Debug)]
-struct Goodbye {
+struct CloseReason {
     code: u16,
     why: String,
 }
@@ -48,38 +48,38 @@ mod code {
     pub(super) const SILENT: u16 = 4408;
 }
 
-impl Goodbye {
-    fn new(code: u16, why: impl Into<String>) -> Goodbye {
-        Goodbye { code, why: why.into() }
+impl CloseReason {
+    fn new(code: u16, why: impl Into<String>) -> CloseReason {
+        CloseReason { code, why: why.into() }
     }
 }
 
 /// End of a connection: with a close frame, or none if the page is disconnected already.
-type End = Option<Goodbye>;
+type End = Option<CloseReason>;
 
 /// Serves one page until it disconnects or is disconnected.
 pub(super) async fn serve(mut socket: WebSocket, server: &Server) {
     let mut closing = server.closing.subscribe();
     let end = tokio::select! {
-        end = converse(&mut socket, server) => end,
-        _ = closing.wait_for(|closing| *closing) => Some(Goodbye::new(code::GOING_AWAY, "the simulator has ended")),
+        end = serve_page(&mut socket, server) => end,
+        _ = closing.wait_for(|closing| *closing) => Some(CloseReason::new(code::GOING_AWAY, "the simulator has ended")),
     };
-    if let Some(goodbye) = end {
-        close(socket, goodbye).await;
+    if let Some(reason) = end {
+        close(socket, reason).await;
     }
 }
 
 /// Refuses a page with the reason `why`.
-pub(super) async fn turn_away(socket: WebSocket, why: &str) {
-    close(socket, Goodbye::new(code::TRY_LATER, why)).await;
+pub(super) async fn refuse(socket: WebSocket, why: &str) {
+    close(socket, CloseReason::new(code::TRY_LATER, why)).await;
 }
 
-async fn close(mut socket: WebSocket, goodbye: Goodbye) {
+async fn close(mut socket: WebSocket, reason: CloseReason) {
     // A close frame has room for 123 bytes.
-    let mut why = goodbye.why;
+    let mut why = reason.why;
     why.truncate(why.floor_char_boundary(123));
     let farewell = async {
-        let frame = CloseFrame { code: goodbye.code, reason: why.into() };
+        let frame = CloseFrame { code: reason.code, reason: why.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
             // Unread messages of the page are drained: else the system would drop the close frame together with the connection.
             while let Some(Ok(_)) = socket.recv().await {}
@@ -88,9 +88,9 @@ async fn close(mut socket: WebSocket, goodbye: Goodbye) {
     let _ = timeout(Duration::from_secs(1), farewell).await;
 }
 
-async fn converse(socket: &mut WebSocket, server: &Server) -> End {
+async fn serve_page(socket: &mut WebSocket, server: &Server) -> End {
     let may_act = match timeout(HELLO, hello(socket, server)).await {
-        Err(_) => return Some(Goodbye::new(code::SILENT, "no `hello` within 5 s")),
+        Err(_) => return Some(CloseReason::new(code::SILENT, "no `hello` within 5 s")),
         Ok(Err(end)) => return end,
         Ok(Ok(may_act)) => may_act,
     };
@@ -101,8 +101,15 @@ async fn converse(socket: &mut WebSocket, server: &Server) -> End {
         may_act,
     });
     let (answers, answered) = mpsc::unbounded_channel();
-    let mut page =
-        Page { id: server.hub.enter(), server, may_act, look: None, seen: Seen::default(), answers, unanswered: 0 };
+    let mut page = PageConnection {
+        id: server.hub.enter(),
+        server,
+        may_act,
+        look: None,
+        sent: SentVersions::default(),
+        answers,
+        unanswered: 0,
+    };
     match send(socket, text_of(&welcome)).await {
         Ok(()) => page.run(socket, answered).await,
         Err(end) => end,
@@ -117,24 +124,24 @@ async fn hello(socket: &mut WebSocket, server: &Server) -> Result<bool, End> {
         }
     };
     let Request::Hello { protocol, token } = parse(&text)? else {
-        return Err(Some(Goodbye::new(code::MALFORMED, "the first message is not `hello`")));
+        return Err(Some(CloseReason::new(code::MALFORMED, "the first message is not `hello`")));
     };
     if protocol != PROTOCOL {
         let why =
             format!("the page speaks version {protocol} of the protocol, the server {PROTOCOL}: load the page again");
-        return Err(Some(Goodbye::new(code::VERSION, why)));
+        return Err(Some(CloseReason::new(code::VERSION, why)));
     }
     match server.access.may_act(token.as_deref()) {
         Some(may_act) => Ok(may_act),
         None => {
             tokio::time::sleep(WRONG_TOKEN).await;
-            Err(Some(Goodbye::new(code::TOKEN, "the token is wrong")))
+            Err(Some(CloseReason::new(code::TOKEN, "the token is wrong")))
         }
     }
 }
 
 fn parse(text: &str) -> Result<Request, End> {
-    serde_json::from_str(text).map_err(|error| Some(Goodbye::new(code::MALFORMED, error.to_string())))
+    serde_json::from_str(text).map_err(|error| Some(CloseReason::new(code::MALFORMED, error.to_string())))
 }
 
 /// The text of a frame, if it has one.
@@ -142,13 +149,13 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
     match frame {
         Some(Ok(Frame::Text(text))) => Ok(Some(text)),
         Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
-        Some(Ok(Frame::Binary(_))) => Err(Some(Goodbye::new(code::NOT_TEXT, "messages are texts"))),
+        Some(Ok(Frame::Binary(_))) => Err(Some(CloseReason::new(code::NOT_TEXT, "messages are texts"))),
         Some(Ok(Frame::Close(_))) | None => Err(None),
         // Errors of the connection are treated like those of the protocol: a lost connection does not deliver the close frame.
         Some(Err(error)) if error.to_string().contains("too long") => {
-            Err(Some(Goodbye::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
+            Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
         }
-        Some(Err(error)) => Err(Some(Goodbye::new(1002, error.to_string()))),
+        Some(Err(error)) => Err(Some(CloseReason::new(1002, error.to_string()))),
     }
 }
 
@@ -162,23 +169,23 @@ async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
 }
 
 /// A page after its `hello`.
-struct Page<'a> {
+struct PageConnection<'a> {
     id: u64,
     server: &'a Server,
     may_act: bool,
     look: Option<Look>,
-    seen: Seen,
+    sent: SentVersions,
     answers: mpsc::UnboundedSender<Answer>,
     unanswered: usize,
 }
 
-impl Drop for Page<'_> {
+impl Drop for PageConnection<'_> {
     fn drop(&mut self) {
         self.server.hub.look(self.id, None);
     }
 }
 
-impl Page<'_> {
+impl PageConnection<'_> {
     /// Does not read while it writes, so that a page that reads nothing cannot fill any queue here.
     async fn run(&mut self, socket: &mut WebSocket, mut answered: mpsc::UnboundedReceiver<Answer>) -> End {
         match self.talk(socket, &mut answered).await {
@@ -202,7 +209,7 @@ impl Page<'_> {
             let now = Instant::now();
             tokio::select! {
                 Ok(()) = changes.changed(), if now >= next_news => {
-                    for text in self.seen.news(&self.server.hub, self.look) {
+                    for text in self.sent.news(&self.server.hub, self.look) {
                         send(socket, text).await?;
                     }
                     next_news = now + NEWS;
@@ -212,7 +219,7 @@ impl Page<'_> {
                     heard = now;
                     next_read = next_read.max(now) + READ;
                     if let Some(text) = receive(frame)?
-                        && self.hear(parse(&text)?)?
+                        && self.handle_request(parse(&text)?)?
                     {
                         changes.mark_changed();
                     }
@@ -233,12 +240,12 @@ impl Page<'_> {
     }
 
     /// Carries out a request; returns true if it may result in news for the page.
-    fn hear(&mut self, request: Request) -> Result<bool, End> {
+    fn handle_request(&mut self, request: Request) -> Result<bool, End> {
         match request {
-            Request::Hello { .. } => Err(Some(Goodbye::new(code::MALFORMED, "`hello` is the first message only"))),
+            Request::Hello { .. } => Err(Some(CloseReason::new(code::MALFORMED, "`hello` is the first message only"))),
             Request::Look { robot, camera, calls } => {
                 self.look = robot.map(|robot| Look { robot, camera, calls });
-                self.seen.forget_detail();
+                self.sent.forget_detail();
                 self.server.hub.look(self.id, self.look);
                 Ok(true)
             }
@@ -250,14 +257,14 @@ impl Page<'_> {
     }
 
     fn act(&mut self, number: u32, command: Command) {
-        let asked = Asked { command, number, answers: Some(self.answers.clone()) };
+        let pending = PendingCommand { command, number, answers: Some(self.answers.clone()) };
         self.unanswered += 1;
         if !self.may_act {
-            asked.refuse("this page may only watch: it has no token");
+            pending.refuse("this page may only watch: it has no token");
         } else if self.unanswered > UNANSWERED {
-            asked.refuse("too many commands of this page wait already");
-        } else if let Err(asked) = self.server.hub.ask(asked) {
-            asked.refuse("too many commands wait already");
+            pending.refuse("too many commands of this page wait already");
+        } else if let Err(pending) = self.server.hub.ask(pending) {
+            pending.refuse("too many commands wait already");
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it advances the world
 //! and releases the next robots, slot after slot up to the horizon that the run's owner has set, so a single robot needs no hand-over
-//! at all. At the horizon the run pauses until its owner advances it again. At most `lanes` robots run at one time, one on each worker;
+//! at all. At the horizon the run pauses until its owner advances it again. At most `workers` robots run at one time, one on each worker;
 //! their order has no influence on results, since robots meet only at the slots' ends. A worker hands over among its own robots as long
 //! as it can, since waking a thread on another processor costs several times as much; it steals robots of another worker only when it
 //! would be idle otherwise.
@@ -17,21 +17,21 @@ use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::intervene::{self, Effect, Members, Refusal};
+use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
 
 /// Run queues, wake times and sinks of a run.
-pub struct Conductor {
-    lanes: Vec<Lane>,
+pub struct Dispatcher {
+    workers: Vec<Worker>,
     /// Upper limit of the number of workers.
-    most_lanes: usize,
+    max_workers: usize,
     /// Affinity: for each robot the worker on which it ran last.
-    homes: Vec<u32>,
+    affinity: Vec<u32>,
     /// Robots that suspended themselves, ended or were changed by an intervention in the present slot.
-    ran: Vec<RobotId>,
+    touched: Vec<RobotId>,
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
@@ -46,7 +46,7 @@ pub struct Conductor {
     /// Slots that start before it begin without the owner; `None` while the run is paused.
     horizon: Option<Time>,
     /// An intervention is pending: the present slot is due.
-    has_acted: bool,
+    is_intervention_pending: bool,
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
@@ -54,15 +54,15 @@ pub struct Conductor {
 
 /// A worker: one robot runs on it at a time.
 #[derive(Default)]
-struct Lane {
+struct Worker {
     /// Run queue: robots due in the present slot and not yet released, in order of their ids.
-    ready: VecDeque<RobotId>,
+    run_queue: VecDeque<RobotId>,
     /// Robot that was released and has not yet come back to the barrier.
     running: Option<RobotId>,
 }
 
 /// Smallest length of a worker's run queue from which another worker steals.
-const WORTH_TAKING: usize = 4;
+const MIN_QUEUE_TO_STEAL: usize = 4;
 
 /// An entry of the wake queue; valid while `number` is the robot's present one.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -93,11 +93,11 @@ pub enum End {
 
 /// Result of a robot's return to the barrier.
 #[derive(Debug, Default)]
-pub struct HandOver {
+pub struct BarrierOutcome {
     /// Robots to resume, each with the worker on which it runs.
     pub resume: Vec<(RobotId, u32)>,
     /// The robot that came back is due again and continues.
-    pub goes_on: bool,
+    pub continues: bool,
     /// No robot runs: control returns to the run's owner.
     pub is_at_rest: bool,
 }
@@ -128,12 +128,12 @@ pub struct Plan {
     /// For each robot, true if it has a program.
     pub has_program: Vec<bool>,
     /// Number of workers: robots that may run at one time.
-    pub lanes: usize,
+    pub workers: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
 }
 
-impl Conductor {
+impl Dispatcher {
     /// Creates a dispatcher paused before the first slot: all robots with programs are due at 0.
     pub fn new(plan: &Plan, sinks: Sinks<'static>) -> Self {
         let count = plan.has_program.len();
@@ -142,12 +142,12 @@ impl Conductor {
             robots.map(|(index, _)| RobotId::from_index(index))
         };
         let alive = ids(true).count();
-        let lanes = plan.lanes.clamp(1, alive.max(1));
-        let mut conductor = Self {
-            lanes: (0..lanes).map(|_| Lane::default()).collect(),
-            most_lanes: plan.lanes,
-            homes: vec![0; count],
-            ran: Vec::new(),
+        let workers = plan.workers.clamp(1, alive.max(1));
+        let mut dispatcher = Self {
+            workers: (0..workers).map(|_| Worker::default()).collect(),
+            max_workers: plan.workers,
+            affinity: vec![0; count],
+            touched: Vec::new(),
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
@@ -156,19 +156,19 @@ impl Conductor {
             // The first slot runs even if the limit is 0.
             limit: plan.until.max(Time(1)),
             horizon: None,
-            has_acted: false,
+            is_intervention_pending: false,
             sinks,
             end: None,
         };
         for (place, robot) in ids(true).enumerate() {
-            conductor.homes[robot.index()] = (place % lanes) as u32;
-            conductor.sleep_until(robot, Time::ZERO);
+            dispatcher.affinity[robot.index()] = (place % workers) as u32;
+            dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
             // The first slot also records the start of robots without a program.
-            conductor.ran.extend(ids(false));
+            dispatcher.touched.extend(ids(false));
         }
-        conductor
+        dispatcher
     }
 
     /// Ends the run after the present slot. An earlier reason for the end is kept; only a record that cannot be written overrides it.
@@ -178,7 +178,7 @@ impl Conductor {
 
     /// Robots that have been released and have not come back to the barrier.
     pub fn running(&self) -> impl Iterator<Item = RobotId> {
-        self.lanes.iter().filter_map(|lane| lane.running)
+        self.workers.iter().filter_map(|worker| worker.running)
     }
 
     /// Sinks of the record.
@@ -188,34 +188,34 @@ impl Conductor {
 
     /// Runs the slots that start before `horizon`. The run also pauses at the end of the first slot after `deadline` that the
     /// calling thread finishes.
-    pub fn advance(&mut self, run: &Run, horizon: Time, deadline: Option<Instant>) -> HandOver {
+    pub fn advance(&mut self, run: &Run, horizon: Time, deadline: Option<Instant>) -> BarrierOutcome {
         self.horizon = Some(horizon);
         if self.end.is_none() {
             self.begin_slot(run, &mut run.environment.write());
         }
-        self.go_on(run, None, deadline)
+        self.dispatch(run, None, deadline)
     }
 
     /// Takes `robot` back at the barrier, where it sleeps until `wake`.
-    pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> HandOver {
-        self.retire(robot);
+    pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> BarrierOutcome {
+        self.vacate_worker(robot);
         self.sleep_until(robot, wake);
-        self.go_on(run, Some(robot), None)
+        self.dispatch(run, Some(robot), None)
     }
 
-    /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Conductor::advance`].
-    pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> HandOver {
+    /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Dispatcher::advance`].
+    pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> BarrierOutcome {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
             // Its flow was abandoned, and has come back after all.
-            return HandOver::default();
+            return BarrierOutcome::default();
         }
-        self.retire(robot);
+        self.vacate_worker(robot);
         self.wake_numbers[robot.index()] += 1;
         self.alive -= 1;
         if self.alive == 0 {
             self.drives_end = run.drives_end();
         }
-        self.go_on(run, None, deadline)
+        self.dispatch(run, None, deadline)
     }
 
     /// Position of the paused run.
@@ -241,7 +241,7 @@ impl Conductor {
     }
 
     /// Marks `robot` as departed: its program has exited after the end of the run.
-    pub fn leave(&mut self, robot: RobotId) {
+    pub fn mark_departed(&mut self, robot: RobotId) {
         self.departed[robot.index()] = true;
     }
 
@@ -263,28 +263,28 @@ impl Conductor {
         self.end.take().unwrap_or(End::Finished)
     }
 
-    fn retire(&mut self, robot: RobotId) {
-        let lane = &mut self.lanes[self.homes[robot.index()] as usize];
-        debug_assert_eq!(lane.running, Some(robot), "only a robot that runs comes back");
-        lane.running = None;
-        self.ran.push(robot);
+    fn vacate_worker(&mut self, robot: RobotId) {
+        let worker = &mut self.workers[self.affinity[robot.index()] as usize];
+        debug_assert_eq!(worker.running, Some(robot), "only a robot that runs comes back");
+        worker.running = None;
+        self.touched.push(robot);
     }
 
-    fn make_ready(&mut self, robot: RobotId) {
-        self.lanes[self.homes[robot.index()] as usize].ready.push_back(robot);
+    fn enqueue(&mut self, robot: RobotId) {
+        self.workers[self.affinity[robot.index()] as usize].run_queue.push_back(robot);
     }
 
-    /// The next robot for the idle worker `lane`: from its own run queue, or stolen from the worker with the longest one.
-    fn next_for(&mut self, lane: usize) -> Option<RobotId> {
-        if let Some(robot) = self.lanes[lane].ready.pop_front() {
+    /// The next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest one.
+    fn next_for(&mut self, worker: usize) -> Option<RobotId> {
+        if let Some(robot) = self.workers[worker].run_queue.pop_front() {
             return Some(robot);
         }
-        let busiest = self.lanes.iter_mut().max_by_key(|lane| lane.ready.len())?;
-        if busiest.ready.len() < WORTH_TAKING {
+        let busiest = self.workers.iter_mut().max_by_key(|worker| worker.run_queue.len())?;
+        if busiest.run_queue.len() < MIN_QUEUE_TO_STEAL {
             return None;
         }
-        let robot = busiest.ready.pop_back()?;
-        self.homes[robot.index()] = lane as u32;
+        let robot = busiest.run_queue.pop_back()?;
+        self.affinity[robot.index()] = worker as u32;
         Some(robot)
     }
 
@@ -298,24 +298,24 @@ impl Conductor {
     }
 
     /// Gives each idle worker a robot; runs scheduler steps until a robot is due or the run is at rest.
-    fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>, deadline: Option<Instant>) -> HandOver {
-        let mut hand_over = HandOver::default();
+    fn dispatch(&mut self, run: &Run, returning: Option<RobotId>, deadline: Option<Instant>) -> BarrierOutcome {
+        let mut outcome = BarrierOutcome::default();
         loop {
-            for lane in 0..self.lanes.len() {
-                if self.lanes[lane].running.is_some() {
+            for worker in 0..self.workers.len() {
+                if self.workers[worker].running.is_some() {
                     continue;
                 }
-                let next = self.next_for(lane);
-                self.lanes[lane].running = next;
+                let next = self.next_for(worker);
+                self.workers[worker].running = next;
                 match next {
-                    Some(robot) if Some(robot) == who_asks => hand_over.goes_on = true,
-                    Some(robot) => hand_over.resume.push((robot, lane as u32)),
+                    Some(robot) if Some(robot) == returning => outcome.continues = true,
+                    Some(robot) => outcome.resume.push((robot, worker as u32)),
                     None => {}
                 }
             }
-            hand_over.is_at_rest = self.is_at_rest();
-            if hand_over.is_at_rest || self.running().next().is_some() {
-                return hand_over;
+            outcome.is_at_rest = self.is_at_rest();
+            if outcome.is_at_rest || self.running().next().is_some() {
+                return outcome;
             }
             self.finish_slot(run, deadline);
         }
@@ -323,8 +323,8 @@ impl Conductor {
 
     /// Returns true if the run has ended and its last slot is complete.
     pub fn is_over(&self) -> bool {
-        let is_idle = |lane: &Lane| lane.running.is_none() && lane.ready.is_empty();
-        self.end.is_some() && self.ran.is_empty() && self.lanes.iter().all(is_idle)
+        let is_idle = |worker: &Worker| worker.running.is_none() && worker.run_queue.is_empty();
+        self.end.is_some() && self.touched.is_empty() && self.workers.iter().all(is_idle)
     }
 
     /// Returns true if the run is paused or over: no robot runs until the run's owner advances it.
@@ -363,10 +363,10 @@ impl Conductor {
             self.horizon = None;
             return;
         };
-        self.has_acted = false;
+        self.is_intervention_pending = false;
         environment.world.advance_to(start);
         run.publish_slot(&environment.world);
-        self.take_due(environment.world.slot_end());
+        self.enqueue_due(environment.world.slot_end());
     }
 
     /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
@@ -381,7 +381,7 @@ impl Conductor {
             return Err(Refusal::Over);
         }
         let validated = intervene::validate(action, at, run, &environment.world)?;
-        self.has_acted = true;
+        self.is_intervention_pending = true;
         environment.record_intervention(at, action);
         let effect = intervene::carry_out(validated, at, run, environment);
         self.take_effect(effect, at, run);
@@ -389,17 +389,17 @@ impl Conductor {
     }
 
     /// Updates the wake queue after an intervention at `at`.
-    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run) {
+    fn take_effect(&mut self, effect: RunEffect, at: Time, run: &Run) {
         for id in effect.robots {
-            if let Some(wake) = run.robot(id).wake_after(at).filter(|_| !self.has_departed(id)) {
+            if let Some(wake) = run.robot(id).earliest_wake_after(at).filter(|_| !self.has_departed(id)) {
                 self.sleep_until(id, wake);
             }
-            self.ran.push(id);
+            self.touched.push(id);
         }
-        if let Some((id, has_program)) = effect.came {
+        if let Some((id, has_program)) = effect.spawned {
             self.admit(id, has_program, at);
         }
-        if let Some(id) = effect.left {
+        if let Some(id) = effect.removed {
             // Wakes its program, whose calls return `Stop` from now on.
             if !self.has_departed(id) {
                 self.sleep_until(id, at);
@@ -412,24 +412,24 @@ impl Conductor {
 
     /// Adds a spawned robot, which has the next id; it is due at `at` if it has a program.
     fn admit(&mut self, robot: RobotId, has_program: bool, at: Time) {
-        self.homes.push(0);
+        self.affinity.push(0);
         self.wake_numbers.push(0);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
-            if self.lanes.len() < self.most_lanes.min(self.alive) {
-                self.lanes.push(Lane::default());
+            if self.workers.len() < self.max_workers.min(self.alive) {
+                self.workers.push(Worker::default());
             }
-            self.homes[robot.index()] = (robot.index() % self.lanes.len()) as u32;
+            self.affinity[robot.index()] = (robot.index() % self.workers.len()) as u32;
             self.sleep_until(robot, at);
         }
-        self.ran.push(robot);
+        self.touched.push(robot);
     }
 
     /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.concerned(&self.ran, &mut Members(run));
-        self.ran.clear();
+        let active = environment.concerned(&self.touched, &mut Members(run));
+        self.touched.clear();
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         save_files(&mut robots);
         let SlotEnd { at, heard } = {
@@ -438,11 +438,11 @@ impl Conductor {
         };
         for (id, visible) in heard {
             if let Ok(place) = active.binary_search(&id) {
-                robots[place].tasks.look_at_radio(visible);
+                robots[place].tasks.recheck_radio(visible);
             }
         }
         for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
-            if let Some(wake) = robot.wake_after(at) {
+            if let Some(wake) = robot.earliest_wake_after(at) {
                 self.sleep_until(robot.id, wake);
             }
         }
@@ -455,7 +455,7 @@ impl Conductor {
         let world = &environment.world;
         // The world already stands at the slot after the one that was finished.
         let following = world.slot_start();
-        if self.has_acted || world.is_object_moving() {
+        if self.is_intervention_pending || world.is_object_moving() {
             return Some(following);
         }
         if environment.is_robot_moving() {
@@ -475,16 +475,16 @@ impl Conductor {
     }
 
     /// Moves the robots that are due before `slot_end` to the run queues.
-    fn take_due(&mut self, slot_end: Time) {
+    fn enqueue_due(&mut self, slot_end: Time) {
         while self.wakes.peek().is_some_and(|Reverse(wake)| wake.at < slot_end)
             && let Some(Reverse(Wake { robot, number, .. })) = self.wakes.pop()
         {
             if self.wake_numbers[robot.index()] == number {
-                self.make_ready(robot);
+                self.enqueue(robot);
             }
         }
-        for lane in &mut self.lanes {
-            lane.ready.make_contiguous().sort_unstable();
+        for worker in &mut self.workers {
+            worker.run_queue.make_contiguous().sort_unstable();
         }
     }
 }
@@ -493,7 +493,7 @@ impl Conductor {
 fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
     let mut files = Vec::new();
     for (index, robot) in robots.iter_mut().enumerate() {
-        files.extend(robot.robios.storage.take_written().map(|file| (file, index)));
+        files.extend(robot.robios.storage.take_pending_writes().map(|file| (file, index)));
     }
     files.sort_by_key(|(file, index)| (file.at, *index));
     for (file, index) in files {

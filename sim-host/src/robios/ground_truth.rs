@@ -16,34 +16,34 @@ use super::unit7::{pose, pose_numbers};
 /// Numbers of robots and objects as programs see them: the robots of the scene from 1 on, then its objects in the order
 /// of the sim file, then spawned entities in the order of their addition.
 #[derive(Clone, Debug, Default)]
-pub struct Census {
+pub struct EntityNumbers {
     /// Number of robots in the scene.
     pub robots: usize,
     /// Objects of the scene, fixed ones included.
-    pub objects: Vec<Counted>,
+    pub objects: Vec<NumberedObject>,
     /// Robots and movable objects that were added during the run.
-    pub newcomers: boxcar::Vec<Placeable>,
+    pub spawned: boxcar::Vec<Placeable>,
 }
 
 /// An object with a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Counted {
+pub enum NumberedObject {
     /// A movable object.
     Movable(ObjectId),
     /// A fixed object and its pose.
     Fixed(Pose),
 }
 
-impl Census {
+impl EntityNumbers {
     /// Numbers at the start of `scene`.
     pub fn of(scene: &SceneSpec) -> Self {
         let mut movable = 0;
         let counted = |object: &ObjectSpec| {
             if object.kind.is_fixed {
-                return Counted::Fixed(object.pose);
+                return NumberedObject::Fixed(object.pose);
             }
             movable += 1;
-            Counted::Movable(ObjectId(movable))
+            NumberedObject::Movable(ObjectId(movable))
         };
         let objects = scene.objects.iter().map(counted).collect();
         Self { robots: scene.robots.len(), objects, ..Self::default() }
@@ -54,7 +54,7 @@ impl Census {
         match usize::try_from(number).ok()? {
             0 => Some(own),
             number if number <= self.robots => Some(RobotId::from_index(number - 1)),
-            number => match self.newcomer(number)? {
+            number => match self.spawned(number)? {
                 Placeable::Robot(id) => Some(id),
                 Placeable::Object(_) => None,
             },
@@ -62,29 +62,29 @@ impl Census {
     }
 
     /// Object with this number.
-    fn object(&self, number: i32) -> Option<Counted> {
+    fn object(&self, number: i32) -> Option<NumberedObject> {
         let number = usize::try_from(number).ok()?;
         let of_scene = self.objects.get(number.checked_sub(self.robots + 1)?).copied();
-        of_scene.or_else(|| match self.newcomer(number)? {
-            Placeable::Object(id) => Some(Counted::Movable(id)),
+        of_scene.or_else(|| match self.spawned(number)? {
+            Placeable::Object(id) => Some(NumberedObject::Movable(id)),
             Placeable::Robot(_) => None,
         })
     }
 
-    fn newcomer(&self, number: usize) -> Option<Placeable> {
-        self.newcomers.get(number.checked_sub(self.robots + self.objects.len() + 1)?).copied()
+    fn spawned(&self, number: usize) -> Option<Placeable> {
+        self.spawned.get(number.checked_sub(self.robots + self.objects.len() + 1)?).copied()
     }
 
     /// Number of a spawned robot or object.
-    pub fn number_of_newcomer(&self, who: Placeable) -> Option<i32> {
-        let (place, _) = self.newcomers.iter().find(|(_, newcomer)| **newcomer == who)?;
+    pub fn spawned_number(&self, who: Placeable) -> Option<i32> {
+        let (place, _) = self.spawned.iter().find(|(_, spawned)| **spawned == who)?;
         Some((self.robots + self.objects.len() + 1 + place) as i32)
     }
 }
 
 /// `SIMGetRobot`
 pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let Some(id) = robot.robios.census.robot(number, robot.id) else {
+    let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMGetRobot, number);
     };
     let now = robot.now;
@@ -97,7 +97,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
 
 /// `SIMSetRobot`: places the own robot at once, another robot at the slot's end. Odometry is not affected.
 pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
-    let Some(id) = robot.robios.census.robot(number, robot.id) else {
+    let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
     };
     if id != robot.id && !world.is_robot_there(id, robot.now) {
@@ -115,12 +115,12 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let pose = match robot.robios.census.object(number) {
-        Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
+    let pose = match robot.robios.entity_numbers.object(number) {
+        Some(NumberedObject::Movable(object)) if !world.is_object_there(object, robot.now) => {
             return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
         }
-        Some(Counted::Movable(object)) => world.object_pose(object, robot.now),
-        Some(Counted::Fixed(pose)) => pose,
+        Some(NumberedObject::Movable(object)) => world.object_pose(object, robot.now),
+        Some(NumberedObject::Fixed(pose)) => pose,
         None => return no_object(robot, Call::SIMGetObject, number),
     };
     give(&pose, into);
@@ -128,12 +128,12 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
 
 /// `SIMSetObject`: places the object at the slot's end.
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
-    match robot.robios.census.object(number) {
-        Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
+    match robot.robios.entity_numbers.object(number) {
+        Some(NumberedObject::Movable(object)) if !world.is_object_there(object, robot.now) => {
             robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
         }
-        Some(Counted::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),
-        Some(Counted::Fixed(_)) => {
+        Some(NumberedObject::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),
+        Some(NumberedObject::Fixed(_)) => {
             robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
         }
         None => no_object(robot, Call::SIMSetObject, number),
@@ -142,12 +142,12 @@ pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 
 /// `SIMGetRobotCount`
 pub fn robot_count(robot: &Robot) -> i32 {
-    robot.robios.census.robots as i32
+    robot.robios.entity_numbers.robots as i32
 }
 
 /// `SIMGetObjectCount`
 pub fn object_count(robot: &Robot) -> i32 {
-    robot.robios.census.objects.len() as i32
+    robot.robios.entity_numbers.objects.len() as i32
 }
 
 /// Stores a pose; z is 0, since everything stands on the floor.
@@ -168,13 +168,13 @@ fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
 
 fn no_robot(robot: &mut Robot, call: Call, number: i32) {
     robot.rejected(call, |robot| {
-        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.census.robots)
+        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.entity_numbers.robots)
     });
 }
 
 fn no_object(robot: &mut Robot, call: Call, number: i32) {
     robot.rejected(call, |robot| {
-        let Census { robots, objects, .. } = &*robot.robios.census;
+        let EntityNumbers { robots, objects, .. } = &*robot.robios.entity_numbers;
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),
             count => format!(
@@ -192,20 +192,23 @@ mod tests {
 
     #[test]
     fn objects_are_numbered_on_from_the_robots() {
-        let (can, stone) = (Counted::Movable(ObjectId(1)), Counted::Fixed(Pose::new(1.0, 2.0, 0.0)));
-        let census = Census { robots: 2, objects: vec![can, stone], ..Census::default() };
+        let (can, stone) = (NumberedObject::Movable(ObjectId(1)), NumberedObject::Fixed(Pose::new(1.0, 2.0, 0.0)));
+        let entity_numbers = EntityNumbers { robots: 2, objects: vec![can, stone], ..EntityNumbers::default() };
         let own = RobotId(2);
-        assert_eq!([0, 1, 2].map(|number| census.robot(number, own)), [Some(own), Some(RobotId(1)), Some(own)]);
-        assert_eq!([-1, 3, i32::MIN].map(|number| census.robot(number, own)), [None; 3]);
-        assert_eq!([3, 4].map(|number| census.object(number)), [Some(can), Some(stone)]);
-        assert_eq!([0, 2, 5, -7, i32::MAX].map(|number| census.object(number)), [None; 5]);
+        assert_eq!([0, 1, 2].map(|number| entity_numbers.robot(number, own)), [Some(own), Some(RobotId(1)), Some(own)]);
+        assert_eq!([-1, 3, i32::MIN].map(|number| entity_numbers.robot(number, own)), [None; 3]);
+        assert_eq!([3, 4].map(|number| entity_numbers.object(number)), [Some(can), Some(stone)]);
+        assert_eq!([0, 2, 5, -7, i32::MAX].map(|number| entity_numbers.object(number)), [None; 5]);
 
-        let [ball, guest] = [Placeable::Object(ObjectId(2)), Placeable::Robot(RobotId(3))];
-        census.newcomers.push(ball);
-        census.newcomers.push(guest);
-        assert_eq!((census.object(5), census.robot(5, own)), (Some(Counted::Movable(ObjectId(2))), None));
-        assert_eq!((census.object(6), census.robot(6, own)), (None, Some(RobotId(3))));
-        assert_eq!([ball, guest].map(|who| census.number_of_newcomer(who)), [Some(5), Some(6)]);
-        assert_eq!((census.object(7), census.robot(7, own)), (None, None));
+        let [ball, spawned_robot] = [Placeable::Object(ObjectId(2)), Placeable::Robot(RobotId(3))];
+        entity_numbers.spawned.push(ball);
+        entity_numbers.spawned.push(spawned_robot);
+        assert_eq!(
+            (entity_numbers.object(5), entity_numbers.robot(5, own)),
+            (Some(NumberedObject::Movable(ObjectId(2))), None)
+        );
+        assert_eq!((entity_numbers.object(6), entity_numbers.robot(6, own)), (None, Some(RobotId(3))));
+        assert_eq!([ball, spawned_robot].map(|who| entity_numbers.spawned_number(who)), [Some(5), Some(6)]);
+        assert_eq!((entity_numbers.object(7), entity_numbers.robot(7, own)), (None, None));
     }
 }

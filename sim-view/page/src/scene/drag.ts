@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { act } from "../panel/notice";
 import type { Pose } from "../protocol";
 import type { Bodies, Shown } from "./bodies";
-import type { Eye } from "./eye";
+import type { ViewCamera } from "./camera";
 import type { Marks } from "./marks";
 
 /** Pixels by which a pointer may move in a click, and tolerance for hitting a body. */
@@ -16,7 +16,7 @@ const TURN_RAD = Math.PI / 36;
 /** A body moved by keys is placed after this time without a key press. */
 const REST_MS = 600;
 
-interface Grip {
+interface Drag {
   pointer: number;
   body: Shown;
   isTurning: boolean;
@@ -29,8 +29,8 @@ interface Grip {
   isMoving: boolean;
 }
 
-export class Hand {
-  private grip: Grip | null = null;
+export class DragControl {
+  private drag: Drag | null = null;
   private pressed: { x: number; y: number; pointer: number } | null = null;
   private resting = 0;
   private readonly ray = new THREE.Raycaster();
@@ -43,7 +43,7 @@ export class Hand {
     private readonly bodies: Bodies,
     private readonly marks: Marks,
     private readonly surface: HTMLElement,
-    private readonly eye: () => Eye,
+    private readonly viewCamera: () => ViewCamera,
     private readonly changed: () => void,
   ) {
     surface.addEventListener("pointerdown", (event) => this.press(event));
@@ -57,15 +57,15 @@ export class Hand {
   cancel(): void {
     clearTimeout(this.resting);
     for (const body of this.bodies.all) body.held = null;
-    this.grip = null;
+    this.drag = null;
     this.changed();
   }
 
   private press(event: PointerEvent): void {
     if (event.button !== 0 || !event.isPrimary) return;
     this.pressed = { x: event.clientX, y: event.clientY, pointer: event.pointerId };
-    const eye = this.eye();
-    if (eye.mode === "robot") return;
+    const viewCamera = this.viewCamera();
+    if (viewCamera.mode === "robot") return;
     this.aim(event);
     const selected = this.bodies.selected;
     const isTurning = selected !== undefined && this.isAtHandle(event);
@@ -73,9 +73,9 @@ export class Hand {
     if (!body || !this.model.mayAct) return;
     const height_m = isTurning || event.shiftKey ? 0 : 0.5 * body.extent.height_m;
     if (!this.onPlane(height_m, this.spot)) return;
-    eye.controls.enabled = false;
+    viewCamera.controls.enabled = false;
     this.surface.setPointerCapture(event.pointerId);
-    this.grip = {
+    this.drag = {
       pointer: event.pointerId,
       body,
       isTurning: isTurning || event.shiftKey,
@@ -89,51 +89,51 @@ export class Hand {
   }
 
   private move(event: PointerEvent): void {
-    const { grip } = this;
-    if (!grip) return this.hover(event);
-    if (event.pointerId !== grip.pointer) return;
-    if (!grip.isMoving && Math.hypot(event.clientX - grip.x_px, event.clientY - grip.y_px) < CLICK_PX) return;
-    grip.isMoving = true;
+    const { drag } = this;
+    if (!drag) return this.hover(event);
+    if (event.pointerId !== drag.pointer) return;
+    if (!drag.isMoving && Math.hypot(event.clientX - drag.x_px, event.clientY - drag.y_px) < CLICK_PX) return;
+    drag.isMoving = true;
     this.surface.style.cursor = "grabbing";
     this.aim(event);
-    if (!this.onPlane(grip.height_m, this.spot)) return;
-    const held = (grip.body.held ??= { ...grip.start });
-    if (grip.isTurning) {
-      const bearing = (point: THREE.Vector3) => Math.atan2(point.y - grip.start.y_m, point.x - grip.start.x_m);
-      held.phi_rad = grip.start.phi_rad + bearing(this.spot) - bearing(grip.at);
+    if (!this.onPlane(drag.height_m, this.spot)) return;
+    const held = (drag.body.held ??= { ...drag.start });
+    if (drag.isTurning) {
+      const bearing = (point: THREE.Vector3) => Math.atan2(point.y - drag.start.y_m, point.x - drag.start.x_m);
+      held.phi_rad = drag.start.phi_rad + bearing(this.spot) - bearing(drag.at);
     } else {
-      held.x_m = grip.start.x_m + this.spot.x - grip.at.x;
-      held.y_m = grip.start.y_m + this.spot.y - grip.at.y;
+      held.x_m = drag.start.x_m + this.spot.x - drag.at.x;
+      held.y_m = drag.start.y_m + this.spot.y - drag.at.y;
     }
     this.changed();
   }
 
   private release(event: PointerEvent): void {
-    const { grip, pressed } = this;
+    const { drag, pressed } = this;
     this.pressed = null;
-    if (grip?.isMoving) return this.drop(false);
+    if (drag?.isMoving) return this.drop(false);
     this.drop(true);
     if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) >= CLICK_PX) return;
-    if (this.eye().mode === "robot") return;
+    if (this.viewCamera().mode === "robot") return;
     this.aim(event);
-    const body = grip?.body ?? this.pick();
+    const body = drag?.body ?? this.pick();
     if (body) this.model.select(body.what === "robot" ? { robot: body.id } : { object: body.id });
     this.surface.focus();
   }
 
   /** Ends a drag: places the body, or returns it. */
   private drop(isBack: boolean): void {
-    const { grip } = this;
-    this.grip = null;
-    const eye = this.eye();
-    eye.controls.enabled = eye.mode !== "robot";
+    const { drag } = this;
+    this.drag = null;
+    const viewCamera = this.viewCamera();
+    viewCamera.controls.enabled = viewCamera.mode !== "robot";
     this.surface.style.cursor = "";
-    if (!grip) return;
+    if (!drag) return;
     if (isBack) {
-      grip.body.held = null;
+      drag.body.held = null;
       this.changed();
     } else {
-      void this.place(grip.body);
+      void this.place(drag.body);
     }
   }
 
@@ -157,18 +157,18 @@ export class Hand {
 
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey) return;
-    const eye = this.eye();
+    const viewCamera = this.viewCamera();
     const arrow = ARROWS[event.key];
     const body = this.bodies.selected;
     if (event.key === "Escape") this.cancel();
     else if (event.key === "Enter" && body?.held) this.settle(body);
     else if (event.key === "PageDown" || event.key === "PageUp") this.model.moveSelection(event.key === "PageDown" ? 1 : -1);
-    else if (event.key === "+" || event.key === "=") eye.zoom(1 / 1.15);
-    else if (event.key === "-") eye.zoom(1.15);
+    else if (event.key === "+" || event.key === "=") viewCamera.zoom(1 / 1.15);
+    else if (event.key === "-") viewCamera.zoom(1.15);
     else if (event.key === "[" || event.key === "]") this.nudge(body, 0, 0, event.key === "[" ? TURN_RAD : -TURN_RAD);
     else if (arrow && event.shiftKey) this.push(body, arrow[0], arrow[1]);
-    else if (arrow && event.altKey) eye.shift(arrow[0], arrow[1]);
-    else if (arrow) eye.orbit(-0.08 * arrow[0], 0.06 * arrow[1]);
+    else if (arrow && event.altKey) viewCamera.shift(arrow[0], arrow[1]);
+    else if (arrow) viewCamera.orbit(-0.08 * arrow[0], 0.06 * arrow[1]);
     else return;
     event.preventDefault();
     event.stopPropagation();
@@ -176,7 +176,7 @@ export class Hand {
 
   /** Moves a body by a step along the floor axis that is closest to the arrow's direction on the screen. */
   private push(body: Shown | undefined, right: number, ahead: number): void {
-    const [x, y] = this.eye().axes();
+    const [x, y] = this.viewCamera().axes();
     const way = x.multiplyScalar(right).add(y.multiplyScalar(ahead));
     const isAlongX = Math.abs(way.x) >= Math.abs(way.y);
     this.nudge(body, isAlongX ? STEP_M * Math.sign(way.x) : 0, isAlongX ? 0 : STEP_M * Math.sign(way.y), 0);
@@ -199,7 +199,7 @@ export class Hand {
   }
 
   private hover(event: PointerEvent): void {
-    if (event.buttons !== 0 || this.eye().mode === "robot") return;
+    if (event.buttons !== 0 || this.viewCamera().mode === "robot") return;
     this.aim(event);
     const isOver = this.isAtHandle(event) || this.pick() !== undefined;
     this.surface.style.cursor = isOver ? (this.model.mayAct ? "grab" : "pointer") : "";
@@ -209,18 +209,18 @@ export class Hand {
     const box = this.surface.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * 2 - 1;
     const y = 1 - ((event.clientY - box.top) / box.height) * 2;
-    this.ray.setFromCamera(new THREE.Vector2(x, y), this.eye().camera);
+    this.ray.setFromCamera(new THREE.Vector2(x, y), this.viewCamera().camera);
   }
 
   /** The nearest body whose upright bounding cylinder is at the pointer, or close to it. */
   private pick(): Shown | undefined {
     const { origin, direction } = this.ray.ray;
-    const slack = NEAR_PX / this.eye().px_per_m;
+    const slack = NEAR_PX / this.viewCamera().px_per_m;
     let found: Shown | undefined;
     let nearest = Infinity;
     for (const body of this.bodies.all) {
       if (!body.isThere) continue;
-      const distance = meet(origin, direction, body, 0.25 * slack) ?? meet(origin, direction, body, slack);
+      const distance = hitCylinder(origin, direction, body, 0.25 * slack) ?? hitCylinder(origin, direction, body, slack);
       if (distance === null || distance >= nearest) continue;
       nearest = distance;
       found = body;
@@ -231,7 +231,7 @@ export class Hand {
   private isAtHandle(event: PointerEvent): boolean {
     if (!this.marks.handle(this.seen)) return false;
     const box = this.surface.getBoundingClientRect();
-    this.seen.project(this.eye().camera);
+    this.seen.project(this.viewCamera().camera);
     const x = box.left + (0.5 + 0.5 * this.seen.x) * box.width;
     const y = box.top + (0.5 - 0.5 * this.seen.y) * box.height;
     return Math.hypot(event.clientX - x, event.clientY - y) < (event.pointerType === "mouse" ? 9 : 18);
@@ -254,7 +254,7 @@ const ARROWS: Record<string, readonly [number, number] | undefined> = {
 };
 
 /** Distance at which a ray hits a body's upright cylinder, widened by `slack`; null if there is no hit. */
-function meet(origin: THREE.Vector3, direction: THREE.Vector3, body: Shown, slack: number): number | null {
+function hitCylinder(origin: THREE.Vector3, direction: THREE.Vector3, body: Shown, slack: number): number | null {
   const radius = body.extent.radius_m + slack;
   const [dx, dy] = [origin.x - body.pose.x_m, origin.y - body.pose.y_m];
   const a = direction.x ** 2 + direction.y ** 2;

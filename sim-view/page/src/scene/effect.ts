@@ -37,7 +37,7 @@ interface Contact {
   age_ms: number;
 }
 
-export class Happenings {
+export class EventEffects {
   readonly radio = new THREE.Group();
   readonly contacts = new THREE.Group();
   private readonly arcs = new Pen("lines", { renderOrder: 9, depthTest: false });

@@ -1,4 +1,4 @@
-//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`Starter`] of runs.
+//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`] of runs.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use sim_view::protocol::{Command, Seed};
-use sim_view::window::{Asked, Window};
+use sim_view::window::{PendingCommand, Window};
 
 use super::action::action_from_page;
 use super::control::Control;
@@ -19,22 +19,22 @@ const TICK: Duration = Duration::from_micros(16_667);
 const LAZY_TICK: Duration = Duration::from_millis(200);
 
 /// Restarts runs.
-pub trait Starter: Send {
-    /// Starts a run with this seed; answers `asked` once it is known if the run can start.
-    fn restart(&mut self, seed: Seed, asked: Asked);
+pub trait RunStarter: Send {
+    /// Starts a run with this seed; answers `pending` once it is known if the run can start.
+    fn restart(&mut self, seed: Seed, pending: PendingCommand);
 
     /// Called often, at least every 200 ms.
     fn tick(&mut self);
 }
 
 /// Thread that dispatches the commands of pages until it is dropped.
-pub struct Desk {
+pub struct ControlPanel {
     window: Arc<Window>,
     is_closing: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Desk {
+impl ControlPanel {
     /// Starts the thread for the commands of `window`.
     ///
     /// # Errors
@@ -42,10 +42,10 @@ impl Desk {
     pub fn open(
         window: Arc<Window>,
         control: Arc<Control>,
-        mut starter: impl Starter + 'static,
+        mut starter: impl RunStarter + 'static,
     ) -> std::io::Result<Self> {
         let is_closing = Arc::new(AtomicBool::new(false));
-        let thread = std::thread::Builder::new().name("desk".into()).spawn({
+        let thread = std::thread::Builder::new().name("control-panel".into()).spawn({
             let (window, is_closing) = (Arc::clone(&window), Arc::clone(&is_closing));
             move || serve(&window, &control, &mut starter, &is_closing)
         })?;
@@ -53,7 +53,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for ControlPanel {
     fn drop(&mut self) {
         self.is_closing.store(true, Ordering::Release);
         self.window.commands().wake();
@@ -64,54 +64,54 @@ impl Drop for Desk {
     }
 }
 
-fn serve(window: &Window, control: &Control, starter: &mut impl Starter, is_closing: &AtomicBool) {
+fn serve(window: &Window, control: &Control, starter: &mut impl RunStarter, is_closing: &AtomicBool) {
     let mut shown = Instant::now();
     while !is_closing.load(Ordering::Acquire) {
         let tick = if window.has_pages() { TICK } else { LAZY_TICK };
         match window.commands().recv_timeout(tick.saturating_sub(shown.elapsed())) {
-            Some(asked) => obey(asked, control, starter),
+            Some(pending) => dispatch(pending, control, starter),
             None => {
                 shown = Instant::now();
-                control.ask(|wishes| wishes.is_show_due = true);
+                control.ask(|requests| requests.is_show_due = true);
                 starter.tick();
             }
         }
     }
 }
 
-fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
-    match asked.command.clone() {
+fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunStarter) {
+    match pending.command.clone() {
         Command::Run {} => {
-            control.ask(|wishes| (wishes.is_paused, wishes.steps) = (false, 0));
-            asked.accept();
+            control.ask(|requests| (requests.is_paused, requests.steps) = (false, 0));
+            pending.accept();
         }
         Command::Pause {} => {
-            control.ask(|wishes| wishes.is_paused = true);
-            asked.accept();
+            control.ask(|requests| requests.is_paused = true);
+            pending.accept();
         }
         Command::Step {} => {
-            let is_over = control.ask(|wishes| {
-                if !wishes.is_over {
-                    (wishes.is_paused, wishes.steps) = (true, wishes.steps + 1);
+            let is_over = control.ask(|requests| {
+                if !requests.is_over {
+                    (requests.is_paused, requests.steps) = (true, requests.steps + 1);
                 }
-                wishes.is_over
+                requests.is_over
             });
-            if is_over { asked.refuse(OVER) } else { asked.accept() }
+            if is_over { pending.refuse(OVER) } else { pending.accept() }
         }
         Command::Speed { factor } if factor.is_none_or(|factor| SPEEDS.contains(&factor)) => {
-            control.ask(|wishes| wishes.speed = factor);
-            asked.accept();
+            control.ask(|requests| requests.speed = factor);
+            pending.accept();
         }
         Command::Speed { .. } => {
             let (least, most) = (SPEEDS.start(), SPEEDS.end());
-            asked.refuse(format!("expected a factor from {least} to {most}, or none for as fast as possible"));
+            pending.refuse(format!("expected a factor from {least} to {most}, or none for as fast as possible"));
         }
-        Command::Restart { seed } => starter.restart(seed, asked),
-        Command::Act { action } => control.ask(|wishes| {
-            if wishes.is_over {
-                return asked.refuse(OVER);
+        Command::Restart { seed } => starter.restart(seed, pending),
+        Command::Act { action } => control.ask(|requests| {
+            if requests.is_over {
+                return pending.refuse(OVER);
             }
-            wishes.actions.push((action_from_page(action), asked));
+            requests.actions.push((action_from_page(action), pending));
         }),
     }
 }

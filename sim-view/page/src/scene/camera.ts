@@ -25,7 +25,7 @@ interface Travel {
   age_ms: number;
 }
 
-export class Eye {
+export class ViewCamera {
   readonly camera = new THREE.PerspectiveCamera(FIELD_DEG, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   mode: Mode = "free";

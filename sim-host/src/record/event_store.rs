@@ -25,7 +25,7 @@ const BATCH: usize = 1 << 16;
 
 /// Reason why there is no trace of a run.
 #[derive(Debug, thiserror::Error)]
-pub enum TapeError {
+pub enum EventStoreError {
     /// The events exceed `MOST_BYTES`.
     #[error("so much has happened in this run that it is not kept: `--trace FILE` writes all of it")]
     Full,
@@ -38,13 +38,13 @@ pub enum TapeError {
 }
 
 /// Sink that stores the events of a run.
-pub struct Tape {
+pub struct EventStore {
     header: TraceHeader,
     file: Arc<File>,
     /// Entries not yet written to the file.
     batch: Vec<u8>,
     length: u64,
-    failure: Option<TapeError>,
+    failure: Option<EventStoreError>,
 }
 
 /// Stored record.
@@ -67,7 +67,7 @@ enum Entry<'a> {
     },
 }
 
-impl Tape {
+impl EventStore {
     /// Empty storage for a run whose trace begins with `header`.
     ///
     /// # Errors
@@ -80,16 +80,16 @@ impl Tape {
     /// The trace up to now; the run may continue meanwhile.
     ///
     /// # Errors
-    /// [`TapeError`] if the events were not stored.
-    pub fn trace(tape: &Mutex<Self>) -> Result<Vec<u8>, TapeError> {
+    /// [`EventStoreError`] if the events were not stored.
+    pub fn trace(event_store: &Mutex<Self>) -> Result<Vec<u8>, EventStoreError> {
         let (file, length, header) = {
-            let mut tape = tape.lock();
-            tape.flush();
-            if let Some(failure) = tape.failure.take() {
-                tape.failure = Some(TapeError::Full);
+            let mut event_store = event_store.lock();
+            event_store.flush();
+            if let Some(failure) = event_store.failure.take() {
+                event_store.failure = Some(EventStoreError::Full);
                 return Err(failure);
             }
-            (Arc::clone(&tape.file), tape.length, tape.header.clone())
+            (Arc::clone(&event_store.file), event_store.length, event_store.header.clone())
         };
         let mut bytes = vec![0; length as usize];
         file.read_exact_at(&mut bytes, 0)?;
@@ -135,7 +135,7 @@ impl Tape {
         if let Err(error) = written {
             self.failure = Some(error.into());
         } else if self.length > MOST_BYTES {
-            self.failure = Some(TapeError::Full);
+            self.failure = Some(EventStoreError::Full);
             // The stored events are of no use any more.
             let _ = self.file.set_len(0);
         }
@@ -143,7 +143,7 @@ impl Tape {
 }
 
 /// Never fails: a missing download must not end a run.
-impl Sink for Tape {
+impl Sink for EventStore {
     fn interest(&self) -> KindSet {
         KindSet::ALL.without(Kind::Call)
     }

@@ -120,7 +120,7 @@ fn add_object(kind: &str, x_m: f64, y_m: f64) -> Action {
 }
 
 #[test]
-fn a_robot_that_comes_drives_from_there_on() {
+fn a_spawned_robot_drives() {
     let scene = room("robi bot.robi drive.c 500 500 0\n", &[("drive.c", DRIVE)]);
     let actions = [(2050, add_robot("bot", Some(1), 0.5, 1.5)), (2500, add_robot("bot", None, 2.0, 3.0))];
     let ran = run(&scene, 1, &actions);
@@ -142,7 +142,7 @@ fn a_robot_that_comes_drives_from_there_on() {
 }
 
 #[test]
-fn what_comes_is_seen_and_what_goes_is_not() {
+fn spawned_entities_are_seen_and_removed_ones_are_not() {
     let scene = room("robi bot.robi look.c 500 2000 0\n", &[("look.c", LOOK)]);
     let ran = run(
         &scene,
@@ -165,7 +165,7 @@ fn what_comes_is_seen_and_what_goes_is_not() {
 }
 
 #[test]
-fn a_robot_that_is_removed_makes_way() {
+fn a_removed_robot_frees_the_way() {
     let robots = "robi bot.robi drive.c 500 500 0\nrobi bot.robi key.c 1000 500 0\n";
     let key = format!("{LEAVE}{KEY}");
     let scene = room(robots, &[("drive.c", DRIVE), ("key.c", &key)]);
@@ -191,7 +191,7 @@ fn an_object_that_comes_is_pushed() {
 }
 
 #[test]
-fn a_program_leaves_from_wherever_it_waits() {
+fn a_program_exits_from_any_wait() {
     for (name, program) in [
         ("KEYGet", "KEYGet();"),
         ("OSWait", "OSWait(100000);"),
@@ -215,7 +215,7 @@ fn a_program_leaves_from_wherever_it_waits() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_actions_are_refused() {
     let robots = "robi bot.robi drive.c 500 500 0\nrobi bot.robi key.c 3000 3000 0\n";
     let key = format!("{LEAVE}{KEY}");
     let scene = room(robots, &[("drive.c", DRIVE), ("key.c", &key)]);
@@ -260,7 +260,7 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
-fn a_fault_of_a_newcomer_ends_the_run() {
+fn a_fault_of_a_spawned_robot_ends_the_run() {
     let crash =
         "#include \"eyebot.h\"\nint main(void) { if (OSGetCount() > 100) *(volatile int *) 8 = 1; KEYGet(); }\n";
     let scene = room("robi bot.robi crash.c 500 500 0\n", &[("crash.c", crash)]);

@@ -3,15 +3,15 @@
 use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
-use super::conductor::End;
+use super::dispatcher::End;
 use super::fault::Broken;
 use super::program::RobotProgram;
 use crate::robios::call::Call;
-use crate::robios::robot::{Ending, Robot, Waiting, Waits};
+use crate::robios::robot::{Ending, Robot, Wait, WaitReason};
 use sim_core::record::{Event, Outcome};
 
 /// Status of a program at the end of the run.
-pub struct Standing {
+pub struct ProgramStatus {
     /// The outcome in one word.
     pub outcome: Outcome,
     /// Reason for the outcome, if there is more to say.
@@ -19,14 +19,14 @@ pub struct Standing {
     /// Exit code of the program, if it gave one.
     pub exit_code: Option<i32>,
     /// Place of the break and last call, if the program broke.
-    pub fault: Option<Place>,
+    pub fault: Option<FaultReport>,
 }
 
-impl Standing {
+impl ProgramStatus {
     /// Records the status in the journal of `robot` at the end of the run.
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
-        if let Some(Place { what, location, last_call }) = &self.fault {
+        if let Some(FaultReport { what, location, last_call }) = &self.fault {
             journal.record(now, &Event::Fault { what, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
@@ -47,7 +47,7 @@ impl Standing {
 }
 
 /// Break of a program: description, place and last call.
-pub struct Place {
+pub struct FaultReport {
     /// Description of the break, without the place.
     pub what: String,
     /// Source file and line; empty if unknown.
@@ -57,7 +57,7 @@ pub struct Place {
 }
 
 /// End of a run, as far as it matters to the status of every robot.
-pub struct Finish<'a> {
+pub struct RunEnd<'a> {
     /// Reason for the end of the run.
     pub end: &'a End,
     /// Simulated time at its end.
@@ -65,12 +65,12 @@ pub struct Finish<'a> {
     /// Number of robots.
     pub robots: usize,
     /// Programs that could still have sent a message.
-    pub senders: Senders,
+    pub senders: PossibleSenders,
 }
 
 /// Programs that could still send a message to a robot that waits for one when the run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Senders {
+pub enum PossibleSenders {
     /// None: the waiting program is the only one.
     None,
     /// None: all other programs have ended.
@@ -81,7 +81,7 @@ pub enum Senders {
     Other,
 }
 
-impl Senders {
+impl PossibleSenders {
     /// Classifies the programs of `robots`, which are all the robots that have one.
     pub fn among<'a>(robots: impl Iterator<Item = MutexGuard<'a, Robot>>) -> Self {
         let (mut programs, mut living, mut listening) = (0, 0, 0);
@@ -89,7 +89,7 @@ impl Senders {
             programs += 1;
             if matches!(robot.ending, None | Some(Ending::Stopped)) {
                 living += 1;
-                listening += usize::from(robot.tasks.wait_for(&Waits::Message));
+                listening += usize::from(robot.tasks.wait_for(&WaitReason::Message));
             }
         }
         match living {
@@ -112,45 +112,50 @@ impl Senders {
 }
 
 /// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
-pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, program: &RobotProgram) -> Standing {
-    let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
+pub fn judge(
+    robot: &mut Robot,
+    run_end: &RunEnd<'_>,
+    broken: Option<&Broken>,
+    program: &RobotProgram,
+) -> ProgramStatus {
+    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
-        let place = place(broken, program);
+        let place = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        return Standing { reason: Some(place.to_string()), fault: Some(place), ..standing(outcome, None) };
+        return ProgramStatus { reason: Some(place.to_string()), fault: Some(place), ..status(outcome, None) };
     }
     match &robot.ending {
-        Some(Ending::Exited { code: 0 }) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
+        Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },
         Some(Ending::Exited { code }) => {
             let reason = format!("{}exit code {code}", robot.tasks.prefix());
-            Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(reason)) }
+            ProgramStatus { exit_code: Some(*code), ..status(Outcome::Failed, Some(reason)) }
         }
-        Some(Ending::Failed { reason }) => standing(Outcome::Failed, Some(reason.clone())),
-        _ if matches!(finish.end, End::Stuck) && robot.tasks.are_waiting() => {
-            standing(Outcome::Waiting, Some(waits_in_words(robot, program, finish)))
+        Some(Ending::Failed { reason }) => status(Outcome::Failed, Some(reason.clone())),
+        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
+            status(Outcome::Waiting, Some(waits_in_words(robot, program, run_end)))
         }
-        _ => match finish.end {
-            End::Interrupted => standing(Outcome::Interrupted, None),
-            End::Broken => standing(Outcome::Interrupted, Some("another robot's program broke".into())),
+        _ => match run_end.end {
+            End::Interrupted => status(Outcome::Interrupted, None),
+            End::Broken => status(Outcome::Interrupted, Some("another robot's program broke".into())),
             End::HeapLost => {
                 let reason = "a program of another run in this process broke within the heap of the C library";
-                standing(Outcome::Interrupted, Some(reason.into()))
+                status(Outcome::Interrupted, Some(reason.into()))
             }
-            End::Record(_) => standing(Outcome::Interrupted, Some("the record could not be written".into())),
-            End::Until | End::Stuck | End::Finished => standing(Outcome::Running, None),
+            End::Record(_) => status(Outcome::Interrupted, Some("the record could not be written".into())),
+            End::Until | End::Stuck | End::Finished => status(Outcome::Running, None),
         },
     }
 }
 
 /// Describes the wait of each task: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
-fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>) -> String {
+fn waits_in_words(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
     if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
-        return tasks_in_words(robot, program, finish.senders);
+        return tasks_in_words(robot, program, run_end.senders);
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.clone()?))).collect();
     let is_alone = waits.len() == 1;
     let words = waits.iter().map(|(task, waiting)| {
-        let words = wait_in_words(robot, waiting, program, finish);
+        let words = wait_in_words(robot, waiting, program, run_end);
         if is_alone { words } else { format!("task {task} {words}") }
     });
     words.collect::<Vec<_>>().join("; ")
@@ -164,7 +169,7 @@ pub fn waits_now(robot: &Robot) -> String {
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.as_ref()?))).collect();
     let words = waits.iter().map(|(task, waiting)| {
-        let words = format!("waits for {} since {}", waiting.waits_for, waiting.since);
+        let words = format!("waits for {} since {}", waiting.reason, waiting.since);
         if waits.len() == 1 { words } else { format!("{} {words}", robot.tasks.name(*task)) }
     });
     words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
@@ -172,12 +177,12 @@ pub fn waits_now(robot: &Robot) -> String {
 
 /// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task
 /// `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
-pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -> String {
+pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSenders) -> String {
     let tasks = &robot.tasks;
     let at = |site| program.place_of(site).map(|place| format!(" at {place}")).unwrap_or_default();
     let words = tasks.iter().map(|task| {
         let name = tasks.name(task.number);
-        let Some(Waiting { waits_for, since, site, .. }) = &task.waiting else {
+        let Some(Wait { reason, since, site, .. }) = &task.waiting else {
             return match tasks.scheduler() {
                 Some(scheduler) if scheduler.is_ready(task.number) => {
                     format!("{name} is ready, but it is not its turn")
@@ -185,8 +190,8 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
                 _ => format!("{name}, spawned{}, is not ready", at(&task.origin.site)),
             };
         };
-        let semaphore = match waits_for {
-            Waits::Semaphore(number) => tasks.semaphores.get(*number),
+        let semaphore = match reason {
+            WaitReason::Semaphore(number) => tasks.semaphores.get(*number),
             _ => None,
         };
         let more = semaphore.map(|semaphore| {
@@ -198,13 +203,15 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
             made.unwrap_or_default() + &last.unwrap_or_default()
         });
         let suspended = match tasks.scheduler() {
-            Some(scheduler) if *waits_for != Waits::Ready && scheduler.is_suspended(task.number) => "is suspended and ",
+            Some(scheduler) if *reason != WaitReason::Ready && scheduler.is_suspended(task.number) => {
+                "is suspended and "
+            }
             _ => "",
         };
-        let advice = if *waits_for == Waits::Message { senders.advice() } else { "" };
-        let what = match waits_for {
-            Waits::Task(wait) => wait.words(|number| tasks.name(number)),
-            waits_for => waits_for.to_string(),
+        let advice = if *reason == WaitReason::Message { senders.advice() } else { "" };
+        let what = match reason {
+            WaitReason::Task(wait) => wait.describe(|number| tasks.name(number)),
+            reason => reason.to_string(),
         };
         format!("{name} {suspended}waits for {what}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
     });
@@ -212,37 +219,39 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
 }
 
 /// Describes one wait: `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
-fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, finish: &Finish<'_>) -> String {
-    let Waiting { call, waits_for, since, site } = waiting;
+fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
+    let Wait { call, reason, since, site } = waiting;
     let mut place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
-    if *waits_for == Waits::Message {
+    if *reason == WaitReason::Message {
         place = format!(" in {}{place}", call.name());
     }
-    let advice = match waits_for {
-        Waits::Key(key) => {
+    let advice = match reason {
+        WaitReason::Key(key) => {
             let seconds = since.seconds().ceil();
             let key = key.split(' ').find(|word| word.starts_with("KEY")).unwrap_or("KEY1");
-            let robot = if finish.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
+            let robot = if run_end.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
             format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
-        Waits::Message => finish.senders.advice().into(),
-        Waits::Drive if robot.motion.is_stalled(finish.time) => " (its wheels stall: something is in its way)".into(),
+        WaitReason::Message => run_end.senders.advice().into(),
+        WaitReason::Drive if robot.motion.is_stalled(run_end.time) => {
+            " (its wheels stall: something is in its way)".into()
+        }
         _ => String::new(),
     };
-    format!("waits for {waits_for} since {since}{place}{advice}")
+    format!("waits for {reason} since {since}{place}{advice}")
 }
 
-fn place(broken: &Broken, program: &RobotProgram) -> Place {
+fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     let location = if broken.place.is_empty() {
         program.own_source_line(&broken.addresses).map(|line| line.to_string()).unwrap_or_default()
     } else {
         broken.place.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    Place { what: broken.what.clone(), location, last_call }
+    FaultReport { what: broken.what.clone(), location, last_call }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FaultReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.what)?;
         if !self.location.is_empty() {

@@ -4,13 +4,13 @@ use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 use std::time::Duration;
 
-/// An eventfd on which one thread waits and which any code may ring, signal handlers included.
-pub struct Bell {
+/// An eventfd on which one thread waits and which any code may notify, signal handlers included.
+pub struct Notifier {
     fd: OwnedFd,
 }
 
-impl Bell {
-    /// Creates a bell that has not been rung.
+impl Notifier {
+    /// Creates a notifier that has not been notified.
     ///
     /// # Errors
     /// The process has no file descriptor left.
@@ -24,14 +24,14 @@ impl Bell {
         Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) } })
     }
 
-    /// Rings the bell; async-signal-safe and idempotent until the next [`wait`](Self::wait).
-    pub fn ring(&self) {
+    /// Wakes the waiting thread; async-signal-safe and idempotent until the next [`wait`](Self::wait).
+    pub fn notify(&self) {
         let one = 1u64;
-        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it rings already.
+        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it is notified already.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
-    /// Waits until the bell rings or `timeout` has passed, and clears it. Returns true if it rang.
+    /// Waits until notified or until `timeout` has passed, and clears the notification. Returns true if notified.
     pub fn wait(&self, timeout: Duration) -> bool {
         let mut poll = libc::pollfd { fd: self.fd.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
@@ -51,12 +51,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ring_is_heard_once() {
-        let bell = Bell::new().unwrap();
-        assert!(!bell.wait(Duration::ZERO));
-        bell.ring();
-        bell.ring();
-        assert!(bell.wait(Duration::from_secs(5)));
-        assert!(!bell.wait(Duration::ZERO));
+    fn repeated_notifications_wake_once() {
+        let notifier = Notifier::new().unwrap();
+        assert!(!notifier.wait(Duration::ZERO));
+        notifier.notify();
+        notifier.notify();
+        assert!(notifier.wait(Duration::from_secs(5)));
+        assert!(!notifier.wait(Duration::ZERO));
     }
 }
