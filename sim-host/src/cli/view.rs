@@ -12,7 +12,7 @@ use anyhow::{Context as _, ensure};
 use clap::Args;
 use parking_lot::Mutex;
 use sim_core::time::Time;
-use sim_format::scene_as_it_stands;
+use sim_format::print_current_scene;
 use sim_view::page::Page;
 use sim_view::protocol::{Build, RunState, Seed};
 use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, random_token};
@@ -277,7 +277,7 @@ impl Session {
             "scene.toml",
             Download::new("application/toml", move || {
                 let Standings { robots, objects } = of_scene.lock().standings().clone();
-                let text = scene_as_it_stands(&file, &DiskFiles::of_environment(), &robots, &objects);
+                let text = print_current_scene(&file, &DiskFiles::of_environment(), &robots, &objects);
                 text.map(String::into_bytes).map_err(|diagnostics| {
                     let words = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
                     words.collect::<Vec<_>>().join("\n")
