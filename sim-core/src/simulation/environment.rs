@@ -10,7 +10,7 @@ use crate::{ObjectId, RobotId};
 
 /// State shared by all robots of a simulation.
 ///
-/// Within a slot robots only read it. At the slot's end [`Environment::concerned`] returns the robots that the end affects, and
+/// Within a slot robots only read it. At the slot's end [`Environment::affected_robots`] returns the robots that the end affects, and
 /// [`Environment::end_slot`], called with exactly these, advances the world, delivers messages and collects journals.
 #[derive(Clone, Debug)]
 pub struct Environment {
