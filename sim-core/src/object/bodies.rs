@@ -596,7 +596,7 @@ impl Clone for Bodies {
 
 impl std::fmt::Debug for Bodies {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Bodies").field("things", &self.objects.len()).finish_non_exhaustive()
+        f.debug_struct("Bodies").field("objects", &self.objects.len()).finish_non_exhaustive()
     }
 }
 
