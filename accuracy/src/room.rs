@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3, Vec2};
-use sim_core::camera::{Label, Light, Part, Place, Scenery, Sky};
+use sim_core::camera::{Attachment, Label, Light, Part, Scenery, Sky};
 use sim_core::math;
 use sim_core::pose::Pose3;
 use sim_core::scene::{Material, Mesh, Texture, Triangle};
@@ -71,7 +71,7 @@ pub fn room() -> Mesh {
 
 /// The room under the sky, and nothing else.
 pub fn scenery(light: Light) -> Scenery {
-    let part = Part { mesh: Arc::new(room()), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
+    let part = Part { mesh: Arc::new(room()), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], None, light, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })
 }
 

@@ -11,7 +11,7 @@ use accuracy::world::{Random, empty};
 use glam::DVec3;
 use sim_core::RobotId;
 use sim_core::build;
-use sim_core::camera::{Camera, Lens, Light, Still, View};
+use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
 use sim_core::drive::Motion;
 use sim_core::pose::Pose3;
 use sim_core::spec::{RobotSpec, SceneSpec};
@@ -102,13 +102,13 @@ fn any_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2
     (View::new(pose, lens, size).expect("a view"), by)
 }
 
-fn agreement_of(still: &Still, views: impl IntoIterator<Item = (View, Option<RobotId>)>) -> Agreement {
-    let mut reference = Reference::new(still, None);
+fn agreement_of(posed: &PosedScenery, views: impl IntoIterator<Item = (View, Option<RobotId>)>) -> Agreement {
+    let mut reference = Reference::new(posed, None);
     let mut camera = Camera::default();
     let mut agreement = Agreement::default();
     for (view, by) in views {
         reference = reference.by(by);
-        agreement += Agreement::of(&Shot::take(&mut camera, still, &view, by), &reference, &view);
+        agreement += Agreement::of(&Shot::take(&mut camera, posed, &view, by), &reference, &view);
     }
     agreement
 }
@@ -122,10 +122,10 @@ fn sample_worlds_look_as_the_reference_says() {
         let disk = Disk(root().to_string_lossy().into_owned());
         let scenery = build::scenery(&scene, &mut MeshReader::new(&disk));
         let world = world(&scene);
-        let still = scenery.still(&world, Time::ZERO);
+        let posed = scenery.pose_at(&world, Time::ZERO);
         let mut random = Random::new(72);
         let views = (0..VIEWS).map(|number| any_view(&mut random, &scene, number, [16, 12]));
-        let agreement = agreement_of(&still, views);
+        let agreement = agreement_of(&posed, views);
         println!("{name}: {} of {} pixels differ", agreement.differing, agreement.pixels);
         agreement.assert_right(&name);
         all += agreement;
@@ -138,7 +138,7 @@ fn sample_worlds_look_as_the_reference_says() {
 fn a_furnished_room_looks_as_the_reference_says() {
     for shadows in [false, true] {
         let scenery = room::scenery(Light { shadows, ..room::light() });
-        let still = scenery.still(&empty(), Time::ZERO);
+        let posed = scenery.pose_at(&empty(), Time::ZERO);
         let mut random = Random::new(71);
         let mut view = |number: usize| {
             let from = DVec3::new(random.between(0.2, 7.8), random.between(0.2, 7.8), random.between(0.1, 1.5));
@@ -146,7 +146,7 @@ fn a_furnished_room_looks_as_the_reference_says() {
             let pose = Pose3::from_angles(from, roll, pitch, yaw);
             (View::new(pose, LENSES[number % 2], [24, 18]).expect("a view"), None)
         };
-        let agreement = agreement_of(&still, (0..80).map(&mut view));
+        let agreement = agreement_of(&posed, (0..80).map(&mut view));
         println!("shadows {shadows}: {} of {} pixels differ", agreement.differing, agreement.pixels);
         agreement.assert_right("room");
         assert!(agreement.share() < 0.005, "{}", agreement.share());

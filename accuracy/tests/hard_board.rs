@@ -5,7 +5,7 @@ use std::sync::Arc;
 use accuracy::board::{Board, crossings};
 use accuracy::world::{Random, empty};
 use glam::{DVec2, DVec3};
-use sim_core::camera::{Camera, Label, Lens, Light, Part, Place, Scenery, Sky, View};
+use sim_core::camera::{Attachment, Camera, Label, Lens, Light, Part, Scenery, Sky, View};
 use sim_core::pose::Pose3;
 use sim_core::scene::{Material, Mesh, Triangle};
 use sim_core::time::Time;
@@ -17,9 +17,10 @@ const SKY: Sky = Sky { horizon: [128; 3], zenith: [128; 3] };
 #[test]
 fn corners_of_a_board_are_found_where_they_are_projected() {
     let board = Board { squares: [5, 4], side: 0.1 };
-    let part = Part { mesh: Arc::new(board.mesh()), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
+    let part =
+        Part { mesh: Arc::new(board.mesh()), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     let scenery = Scenery::new(vec![part], None, LAMP, SKY);
-    let still = scenery.still(&empty(), Time::ZERO);
+    let posed = scenery.pose_at(&empty(), Time::ZERO);
     let mut camera = Camera::default();
     let mut random = Random::new(81);
     // Distance at which the board fills the image.
@@ -34,7 +35,7 @@ fn corners_of_a_board_are_found_where_they_are_projected() {
             let pose = View::looking(target + distance * offset, target).expect("another place");
             let roll = Pose3::about_axis(DVec3::X, 2.0 * aside());
             let view = View::new(pose.then(&roll), lens, [240, 180]).expect("a view");
-            let found = crossings(&camera.colour(&still, &view, None, 12));
+            let found = crossings(&camera.colour(&posed, &view, None, 12));
             let corners = board.inner_corners();
             for corner in &corners {
                 let place = view.project(*corner).expect("before the camera");
@@ -58,7 +59,7 @@ fn half_plane(middle: DVec3, edge: DVec3, inwards: DVec3) -> Scenery {
             .to_vec(),
         materials: vec![Material::default()],
     };
-    let part = Part { mesh: Arc::new(mesh), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
+    let part = Part { mesh: Arc::new(mesh), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], None, LAMP, SKY)
 }
 
@@ -87,7 +88,7 @@ fn an_edge_parts_pixels_where_it_is_projected() {
             let across = (there - here).perp().normalize_or_zero();
             let mut shows = |offset: f64| {
                 let scenery = half_plane(point(pixel + offset * across), edge, inwards);
-                *camera.labels(&scenery.still(&empty(), Time::ZERO), &view, None).pixel(column, row) != Label::Sky
+                *camera.labels(&scenery.pose_at(&empty(), Time::ZERO), &view, None).pixel(column, row) != Label::Sky
             };
             let (mut low, mut high) = (-0.5, 0.5);
             let is_at_low = shows(low);

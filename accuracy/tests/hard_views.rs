@@ -7,7 +7,7 @@ use accuracy::camera::{Agreement, Reference, Shot};
 use accuracy::room;
 use accuracy::world::{Random, cuboid, empty};
 use glam::{DMat3, DVec2, DVec3};
-use sim_core::camera::{Camera, Floor, Ground, Label, Lens, Light, Part, Place, Scenery, Sky, Spot, View};
+use sim_core::camera::{Attachment, Camera, Floor, Ground, Label, Lens, Light, Part, Scenery, Sky, Spot, View};
 use sim_core::pose::Pose3;
 use sim_core::scene::{Material, Mesh, Texture, Triangle};
 use sim_core::time::Time;
@@ -34,19 +34,19 @@ fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
     let part = |(number, mesh)| Part {
         mesh: Arc::new(mesh),
         label: Label::Wall(number),
-        place: Place::Fixed(Pose3::IDENTITY),
+        attachment: Attachment::Fixed(Pose3::IDENTITY),
     };
     Scenery::new((0..).zip(meshes).map(part).collect(), None, room::light(), SKY)
 }
 
 /// Asserts that each view agrees with the reference.
 fn assert_agrees(what: &str, scenery: &Scenery, views: &[View]) -> Agreement {
-    let still = scenery.still(&empty(), Time::ZERO);
-    let reference = Reference::new(&still, None);
+    let posed = scenery.pose_at(&empty(), Time::ZERO);
+    let reference = Reference::new(&posed, None);
     let mut camera = Camera::default();
     let mut all = Agreement::default();
     for view in views {
-        let agreement = Agreement::of(&Shot::take(&mut camera, &still, view, None), &reference, view);
+        let agreement = Agreement::of(&Shot::take(&mut camera, &posed, view, None), &reference, view);
         agreement.assert_right(&format!("{what}, {view:?}"));
         all += agreement;
     }
@@ -68,21 +68,21 @@ fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_
     let views: Vec<View> =
         (0..20).map(|turn| view(turned(&mut random, inside), [PINHOLE, FISHEYE][turn % 2], [20, 15])).collect();
     assert_agrees("inside", &scene, &views);
-    let still = scene.still(&empty(), Time::ZERO);
+    let posed = scene.pose_at(&empty(), Time::ZERO);
     let mut camera = Camera::default();
     for view in &views {
-        assert!(camera.labels(&still, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
+        assert!(camera.labels(&posed, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
     }
     // Camera on the face at x = 0.1: ahead is the other wall, behind is the back of this one.
     let touching = DVec3::new(0.1, 0.5, -0.25);
     let views = [0.0, 0.3, PI, 2.0].map(|yaw| view(Pose3::from_angles(touching, 0.0, 0.0, yaw), PINHOLE, [20, 15]));
     assert_agrees("touching", &scene, &views);
-    let ahead = camera.labels(&still, &views[0], None);
+    let ahead = camera.labels(&posed, &views[0], None);
     assert_eq!(
-        (ahead.pixel(10, 7), camera.labels(&still, &views[2], None).pixel(10, 7)),
+        (ahead.pixel(10, 7), camera.labels(&posed, &views[2], None).pixel(10, 7)),
         (&Label::Wall(1), &Label::Wall(0))
     );
-    assert!((camera.depth(&still, &views[2], None).pixel(10, 7) - 0.2).abs() < 1e-3, "the wall is 20 cm thick");
+    assert!((camera.depth(&posed, &views[2], None).pixel(10, 7) - 0.2).abs() < 1e-3, "the wall is 20 cm thick");
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn floor() -> Scenery {
         spots: vec![spot(1.0, 0.3), spot(1.25, 0.2)],
     };
     let pole = mesh(&cuboid(DVec3::new(0.05, 0.05, 0.5), 1, |at| at + DVec3::new(2.0, 1.5, 0.5)));
-    let part = Part { mesh: Arc::new(pole), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
+    let part = Part { mesh: Arc::new(pole), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], Some(ground), room::light(), SKY)
 }
 
@@ -150,10 +150,10 @@ fn far_from_the_origin_things_look_as_they_do_there() {
     let part = |place: DVec3| Part {
         mesh: Arc::new(mesh.clone()),
         label: Label::Fixed(0),
-        place: Place::Fixed(Pose3 { position: place, ..Pose3::IDENTITY }),
+        attachment: Attachment::Fixed(Pose3 { position: place, ..Pose3::IDENTITY }),
     };
     let [here, there] = [DVec3::ZERO, far].map(|place| Scenery::new(vec![part(place)], None, room::light(), SKY));
-    let (here, there) = (here.still(&empty(), Time::ZERO), there.still(&empty(), Time::ZERO));
+    let (here, there) = (here.pose_at(&empty(), Time::ZERO), there.pose_at(&empty(), Time::ZERO));
     let reference = Reference::new(&here, None);
     let mut camera = Camera::default();
     for (number, stand) in room::stands(12).into_iter().enumerate() {
@@ -194,7 +194,7 @@ fn the_sun_may_stand_anywhere() {
         let parts = corners.windows(2).zip(0..).map(|(ends, number)| Part {
             mesh: Arc::new(sheet(ends[0], ends[1])),
             label: Label::Wall(number),
-            place: Place::Fixed(Pose3::IDENTITY),
+            attachment: Attachment::Fixed(Pose3::IDENTITY),
         });
         let walls = Scenery::new(parts.collect(), floor().ground().cloned(), light, SKY);
         let mut random = Random::new(95);
@@ -213,8 +213,8 @@ fn the_sun_may_stand_anywhere() {
 #[test]
 fn pictures_may_be_a_pixel_or_two_millions() {
     let scene = room::scenery(room::light());
-    let still = scene.still(&empty(), Time::ZERO);
-    let reference = Reference::new(&still, None);
+    let posed = scene.pose_at(&empty(), Time::ZERO);
+    let reference = Reference::new(&posed, None);
     let mut camera = Camera::default();
     let stand = room::stands(1)[0];
     let pose = stand.pose();
@@ -223,7 +223,7 @@ fn pictures_may_be_a_pixel_or_two_millions() {
         let share = f64::from(size[0]) / f64::from(size[0].max(size[1]));
         for lens in [PINHOLE, Lens::Fisheye { fov: 3.0 * share }] {
             let view = view(pose, lens, size);
-            let shot = Shot::take(&mut camera, &still, &view, None);
+            let shot = Shot::take(&mut camera, &posed, &view, None);
             assert_eq!(shot.colour.size(), size);
             let step = 1 + (size[0] * size[1]) as usize / 499;
             Agreement::of_some(&shot, &reference, &view, step).assert_right(&format!("{size:?}, {lens:?}"));
@@ -288,7 +288,7 @@ fn no_sky_shows_through_a_closed_room() {
     let mut camera = Camera::default();
     for (name, mesh, middle) in rooms {
         let scene = scenery([mesh]);
-        let still = scene.still(&empty(), Time::ZERO);
+        let posed = scene.pose_at(&empty(), Time::ZERO);
         for turn in 0..1000 {
             // Every other view from the position and heading of robots on a grid: edges fall on the centres of pixels.
             let (offset, pose): (DVec3, Pose3) = if turn % 2 == 0 {
@@ -304,7 +304,7 @@ fn no_sky_shows_through_a_closed_room() {
             let size = [[25, 25], [32, 24]][turn / 4 % 2];
             let view = view(Pose3 { position: middle + offset, ..pose }, lens, size);
             let holes =
-                camera.labels(&still, &view, None).pixels().iter().filter(|label| **label == Label::Sky).count();
+                camera.labels(&posed, &view, None).pixels().iter().filter(|label| **label == Label::Sky).count();
             assert_eq!(holes, 0, "{name}, {view:?}");
         }
     }
@@ -313,7 +313,7 @@ fn no_sky_shows_through_a_closed_room() {
 #[test]
 fn a_camera_remembers_nothing() {
     let scene = room::scenery(Light { shadows: true, ..room::light() });
-    let still = scene.still(&empty(), Time::ZERO);
+    let posed = scene.pose_at(&empty(), Time::ZERO);
     let (mut one, mut shared) = (Camera::default(), Camera::default());
     let views: Vec<View> = room::stands(6)
         .into_iter()
@@ -324,12 +324,12 @@ fn a_camera_remembers_nothing() {
     for _ in 0..2 {
         for view in &views {
             for samples in [1, 3] {
-                let fresh = Camera::default().colour(&still, view, None, samples);
-                assert_eq!(one.colour(&still, view, None, samples), fresh);
+                let fresh = Camera::default().colour(&posed, view, None, samples);
+                assert_eq!(one.colour(&posed, view, None, samples), fresh);
             }
-            let (depth, labels) = (shared.depth(&still, view, None), shared.labels(&still, view, None));
-            assert_eq!(depth, Camera::default().depth(&still, view, None));
-            assert_eq!(labels, Camera::default().labels(&still, view, None));
+            let (depth, labels) = (shared.depth(&posed, view, None), shared.labels(&posed, view, None));
+            assert_eq!(depth, Camera::default().depth(&posed, view, None));
+            assert_eq!(labels, Camera::default().labels(&posed, view, None));
         }
     }
 }
@@ -337,9 +337,9 @@ fn a_camera_remembers_nothing() {
 #[test]
 fn nothing_at_all_is_sky() {
     let scene = scenery([]);
-    let still = scene.still(&empty(), Time::ZERO);
+    let posed = scene.pose_at(&empty(), Time::ZERO);
     let up = view(Pose3::from_angles(DVec3::ZERO, 0.0, FRAC_PI_2, 0.0), PINHOLE, [3, 3]);
-    let picture = Camera::default().colour(&still, &up, None, 1);
+    let picture = Camera::default().colour(&posed, &up, None, 1);
     assert_eq!(*picture.pixel(1, 1), SKY.zenith);
-    assert!(Camera::default().depth(&still, &up, None).pixels().iter().all(|depth| depth.is_infinite()));
+    assert!(Camera::default().depth(&posed, &up, None).pixels().iter().all(|depth| depth.is_infinite()));
 }

@@ -4,7 +4,7 @@ use accuracy::world::Random;
 use glam::DVec2;
 use proptest::prelude::*;
 use sim_core::RobotId;
-use sim_core::scene::{Bounds, Moving};
+use sim_core::scene::{Bounds, BoundsIndex};
 
 /// Returns true if a ray hits a rectangle enlarged by `margin`, by the separating axis theorem.
 fn meets(bounds: &Bounds, origin: DVec2, direction: DVec2, range: f64, margin: f64) -> bool {
@@ -18,7 +18,7 @@ fn meets(bounds: &Bounds, origin: DVec2, direction: DVec2, range: f64, margin: f
 }
 
 fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bounds]) {
-    let mut moving = Moving::default();
+    let mut moving = BoundsIndex::default();
     moving.rebuild(list);
     let mut sorted = list.to_vec();
     sorted.sort_by_key(|body| body.0);

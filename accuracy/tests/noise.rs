@@ -10,7 +10,8 @@ use sim_core::RobotId;
 use sim_core::drive::{self, Command, DriveKind, Imperfection, Model};
 use sim_core::math::{hypot, sin};
 use sim_core::noise::{
-    Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind, TwistNoise,
+    AngleErrors, AngleNoise, Events, ImageErrors, ImageNoise, MotionNoise, Purpose, RangeErrors, RangeKind, RangeNoise,
+    TwistNoise,
 };
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
@@ -168,14 +169,14 @@ fn readings(errors: &RangeErrors, count: u64, exact: f64) -> Vec<f64> {
     (0..count).filter_map(|index| errors.reading(index, Time::ZERO, WIDE, Some(exact))).collect()
 }
 
-fn sensor(model: Range) -> RangeErrors {
+fn sensor(model: RangeNoise) -> RangeErrors {
     RangeErrors::new(model, SEED, ROBOT, "PSD_FRONT")
 }
 
 #[test]
 fn readings_are_normal_about_the_distance() {
     for exact in [5.0, 50.0] {
-        let model = Range { sigma: 0.003, sigma_share: 0.001, bias: 0.01, ..Range::default() };
+        let model = RangeNoise { sigma: 0.003, sigma_share: 0.001, bias: 0.01, ..RangeNoise::default() };
         let sigma = hypot(model.sigma, model.sigma_share * exact);
         let mut sample = readings(&sensor(model), MILLION, exact);
         passes(&format!("at {exact} m"), normality(&mut sample, exact + 0.01, sigma));
@@ -184,7 +185,7 @@ fn readings_are_normal_about_the_distance() {
 
 #[test]
 fn steps_have_the_probabilities_of_their_cells() {
-    let model = Range { sigma: 0.02, step: 0.01, ..Range::default() };
+    let model = RangeNoise { sigma: 0.02, step: 0.01, ..RangeNoise::default() };
     let sample = readings(&sensor(model), MILLION, 5.003);
     passes("steps", cells(&sample, 0.01, |x| normal_cdf((x - 5.003) / 0.02)));
 }
@@ -211,7 +212,7 @@ fn cells(sample: &[f64], step: f64, cdf: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn outliers_and_drop_outs_come_as_often_as_they_say() {
-    let model = Range { outlier: 0.01, dropout: 0.003, ..Range::default() };
+    let model = RangeNoise { outlier: 0.01, dropout: 0.003, ..RangeNoise::default() };
     let errors = sensor(model);
     let (mut none, mut strays) = (0, Vec::new());
     for index in 0..MILLION {
@@ -228,7 +229,7 @@ fn outliers_and_drop_outs_come_as_often_as_they_say() {
 
 #[test]
 fn the_bias_of_the_making_is_normal_between_sensors() {
-    let model = Range { bias: 0.01, bias_sigma: 0.005, ..Range::default() };
+    let model = RangeNoise { bias: 0.01, bias_sigma: 0.005, ..RangeNoise::default() };
     let offset = |name: u64| {
         let errors = RangeErrors::new(model, SEED, RobotId(1 + (name % 100) as u32), &format!("S{}", name / 100));
         errors.reading(0, Time::ZERO, WIDE, Some(5.0)).expect("a distance") - 5.0
@@ -239,16 +240,16 @@ fn the_bias_of_the_making_is_normal_between_sensors() {
 
 #[test]
 fn the_noise_of_the_sensor_itself_is_that_of_the_paper() {
-    let errors = sensor(Range { device: 1.0, ..Range::default() });
+    let errors = sensor(RangeNoise { device: 1.0, ..RangeNoise::default() });
     let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.own(index, 0.01, 0.002)).collect();
     passes("N = sigma G + m", normality(&mut sample, 0.002, 0.01));
-    let half = sensor(Range { device: 0.5, ..Range::default() });
+    let half = sensor(RangeNoise { device: 0.5, ..RangeNoise::default() });
     assert_eq!(half.own(7, 0.01, 0.002), 0.5 * errors.own(7, 0.01, 0.002));
 }
 
 #[test]
 fn a_drift_moves_the_mean_alone() {
-    let errors = sensor(Range { sigma: 0.01, drift: 0.1, drift_time: 30.0, ..Range::default() });
+    let errors = sensor(RangeNoise { sigma: 0.01, drift: 0.1, drift_time: 30.0, ..RangeNoise::default() });
     let at = Time::from_millis(45_000);
     let sample = (0..MILLION).filter_map(|index| errors.reading(index, at, WIDE, Some(5.0)));
     passes(
@@ -267,11 +268,14 @@ fn every_kind_of_every_preset_reads_as_it_says() {
             let model = profile.range(kind, "");
             let errors = sensor(model);
             if preset == Preset::default() {
-                assert_eq!((model, errors.reading(3, Time::ZERO, WIDE, Some(EXACT))), (Range::default(), Some(EXACT)));
+                assert_eq!(
+                    (model, errors.reading(3, Time::ZERO, WIDE, Some(EXACT))),
+                    (RangeNoise::default(), Some(EXACT))
+                );
                 continue;
             }
             // At the start of the run the drift has its full size. A model with `bias_sigma` alone shows the sensor's own bias.
-            let made = sensor(Range { bias_sigma: model.bias_sigma, ..Range::default() });
+            let made = sensor(RangeNoise { bias_sigma: model.bias_sigma, ..RangeNoise::default() });
             let offset = made.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
             let (mean, sigma) =
                 (EXACT + model.bias + offset + model.drift, hypot(model.sigma, model.sigma_share * EXACT));
@@ -316,11 +320,11 @@ fn every_kind_of_every_preset_reads_as_it_says() {
 fn compasses_of_every_preset_read_as_they_say() {
     for preset in presets().skip(1) {
         let model = preset.profile().compass;
-        let smooth = Angle { step: 0.0, bias_sigma: 0.0, ..model };
+        let smooth = AngleNoise { step: 0.0, bias_sigma: 0.0, ..model };
         let errors = AngleErrors::new(smooth, SEED, ROBOT, "COMPASS");
         let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.reading(index, 1.0)).collect();
         passes(preset.name, normality(&mut sample, 1.0 + model.bias, model.sigma));
-        let stepped = AngleErrors::new(Angle { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
+        let stepped = AngleErrors::new(AngleNoise { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
         let sample: Vec<f64> = (0..MILLION).map(|index| stepped.reading(index, 1.0)).collect();
         passes(preset.name, cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
     }
@@ -328,7 +332,7 @@ fn compasses_of_every_preset_read_as_they_say() {
 
 #[test]
 fn the_bias_of_the_making_is_normal_between_compasses() {
-    let model = Angle { bias: 0.02, bias_sigma: 0.05, ..Angle::default() };
+    let model = AngleNoise { bias: 0.02, bias_sigma: 0.05, ..AngleNoise::default() };
     let offset = |robot| AngleErrors::new(model, SEED, RobotId(robot), "COMPASS").reading(0, 1.0) - 1.0;
     let mut sample: Vec<f64> = (1..=1_000_000).map(offset).collect();
     passes("bias", normality(&mut sample, 0.02, 0.05));
@@ -338,10 +342,10 @@ fn the_bias_of_the_making_is_normal_between_compasses() {
 fn images_of_every_preset_are_as_they_say() {
     const GREY: u8 = 128;
     let of_presets = presets().skip(1).map(|preset| preset.profile().camera);
-    let all = Image { blur: 2.0, sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
+    let all = ImageNoise { blur: 2.0, sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
     let count = 1_000_000;
     for model in of_presets.chain([all]) {
-        let frame = |model: Image| -> Vec<[u8; 3]> {
+        let frame = |model: ImageNoise| -> Vec<[u8; 3]> {
             let errors = ImageErrors::new(model, SEED, ROBOT, "CAMERA");
             let mut pixels = vec![[GREY; 3]; count];
             for (row, pixels) in (0..).zip(pixels.chunks_mut(1000)) {
@@ -349,7 +353,7 @@ fn images_of_every_preset_are_as_they_say() {
             }
             pixels
         };
-        let levels: Vec<f64> = frame(Image { sigma: model.sigma, ..Image::default() })
+        let levels: Vec<f64> = frame(ImageNoise { sigma: model.sigma, ..ImageNoise::default() })
             .as_flattened()
             .iter()
             .map(|level| f64::from(*level))
@@ -360,12 +364,12 @@ fn images_of_every_preset_are_as_they_say() {
         let variance = model.sigma * model.sigma + 1.0 / 12.0;
         passes("mean", moments.mean_is(GREY.into(), variance));
         passes("variance", moments.variance_is(variance));
-        let pixels = frame(Image { sigma: 0.0, hundreds_and_thousands: 0.0, ..model });
+        let pixels = frame(ImageNoise { sigma: 0.0, hundreds_and_thousands: 0.0, ..model });
         let hits = |colour: [u8; 3]| pixels.iter().filter(|pixel| **pixel == colour).count() as u64;
         let (salt, pepper) = (hits([255; 3]), hits([0; 3]));
         passes("salt and pepper", binomial(salt + pepper, MILLION, model.salt_and_pepper));
         passes("salt", binomial(salt, salt + pepper, model.salt));
-        let pixels = frame(Image { sigma: 0.0, salt_and_pepper: 0.0, ..model });
+        let pixels = frame(ImageNoise { sigma: 0.0, salt_and_pepper: 0.0, ..model });
         let coloured: Vec<[u8; 3]> = pixels.into_iter().filter(|pixel| *pixel != [GREY; 3]).collect();
         passes("hundreds and thousands", binomial(coloured.len() as u64, MILLION, model.hundreds_and_thousands));
         if coloured.len() > 1000 {
@@ -396,10 +400,10 @@ fn the_blur_of_every_preset_is_as_it_says() {
     for blur in of_presets.chain([2.0, 5.0]) {
         // A filter scales the variance of white noise by the sum of its squared weights in each direction; for a discrete Gaussian that
         // sum is the central weight of a Gaussian of twice the variance.
-        let white = Image { sigma: DEVIATION, ..Image::default() };
+        let white = ImageNoise { sigma: DEVIATION, ..ImageNoise::default() };
         let mut pixels = vec![[128_u8]; 1_000_000];
         ImageErrors::new(white, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
-        let model = Image { blur, ..Image::default() };
+        let model = ImageNoise { blur, ..ImageNoise::default() };
         ImageErrors::new(model, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
         let levels: Vec<f64> = pixels.as_flattened().iter().map(|level| f64::from(*level)).collect();
         let share = middle_weight(2.0 * blur * blur);
@@ -417,7 +421,7 @@ fn the_blur_of_every_preset_is_as_it_says() {
 #[test]
 fn wheels_of_every_preset_are_as_they_say() {
     for preset in presets().skip(1) {
-        let motion: Motion = preset.profile().motion;
+        let motion: MotionNoise = preset.profile().motion;
         let of = |robot| motion.imperfection(DriveKind::Omni, SEED, RobotId(robot)).diameters;
         let mut sample: Vec<f64> = (1..=250_000).flat_map(of).collect();
         passes(preset.name, normality(&mut sample, motion.left, motion.diameter_sigma));
@@ -503,7 +507,7 @@ fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
 #[test]
 fn drives_and_odometry_of_every_preset_err_as_they_say() {
     for preset in presets() {
-        let Motion { command, odometry, .. } = preset.profile().motion;
+        let MotionNoise { command, odometry, .. } = preset.profile().motion;
         let [truth, belief] =
             ticks(DriveKind::Differential, ORDER, Imperfection { command, odometry, ..Imperfection::default() });
         check_twists(&format!("command of {}", preset.name), &truth, ORDER, command);
@@ -529,7 +533,7 @@ fn twists_of_an_omni_drive_err_along_all_axes() {
 #[test]
 fn wheels_of_every_preset_slip_as_they_say() {
     for preset in presets() {
-        let Motion { slip, slip_sigma, .. } = preset.profile().motion;
+        let MotionNoise { slip, slip_sigma, .. } = preset.profile().motion;
         if slip_sigma == 0.0 {
             assert_eq!(slip, 0.0, "{}", preset.name);
             continue;

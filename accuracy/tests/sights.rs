@@ -14,7 +14,7 @@ use sim_core::{
     pose::Pose,
     scene::{Segment, Surface, WallId, Walls},
     time::Time,
-    world::{Block, Face, Ray, RayHit, Space, World},
+    world::{HitSurface, Ray, RayHit, Space, ThickWall, World},
 };
 
 const ME: RobotId = RobotId(1);
@@ -74,7 +74,7 @@ fn rays_meet_the_bodies_that_brute_force_meets() {
                 world.cast(ME, &Ray::new(origin, direction, 4.0), Time::ZERO).filter(|met| met.thing != Thing::Floor);
             match nearest_body(&bodies, origin, direction, 4.0, 1e-11) {
                 Some((metres, place)) => match found {
-                    Some(RayHit { distance, thing, face: Some(Face { normal, .. }) }) => {
+                    Some(RayHit { distance, thing, face: Some(HitSurface { normal, .. }) }) => {
                         // Brute force stops 10 pm short, measured along the normal.
                         let close = 1e-9 + 2e-11 / normal.dot(direction).abs();
                         assert!((distance - metres).abs() < close, "{distance} for {metres}");
@@ -125,7 +125,7 @@ fn two_walls() -> World {
     let mut segments = vec![thin];
     segments.extend(line.thickened(0.4));
     let walls = Walls::new(segments).with_heights(vec![1.0, 0.5, 0.5, 0.5, 0.5]);
-    world(walls, Space { blocks: vec![Block::new(WallId(1), &line, 0.4, 0.5)], ..Space::default() })
+    world(walls, Space { thick_walls: vec![ThickWall::new(WallId(1), &line, 0.4, 0.5)], ..Space::default() })
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::{env, fs};
 
 use accuracy::camera::{Agreement, Reference, Shot};
 use accuracy::{room, world};
-use sim_core::camera::{Camera, Lens, Light, Scenery, Still, View};
+use sim_core::camera::{Camera, Lens, Light, PosedScenery, Scenery, View};
 use sim_core::scene::Mesh;
 use sim_core::time::Time;
 
@@ -51,8 +51,8 @@ fn main() {
     );
     for size in SIZES {
         for scenery in &sceneries {
-            let still = scenery.still(&world::empty(), Time::ZERO);
-            for row in rows(&folder, python.as_deref(), &still, size) {
+            let posed = scenery.pose_at(&world::empty(), Time::ZERO);
+            for row in rows(&folder, python.as_deref(), &posed, size) {
                 print(size, &row);
             }
         }
@@ -70,20 +70,20 @@ fn print([width, height]: [u32; 2], (row, ours): &(Row, f64)) {
     );
 }
 
-fn rows(folder: &Path, python: Option<&OsStr>, still: &Still, size: [u32; 2]) -> Vec<(Row, f64)> {
-    let peers: &[(&str, &str)] = if still.scenery().light().shadows {
+fn rows(folder: &Path, python: Option<&OsStr>, posed: &PosedScenery, size: [u32; 2]) -> Vec<(Row, f64)> {
+    let peers: &[(&str, &str)] = if posed.scenery().light().shadows {
         &[("mujoco", "1024"), ("mujoco-boxes", "1024"), ("mujoco", "default"), ("pybullet", "default")]
     } else {
         &[("mujoco", "none"), ("mujoco-boxes", "none"), ("pybullet", "none")]
     };
-    let shadows = if still.scenery().light().shadows { "exact" } else { "none" };
+    let shadows = if posed.scenery().light().shadows { "exact" } else { "none" };
     let row = |&(renderer, shadows)| Row { renderer, shadows, seconds: f64::INFINITY, difference: 0.0 };
     let mut rows: Vec<Row> = std::iter::once(&("eyesim", shadows)).chain(peers).map(row).collect();
     let mut ours = Vec::new();
     for _ in 0..TURNS {
         for row in &mut rows {
             let Some((seconds, pixels)) = (match (row.renderer, python) {
-                ("eyesim", _) => Some(eyesim(still, size)),
+                ("eyesim", _) => Some(eyesim(posed, size)),
                 (_, python) => python.map(|python| peer(python, folder, row, size)),
             }) else {
                 continue;
@@ -107,14 +107,14 @@ fn views(size: [u32; 2]) -> Vec<View> {
 }
 
 /// Seconds for all views, and their pixels.
-fn eyesim(still: &Still, size: [u32; 2]) -> (f64, Vec<u8>) {
+fn eyesim(posed: &PosedScenery, size: [u32; 2]) -> (f64, Vec<u8>) {
     let views = views(size);
     let mut camera = Camera::default();
     let mut seconds = f64::INFINITY;
     let mut pixels = Vec::new();
     for _ in 0..=REPEATS {
         let start = Instant::now();
-        let pictures: Vec<_> = views.iter().map(|view| camera.colour(still, view, None, 1)).collect();
+        let pictures: Vec<_> = views.iter().map(|view| camera.colour(posed, view, None, 1)).collect();
         seconds = seconds.min(start.elapsed().as_secs_f64());
         pixels = pictures.iter().flat_map(|picture| picture.pixels().as_flattened()).copied().collect();
     }
@@ -165,11 +165,11 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
 
 /// Smoke test: every picture once, compared with the reference.
 fn assert_right(scenery: &Scenery) {
-    let still = scenery.still(&world::empty(), Time::ZERO);
-    let reference = Reference::new(&still, None);
+    let posed = scenery.pose_at(&world::empty(), Time::ZERO);
+    let reference = Reference::new(&posed, None);
     let mut camera = Camera::default();
     for view in views(SIZES[0]) {
-        let shot = Shot::take(&mut camera, &still, &view, None);
+        let shot = Shot::take(&mut camera, &posed, &view, None);
         Agreement::of_some(&shot, &reference, &view, 7).assert_right("room");
     }
     println!("camera, shadows {}: within a grey level", scenery.light().shadows);

@@ -4,7 +4,7 @@ use accuracy::world::Random;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec2;
 use sim_core::RobotId;
-use sim_core::scene::{Bounds, Moving};
+use sim_core::scene::{Bounds, BoundsIndex};
 use std::hint::black_box;
 
 /// Discs of 0.1 m that move by up to 2.5 cm in the slot.
@@ -23,7 +23,7 @@ fn moving(criterion: &mut Criterion) {
     let (arena, list) = bodies(1000);
     let mut random = Random::new(5);
     let rays: Vec<_> = (0..8000).map(|_| (random.point_in(arena), random.direction())).collect();
-    let mut index = Moving::default();
+    let mut index = BoundsIndex::default();
     index.rebuild(&list);
     let mut group = criterion.benchmark_group("moving");
     group.throughput(Throughput::Elements(list.len() as u64));

@@ -8,7 +8,7 @@ use sim_core::RobotId;
 use sim_core::build;
 use sim_core::noise::{RangeErrors, RangeKind};
 use sim_core::pose::Pose;
-use sim_core::radio::Model;
+use sim_core::radio::RadioModel;
 use sim_core::scene::Mesh;
 use sim_core::spec::{
     Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
@@ -274,7 +274,7 @@ pub fn scene(scene: &SceneSpec) {
     }
 }
 
-fn radio(model: &Model) {
+fn radio(model: &RadioModel) {
     assert!((1..=1_000_000_000).contains(&model.baud), "{model:?}");
     assert!((0..=3_600_000_000).contains(&model.latency.0), "{model:?}");
     model.range.iter().for_each(|range| size(*range, model));

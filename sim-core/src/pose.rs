@@ -119,10 +119,10 @@ impl Pose {
     /// resolve a quarter of a micrometre.
     ///
     /// # Errors
-    /// [`PlaceError`] for a position that is farther away or not finite.
-    pub fn check_place(&self) -> Result<(), PlaceError> {
+    /// [`PlacementError`] for a position that is farther away or not finite.
+    pub fn check_placement(&self) -> Result<(), PlacementError> {
         let [x, y] = self.position.to_array();
-        if [x, y].iter().all(|value| value.abs() <= 1e9) { Ok(()) } else { Err(PlaceError) }
+        if [x, y].iter().all(|value| value.abs() <= 1e9) { Ok(()) } else { Err(PlacementError) }
     }
 
     /// This pose after moving by `displacement` at constant twist, in closed form.
@@ -139,7 +139,7 @@ impl Pose {
 /// Error for a pose at which no body can be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
-pub struct PlaceError;
+pub struct PlacementError;
 
 /// Pose in space of one frame in another: `world_from_sensor` takes coordinates of the sensor's frame to the world's.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
 //! resolves the contacts between bodies, publishes the changes and goes on to the next slot.
 
+mod lifetime;
 mod near;
 mod objects;
-mod presence;
 mod ray;
 mod settle;
 mod space;
@@ -23,18 +23,18 @@ use crate::{
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Motion, Passage},
     object::{Properties, State},
-    pose::{PlaceError, Pose, Pose3, Twist},
-    radio::{Channel, Loss, Model},
-    scene::{Bounds, Moving, Walls},
+    pose::{PlacementError, Pose, Pose3, Twist},
+    radio::{Channel, Loss, RadioModel},
+    scene::{Bounds, BoundsIndex, Walls},
     time::Time,
 };
+pub use lifetime::Lifetime;
 use objects::Objects;
-pub use presence::Presence;
-pub use ray::{Face, Ray, RayHit, Tilt};
+pub use ray::{HitSurface, Ray, RayHit, Tilt};
 use settle::{Settling, Truth};
-use space::Stage;
-pub use space::{Block, Space};
-pub use touch::{Closeness, LegTouch};
+use space::IndexedSpace;
+pub use space::{Space, ThickWall};
+pub use touch::{LegClearance, LegContact};
 use track::Track;
 
 /// A contact that began in a slot.
@@ -76,9 +76,9 @@ pub struct World {
     tracks: Vec<Track>,
     /// Index over the bodies that move: bounds of their published motion from 100 ms before the present slot to its
     /// end.
-    moving: Moving<RobotId>,
+    moving: BoundsIndex<RobotId>,
     /// Index over the bodies at rest.
-    resting: Moving<RobotId>,
+    resting: BoundsIndex<RobotId>,
     /// Number of robots that were removed longer ago than the history reaches.
     forgotten: usize,
     /// Buffer for the next rebuild of an index.
@@ -87,16 +87,16 @@ pub struct World {
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
     /// Geometry that only rays in space meet.
-    stage: Arc<Stage>,
-    calm: Calm,
+    indexed_space: Arc<IndexedSpace>,
+    quiescence: Quiescence,
     radio: Channel,
     /// Published stances of the legged robots.
-    held: BTreeMap<RobotId, Held>,
+    stances: BTreeMap<RobotId, PublishedStance>,
 }
 
 /// Published stance of a legged robot: its posture at the start of the present slot.
 #[derive(Clone, Debug, PartialEq)]
-struct Held {
+struct PublishedStance {
     lift: f64,
     /// Pose of each leg part in the robot's frame.
     parts: Vec<Pose3>,
@@ -105,13 +105,13 @@ struct Held {
 /// Time up to which the only robot of a world follows its plan of this revision with no contact to resolve and nothing
 /// to publish.
 #[derive(Clone, Copy, Debug, Default)]
-struct Calm {
+struct Quiescence {
     revision: u64,
     until: Time,
 }
 
-/// Look-ahead limit of [`Calm`], which keeps the robot's rectangle in the index small.
-const CALM: Time = Time::from_millis(10_000);
+/// Look-ahead limit of [`Quiescence`], which keeps the robot's rectangle in the index small.
+const MAX_QUIESCENCE: Time = Time::from_millis(10_000);
 
 impl World {
     /// A world at time 0 with slots of length `slot` and the robots of `motions`, in the order of their ids from 1 on.
@@ -120,27 +120,27 @@ impl World {
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
         assert!(slot > Time::ZERO, "a slot has a length");
-        let stage = Arc::new(Stage::new(Space::default(), &walls));
+        let indexed_space = Arc::new(IndexedSpace::new(Space::default(), &walls));
         let mut world = Self {
             walls,
             slot,
             now: Time::ZERO,
             tracks: Vec::new(),
-            moving: Moving::default(),
-            resting: Moving::default(),
+            moving: BoundsIndex::default(),
+            resting: BoundsIndex::default(),
             forgotten: 0,
             bounds: Vec::new(),
             truth: Truth::default(),
             objects: None,
-            stage,
-            calm: Calm::default(),
+            indexed_space,
+            quiescence: Quiescence::default(),
             radio: Channel::default(),
-            held: BTreeMap::new(),
+            stances: BTreeMap::new(),
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
-            world.tracks.push(Track::new(motion, Presence::ALWAYS, (Time::ZERO, slot)));
-            world.hold(motion, Time::ZERO);
+            world.tracks.push(Track::new(motion, Lifetime::ALWAYS, (Time::ZERO, slot)));
+            world.publish_stance(motion, Time::ZERO);
         }
         world.refresh_index();
         world
@@ -160,7 +160,7 @@ impl World {
 
     /// Sets the geometry that only rays in space distinguish: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
-        self.stage = Arc::new(Stage::new(space, &self.walls));
+        self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
     }
 
@@ -183,13 +183,13 @@ impl World {
     /// Robots that cannot hear a message sent by `robot` from `position` at `at`, each with the reason, in the order of
     /// their ids: robots beyond the channel's range, and, if it needs a line of sight, robots behind a wall of any
     /// height. Bodies block no message: our choice.
-    pub fn out_of_reach(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
-        let Model { range, line_of_sight, .. } = *self.radio.model();
+    pub fn unreachable_robots(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
+        let RadioModel { range, line_of_sight, .. } = *self.radio.model();
         if range.is_none() && !line_of_sight {
             return Vec::new();
         }
         let others = (0..self.tracks.len()).map(RobotId::from_index);
-        let others = others.filter(|other| *other != robot && self.is_robot_there(*other, at));
+        let others = others.filter(|other| *other != robot && self.is_robot_present(*other, at));
         let reached = |other: RobotId| {
             let way = self.tracks[other.index()].centre(at) - position;
             let distance = way.length();
@@ -242,13 +242,13 @@ impl World {
     /// Any place is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
     ///
     /// # Errors
-    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
     ///
     /// # Panics
     /// If there is no such object.
-    pub fn place_object(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlaceError> {
-        world_from_object.check_place()?;
-        self.objects.as_mut().expect("the scene has this object").place(object, world_from_object);
+    pub fn place_object(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlacementError> {
+        world_from_object.check_placement()?;
+        self.objects.as_mut().expect("the scene has this object").queue_placement(object, world_from_object);
         Ok(())
     }
 
@@ -258,15 +258,15 @@ impl World {
     /// Any place is allowed: an object inside a wall or a body is pushed out.
     ///
     /// # Errors
-    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
     ///
     /// # Panics
     /// If there is no such object.
-    pub fn place_object_now(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlaceError> {
+    pub fn place_object_now(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlacementError> {
         self.place_object(object, world_from_object)?;
         let (now, end) = (self.now, self.slot_end());
         let objects = self.objects.as_mut().expect("the scene has this object");
-        objects.settle_places();
+        objects.apply_placements();
         objects.publish(now, end);
         Ok(())
     }
@@ -366,11 +366,11 @@ impl World {
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
         let end = self.slot_end();
         if let [motion] = active
-            && self.is_calm(motion, end + self.slot)
+            && self.is_quiescent(motion, end + self.slot)
         {
             motion.pass(end);
             self.now = end;
-            self.hold(motion, end);
+            self.publish_stance(motion, end);
             return Vec::new();
         }
         active.sort_by_key(|motion| motion.id());
@@ -395,17 +395,18 @@ impl World {
         self.truth = truth;
         self.now = end;
         if let Some(objects) = &mut self.objects {
-            objects.settle_places();
+            objects.apply_placements();
             objects.publish(end, end + self.slot);
         }
         for motion in active.iter_mut() {
             self.tracks[motion.id().index()].publish(motion, end, end + self.slot);
-            self.hold(motion, end);
+            self.publish_stance(motion, end);
         }
         if let [motion] = active
-            && self.is_for_one()
+            && self.has_single_robot()
         {
-            self.calm = Calm { revision: motion.revision(), until: motion.steady_until(end).min(end + CALM) };
+            self.quiescence =
+                Quiescence { revision: motion.revision(), until: motion.steady_until(end).min(end + MAX_QUIESCENCE) };
         }
         self.refresh_index();
         contacts
@@ -416,46 +417,46 @@ impl World {
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
         self.tracks[motion.id().index()].publish(motion, now, end);
-        self.hold(motion, now);
-        self.calm = Calm::default();
+        self.publish_stance(motion, now);
+        self.quiescence = Quiescence::default();
         self.refresh_index();
     }
 
     /// Publishes the stance of a legged robot at `now`.
-    fn hold(&mut self, motion: &mut Motion, now: Time) {
+    fn publish_stance(&mut self, motion: &mut Motion, now: Time) {
         if motion.legs().is_none() {
             return;
         }
         let stance = motion.stance(now);
         let parts = motion.legs().map(|legs| legs.parts(&stance)).unwrap_or_default();
-        self.held.insert(motion.id(), Held { lift: stance.lift, parts });
+        self.stances.insert(motion.id(), PublishedStance { lift: stance.lift, parts });
     }
 
     /// Pose of a robot's body in space at `at`, raised by its legs as in the published stance of the present slot's
     /// start.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
-        Pose3::from_planar(&self.robot_pose(robot, at), self.held.get(&robot).map_or(0.0, |held| held.lift))
+        Pose3::from_planar(&self.robot_pose(robot, at), self.stances.get(&robot).map_or(0.0, |stances| stances.lift))
     }
 
     /// Pose in the world at `at` of a part of a robot's legs, indexed as in
     /// [`Legs::parts`](crate::drive::legged::Legs::parts), with the stance at the start of the present slot; `None` if
     /// there is no such part.
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
-        let robot_from_part = self.held.get(&robot)?.parts.get(part)?;
+        let robot_from_part = self.stances.get(&robot)?.parts.get(part)?;
         Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
     }
 
     /// Returns true if there is only one robot and no movable object.
-    fn is_for_one(&self) -> bool {
+    fn has_single_robot(&self) -> bool {
         self.tracks.len() == 1 && self.objects.is_none()
     }
 
     /// Returns true if nothing is to be resolved or published before `until`: the common case for a single robot.
-    fn is_calm(&self, motion: &Motion, until: Time) -> bool {
-        until <= self.calm.until
-            && motion.revision() == self.calm.revision
+    fn is_quiescent(&self, motion: &Motion, until: Time) -> bool {
+        until <= self.quiescence.until
+            && motion.revision() == self.quiescence.revision
             && motion.is_uncommanded()
-            && self.is_for_one()
+            && self.has_single_robot()
     }
 
     /// Skips to the slot that starts at `slot_start`. Precondition: before it, no robot is [active](Motion::is_active),
@@ -480,13 +481,13 @@ impl World {
 
     /// Enters the bounds of the published motion into the indices; bodies at rest cost nothing.
     fn refresh_index(&mut self) {
-        let (from, to) = (self.now - HISTORY, self.slot_end().max(self.calm.until));
+        let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
         let mut has_rest_changed = false;
         self.bounds.clear();
         for (index, track) in self.tracks.iter_mut().enumerate() {
             if !track.is_resting() {
                 track.refresh(from, to);
-                self.forgotten += usize::from(track.presence.until <= from);
+                self.forgotten += usize::from(track.lifetime.until <= from);
                 has_rest_changed |= track.is_resting();
                 self.bounds.push((RobotId::from_index(index), track.bounds()));
             }
@@ -510,7 +511,7 @@ impl World {
     /// Visits each robot present at `at` whose published motion comes near `bounds`.
     fn for_each_near(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(RobotId)) {
         let mut visit = |robot| {
-            if self.is_robot_there(robot, at) {
+            if self.is_robot_present(robot, at) {
                 visit(robot);
             }
         };

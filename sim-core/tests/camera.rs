@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2};
 use sim_core::RobotId;
-use sim_core::camera::{Camera, Floor, Ground, Label, Lens, Light, Part, Place, Scenery, Sky, Spot, View};
+use sim_core::camera::{Attachment, Camera, Floor, Ground, Label, Lens, Light, Part, Scenery, Sky, Spot, View};
 use sim_core::pose::Pose3;
 use sim_core::scene::{Material, Mesh, Texture, Triangle, Walls};
 use sim_core::time::Time;
@@ -36,7 +36,7 @@ fn at_height(z: f64) -> Pose3 {
 }
 
 fn wall(material: Material) -> Part {
-    Part { mesh: square(2.0, material), label: Label::Wall(3), place: Place::Fixed(at_height(1.0)) }
+    Part { mesh: square(2.0, material), label: Label::Wall(3), attachment: Attachment::Fixed(at_height(1.0)) }
 }
 
 fn world() -> World {
@@ -59,26 +59,26 @@ fn view(z: f64, pitch: f64, size: [u32; 2]) -> View {
 #[test]
 fn a_wall_stands_on_the_ground_beneath_the_sky() {
     let scenery = Scenery::new(vec![wall(Material::default())], Some(ground()), LIGHT, SKY);
-    let still = scenery.still(&world(), Time::ZERO);
+    let posed = scenery.pose_at(&world(), Time::ZERO);
     let (mut camera, view) = (Camera::default(), view(1.0, 0.0, [101, 101]));
-    let labels = camera.labels(&still, &view, None);
+    let labels = camera.labels(&posed, &view, None);
     assert_eq!([50, 3, 97].map(|row| *labels.pixel(50, row)), [Label::Wall(3), Label::Sky, Label::Ground]);
     // The wall's edges are half a metre per metre from the axis: a quarter of the image's width on either side.
     let of_wall = labels.pixels().iter().filter(|label| **label == Label::Wall(3)).count();
     assert_eq!(of_wall, 51 * 51);
-    let depth = camera.depth(&still, &view, None);
+    let depth = camera.depth(&posed, &view, None);
     assert_eq!(*depth.pixel(50, 50), 2.0);
     assert_eq!(*depth.pixel(50, 3), f32::INFINITY);
     // Rows below the axis fall by 1/50.5 a metre.
     let slope = 47.0_f64 / 50.5;
     let expected = (1.0 + slope * slope).sqrt() / slope;
     assert!((f64::from(*depth.pixel(50, 97)) - expected).abs() < 1e-6, "{} {expected}", depth.pixel(50, 97));
-    let colour = camera.colour(&still, &view, None, 1);
+    let colour = camera.colour(&posed, &view, None, 1);
     // Light grey at half the light; the floor at full light.
     assert_eq!(*colour.pixel(50, 50), [102; 3]);
     assert_eq!([*colour.pixel(3, 97), *colour.pixel(97, 99)], [[160, 120, 80], [80; 3]]);
     assert_eq!(*colour.pixel(40, 99), [160, 120, 80]);
-    let down = camera.colour(&still, &self::view(1.0, -FRAC_PI_4, [101, 101]), None, 1);
+    let down = camera.colour(&posed, &self::view(1.0, -FRAC_PI_4, [101, 101]), None, 1);
     assert_eq!(*down.pixel(32, 50), [0, 0, 200], "the spot 1 m ahead and half a metre to the left");
 }
 
@@ -88,8 +88,8 @@ fn a_texture_stands_upright() {
     let texture = Some(Arc::new(Texture::new(2, 2, vec![red, green, blue, white]).expect("four pixels")));
     let material = Material { colour: [1.0; 3], texture, ..Material::default() };
     let scenery = Scenery::new(vec![wall(material)], None, LIGHT, SKY);
-    let still = scenery.still(&world(), Time::ZERO);
-    let picture = Camera::default().colour(&still, &view(1.0, 0.0, [100, 100]), None, 1);
+    let posed = scenery.pose_at(&world(), Time::ZERO);
+    let picture = Camera::default().colour(&posed, &view(1.0, 0.0, [100, 100]), None, 1);
     let at = |column, row| picture.pixel(column, row).map(|channel| channel > 80);
     assert_eq!([at(37, 37), at(62, 37)], [[true, false, false], [false, true, false]], "the upper row");
     assert_eq!([at(37, 62), at(62, 62)], [[false, false, true], [true; 3]], "the lower row");
@@ -100,9 +100,9 @@ fn a_robot_does_not_see_itself_but_others_do() {
     let robot = RobotId(1);
     let part = Part { label: Label::Robot(robot), ..wall(Material::default()) };
     let scenery = Scenery::new(vec![part], None, LIGHT, SKY);
-    let still = scenery.still(&world(), Time::ZERO);
+    let posed = scenery.pose_at(&world(), Time::ZERO);
     let view = view(1.0, 0.0, [9, 9]);
-    let middle = |by| *Camera::default().labels(&still, &view, by).pixel(4, 4);
+    let middle = |by| *Camera::default().labels(&posed, &view, by).pixel(4, 4);
     assert_eq!(
         [middle(None), middle(Some(RobotId(2))), middle(Some(robot))],
         [Label::Robot(robot), Label::Robot(robot), Label::Sky]
@@ -112,11 +112,11 @@ fn a_robot_does_not_see_itself_but_others_do() {
 #[test]
 fn a_fisheye_sees_what_is_beside_and_behind() {
     let scenery = Scenery::new(vec![wall(Material::default())], None, LIGHT, SKY);
-    let still = scenery.still(&world(), Time::ZERO);
+    let posed = scenery.pose_at(&world(), Time::ZERO);
     let pose = |yaw| Pose3::from_angles(DVec3::new(0.0, 0.0, 1.0), 0.0, 0.0, yaw);
     for (yaw, column) in [(0.0, 50), (FRAC_PI_2, 75), (-FRAC_PI_2, 25)] {
         let view = View::new(pose(yaw), Lens::Fisheye { fov: 4.0 * FRAC_PI_2 }, [101, 101]).expect("a view");
-        let labels = Camera::default().labels(&still, &view, None);
+        let labels = Camera::default().labels(&posed, &view, None);
         assert_eq!(*labels.pixel(column, 50), Label::Wall(3), "turned by {yaw}");
         assert_eq!(*labels.pixel(100 - column, 46), if column == 50 { Label::Wall(3) } else { Label::Sky });
     }
@@ -125,9 +125,9 @@ fn a_fisheye_sees_what_is_beside_and_behind() {
 #[test]
 fn more_samples_soften_edges_alone() {
     let scenery = Scenery::new(vec![wall(Material::default())], None, LIGHT, SKY);
-    let still = scenery.still(&world(), Time::ZERO);
+    let posed = scenery.pose_at(&world(), Time::ZERO);
     let view = view(1.0, 0.0, [50, 50]);
-    let [hard, soft] = [1, 4].map(|samples| Camera::default().colour(&still, &view, None, samples));
+    let [hard, soft] = [1, 4].map(|samples| Camera::default().colour(&posed, &view, None, samples));
     let differing = hard.pixels().iter().zip(soft.pixels()).filter(|(hard, soft)| hard[0].abs_diff(soft[0]) > 2);
     // The edges run through the middle of pixels.
     assert_eq!(differing.count(), 4 * 26 - 4);

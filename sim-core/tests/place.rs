@@ -9,7 +9,7 @@ use sim_core::{
     contact::{SKIN, Thing},
     drive::{Command, DriveKind, Gains, Model, Motion},
     object::{Part, Properties, Resistance, Shape},
-    pose::{PlaceError, Pose, Twist},
+    pose::{PlacementError, Pose, Twist},
     scene::{Segment, Walls},
     time::Time,
     world::{Contact, Ray, World},
@@ -163,8 +163,8 @@ fn what_is_no_place_is_refused() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0)]).with_objects(Pose::new(2.0, 2.0, 0.0), Pose::default());
     for bad in [f64::NAN, f64::INFINITY, -2e9, 1e300] {
         for pose in [Pose::new(bad, 0.0, 0.0), Pose::new(0.0, bad, 0.0)] {
-            assert_eq!(scene.motions[0].place(Time::ZERO, pose), Err(PlaceError));
-            assert_eq!(scene.world.place_object(CRATE, pose), Err(PlaceError));
+            assert_eq!(scene.motions[0].place(Time::ZERO, pose), Err(PlacementError));
+            assert_eq!(scene.world.place_object(CRATE, pose), Err(PlacementError));
         }
     }
     assert!(!scene.motions[0].is_active(), "nothing has changed");

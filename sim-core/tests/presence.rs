@@ -12,7 +12,7 @@ use sim_core::{
     pose::{Pose, Twist},
     scene::{Segment, Surface, Walls},
     time::Time,
-    world::{Block, Presence, Ray, Space, World},
+    world::{Lifetime, Ray, Space, ThickWall, World},
 };
 
 const RADIUS: f64 = 0.1;
@@ -91,7 +91,7 @@ impl Scene {
         while self.world.slot_start() < end {
             let now = self.world.slot_start();
             let world = &self.world;
-            let is_active = |motion: &&mut Motion| motion.is_active() && world.is_robot_there(motion.id(), now);
+            let is_active = |motion: &&mut Motion| motion.is_active() && world.is_robot_present(motion.id(), now);
             let mut active: Vec<_> = self.motions.iter_mut().filter(is_active).collect();
             self.world.advance(&mut active);
         }
@@ -169,9 +169,9 @@ fn rays_meet_who_is_there_and_nobody_else() {
     let (robot, ball) = (scene.add_robot(places()[2]), scene.add_object(balls[1]));
     assert_eq!((robot, ball), (r(4), o(3)), "numbers are not used again");
     scene.run(0.2);
-    assert_eq!(scene.world.robot_presence(r(3)).until, Time::from_millis(1500));
-    assert_eq!(scene.world.robot_presence(r(1)), Presence::ALWAYS);
-    assert_eq!(scene.world.object_presence(ball).since, Time::from_millis(2000));
+    assert_eq!(scene.world.robot_lifetime(r(3)).until, Time::from_millis(1500));
+    assert_eq!(scene.world.robot_lifetime(r(1)), Lifetime::ALWAYS);
+    assert_eq!(scene.world.object_lifetime(ball).since, Time::from_millis(2000));
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn who_was_in_the_way_is_not_any_more() {
 fn the_first_object_of_a_world_is_pushed_and_can_go() {
     let mut scene = Scene::new(&[place(0.0, 0.0)], &[], vec![]);
     scene.drive(r(1), 0.3);
-    // Beyond the start: a lone robot is calm far ahead (`Calm` of the world), which the new object must end.
+    // Beyond the start: a lone robot is calm far ahead (`Quiescence` of the world), which the new object must end.
     scene.run(1.05);
     let ball = scene.add_object(place(1.0, 0.0));
     assert_eq!((ball, scene.world.object_count()), (o(1), 1));
@@ -281,8 +281,8 @@ fn a_body_does_not_fit_where_something_is() {
     let corners = [(-3.5, -0.5), (-2.5, -0.5), (-2.5, 0.5), (-3.5, 0.5)].map(|(x, y)| DVec2::new(x, y));
     walls.extend((0..4).map(|side| Segment::new(corners[side], corners[(side + 1) % 4])));
     let mut scene = Scene::new(&[place(0.0, 0.0)], &[place(0.0, -1.0)], walls);
-    let blocks = vec![Block::new(sim_core::scene::WallId(0), &thick, 0.6, 0.3)];
-    let space = Space { blocks, outlines: Some(sim_core::scene::WallId(5)), ..Space::default() };
+    let thick_walls = vec![ThickWall::new(sim_core::scene::WallId(0), &thick, 0.6, 0.3)];
+    let space = Space { thick_walls, outlines: Some(sim_core::scene::WallId(5)), ..Space::default() };
     scene.world = scene.world.with_space(space);
 
     let overlapped = |x, y| scene.world.overlapped(DVec2::new(x, y), RADIUS);

@@ -12,7 +12,7 @@ use sim_core::{
     scene::{Bounds, MeshIndex, Segment, Surface, WallId, Walls},
     sensor::{Beam, Echo, Fan, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
     time::Time,
-    world::{Block, Ray, Space, World},
+    world::{Ray, Space, ThickWall, World},
 };
 
 const ME: RobotId = RobotId(1);
@@ -444,8 +444,8 @@ fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
     // Regression: the scanner saw the far side from within, 0.4 m off along the floor.
     let centre_line = Segment::new(DVec2::new(0.3, -1.0), DVec2::new(0.3, 1.0));
     let walls = Walls::new(centre_line.thickened(0.2).to_vec()).with_heights(vec![0.1; 4]);
-    let block = Block::new(WallId(0), &centre_line, 0.2, 0.1);
-    let world = world(walls, Space { blocks: vec![block], ..Space::default() });
+    let block = ThickWall::new(WallId(0), &centre_line, 0.2, 0.1);
+    let world = world(walls, Space { thick_walls: vec![block], ..Space::default() });
     let read = |height: f64| {
         let fan = Fan { sweep: 0.1, points: 1, tilt: -FRAC_PI_4, height, range: 9.0 };
         Scan::new(Mount::default(), fan).distances(&world, ME, &Pose::default(), Time::ZERO)[0].expect("wall or floor")

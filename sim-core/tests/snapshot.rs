@@ -11,10 +11,10 @@ use sim_core::{
         Command, DriveKind, Imperfection, Model, Motion,
         legged::{Gait, Leg, Legs},
     },
-    noise::{Radio, TwistNoise},
+    noise::{RadioNoise, TwistNoise},
     object::{Figure, Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
-    radio::{Address, Channel, Medium, Model as RadioModel, Station},
+    radio::{Address, Channel, Medium, RadioModel, Station},
     scene::{Ground, Segment, Surface, Walls},
     time::Time,
     world::{Ray, Space, World},
@@ -186,7 +186,7 @@ impl Simulation {
             range: (script.seed.is_multiple_of(2)).then_some(1.5),
             line_of_sight: script.seed.is_multiple_of(3),
         };
-        let errors = vec![Radio { bit_error_rate: 0.01, packet_loss: 0.2 }; 3];
+        let errors = vec![RadioNoise { bit_error_rate: 0.01, packet_loss: 0.2 }; 3];
         let figure = Arc::new(Figure::cylinder(0.1, 0.25, Surface::default()));
         let world = World::new(Arc::clone(&walls), script.slot, &mut motions)
             .with_objects(objects)
@@ -211,7 +211,7 @@ impl Simulation {
         self.look(&mut seen);
         let end = self.world.slot_end();
         self.exchange(end, &mut seen);
-        let is_there = |motion: &&mut Motion| self.world.is_robot_there(motion.id(), start);
+        let is_there = |motion: &&mut Motion| self.world.is_robot_present(motion.id(), start);
         let mut active: Vec<_> = self.motions.iter_mut().filter(is_there).filter(|motion| motion.is_active()).collect();
         seen.extend(self.world.advance(&mut active).iter().map(|contact| format!("{contact:?}")));
         for motion in &mut self.motions {
@@ -229,9 +229,9 @@ impl Simulation {
     fn act(&mut self, whom: usize, at: Time, action: &Action) -> String {
         let start = self.world.slot_start();
         let robot = RobotId::from_index(whom % self.motions.len());
-        let is_there = self.world.is_robot_there(robot, start);
+        let is_there = self.world.is_robot_present(robot, start);
         let object = self.world.object_count().checked_sub(1).map(|last| ObjectId::from_index(whom % (last + 1)));
-        let object = object.filter(|object| self.world.is_object_there(*object, start));
+        let object = object.filter(|object| self.world.is_object_present(*object, start));
         let motion = &mut self.motions[robot.index()];
         let command = match *action {
             Action::Go(v, w) => Command::Twist(Twist::new(v, w)),
@@ -247,13 +247,16 @@ impl Simulation {
     }
 
     fn intervene(&mut self, robot: RobotId, object: Option<ObjectId>, at: Time, action: &Action) -> String {
-        let is_there = self.world.is_robot_there(robot, self.world.slot_start());
+        let is_there = self.world.is_robot_present(robot, self.world.slot_start());
         let station = &mut self.stations[robot.index()];
         match (action, object) {
             (Action::Send(is_to_all), _) if is_there && station.member().is_some() => {
                 let position = self.world.robot_pose(robot, at).position;
                 let to = if *is_to_all { Address::All } else { Address::One(10) };
-                format!("{:?}", station.send(at, to, b"Eyebots talk", self.world.out_of_reach(robot, position, at)))
+                format!(
+                    "{:?}",
+                    station.send(at, to, b"Eyebots talk", self.world.unreachable_robots(robot, position, at))
+                )
             }
             (Action::Switch, _) if station.member().is_some() => format!("{:?}", station.switch_off(at)),
             (Action::Switch, _) => {

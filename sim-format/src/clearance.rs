@@ -7,7 +7,7 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{Collider, ObjectSpec, ObjectType, SceneSpec, WorldSpec};
 use sim_core::RobotId;
-use sim_core::scene::{Bounds, Moving, Segment, Walls};
+use sim_core::scene::{Bounds, BoundsIndex, Segment, Walls};
 
 /// Depth up to which an overlap counts as rounding, in metres: the skin of the contact rule.
 const SKIN: f64 = 1e-6;
@@ -130,7 +130,7 @@ fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
 
 /// For each body, the first earlier body that it overlaps, unless both are fixed.
 fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
-    let mut index = Moving::default();
+    let mut index = BoundsIndex::default();
     let bounds = bodies.iter().enumerate();
     let bounds = bounds.map(|(i, body)| (RobotId::from_index(i), Bounds::of_disc(body.centre, body.radius)));
     index.rebuild(&bounds.collect::<Vec<_>>());

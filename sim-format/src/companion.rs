@@ -9,10 +9,10 @@ use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::form::robot::companion;
 use super::form::sensor::{RANGE_OF_PSDS, model_name, psd_keys};
-use super::given::Given;
 use super::line;
 use super::spec::{LIDAR, RobiSpec};
 use super::table::{Reader, Section};
+use super::used_names::UsedNames;
 
 /// Greatest number of names listed in a message.
 const MAX_LISTED: usize = 32;
@@ -80,7 +80,7 @@ impl Reader {
     }
 
     fn doubles_of<'d>(&mut self, devices: impl Iterator<Item = (&'static str, &'d str, Option<i32>, Span)>) {
-        let mut given = Given::default();
+        let mut given = UsedNames::default();
         for (kind, name, id, span) in devices {
             if given.line_of(name, id).is_some() {
                 let message = format!("the name or number of {kind} `{name}` was already given");

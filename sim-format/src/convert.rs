@@ -36,7 +36,7 @@ pub struct Converted {
 
 /// Robot or movable object in a running world.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub struct LiveEntity {
     /// Number of the robot or of the movable object.
     pub number: u32,
     /// Name of its type.
@@ -52,11 +52,11 @@ pub struct Standing {
 ///
 /// # Errors
 /// The diagnostics, if the scene cannot be read.
-pub fn scene_as_it_stands(
+pub fn print_current_scene(
     from: &str,
     files: &dyn Files,
-    robots: &[Standing],
-    objects: &[Standing],
+    robots: &[LiveEntity],
+    objects: &[LiveEntity],
 ) -> Result<String, Vec<Diagnostic>> {
     let loaded = load_scene(from, files);
     if loaded.has_errors() {
@@ -77,7 +77,7 @@ pub fn scene_as_it_stands(
 }
 
 /// Scene line of a robot at its current pose.
-fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
+fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
     let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
     let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
     let line = line.unwrap_or_else(|| RobotLine {
@@ -94,7 +94,7 @@ fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLin
 }
 
 /// Moves the movable objects of a scene's lines to their current poses.
-fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[Standing]) {
+fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
     let of_scene = number;
     // The world's objects come before those of the scene's lines, whose spans are of another file.
@@ -115,7 +115,7 @@ fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[Standing]) {
     }
     gone.into_iter().for_each(|line| drop(sim.objects.remove(line)));
     let new = objects.iter().filter(|object| object.number > of_scene);
-    let line = |object: &Standing| ObjectLine {
+    let line = |object: &LiveEntity| ObjectLine {
         kind: named(&object.kind),
         pose: object.pose,
         friction: None,
@@ -130,7 +130,7 @@ fn named(kind: &str) -> TypeRef {
 
 /// Kind of file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum FileFormat {
     Sim,
     Scene,
     World,
@@ -139,15 +139,15 @@ enum Kind {
     Object,
 }
 
-impl Kind {
+impl FileFormat {
     fn of(name: &str) -> Option<Self> {
         Some(match path::extension(name).as_str() {
-            "sim" => Kind::Sim,
-            "toml" => Kind::Scene,
-            "wld" => Kind::World,
-            "maz" | "maze" => Kind::Maze,
-            "robi" => Kind::Robi,
-            "esobj" => Kind::Object,
+            "sim" => FileFormat::Sim,
+            "toml" => FileFormat::Scene,
+            "wld" => FileFormat::World,
+            "maz" | "maze" => FileFormat::Maze,
+            "robi" => FileFormat::Robi,
+            "esobj" => FileFormat::Object,
             _ => return None,
         })
     }
@@ -158,18 +158,20 @@ impl Kind {
 /// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
 /// files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
-    let (Some(source), Some(target)) = (Kind::of(from), Kind::of(to)) else {
-        let name = if Kind::of(from).is_none() { from } else { to };
+    let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
+        let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi or .esObj";
         return Converted::refused(Code::FileKind, name, "the name does not say which kind of file this is", expected);
     };
     let mut conversion = Conversion { from, to, files, lost: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
-        (Kind::Sim | Kind::Scene, Kind::Sim | Kind::Scene) => conversion.scene(target),
-        (Kind::World | Kind::Maze, Kind::World | Kind::Maze | Kind::Scene) => conversion.world(source, target),
-        (Kind::Robi, Kind::Robi | Kind::Scene) => conversion.robi(target),
-        (Kind::Object, Kind::Object | Kind::Scene) => conversion.object(target),
-        (Kind::Scene, _) => conversion.part_of_scene(target),
+        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target),
+        (FileFormat::World | FileFormat::Maze, FileFormat::World | FileFormat::Maze | FileFormat::Scene) => {
+            conversion.world(source, target)
+        }
+        (FileFormat::Robi, FileFormat::Robi | FileFormat::Scene) => conversion.robi(target),
+        (FileFormat::Object, FileFormat::Object | FileFormat::Scene) => conversion.object(target),
+        (FileFormat::Scene, _) => conversion.part_of_scene(target),
         _ => {
             let message = format!("`{from}` cannot become `{to}`: they hold different things");
             let expected =
@@ -202,7 +204,7 @@ struct Conversion<'a> {
 }
 
 impl Conversion<'_> {
-    fn scene(&mut self, target: Kind) -> Loaded {
+    fn scene(&mut self, target: FileFormat) -> Loaded {
         let loaded = load_scene(self.from, self.files);
         if loaded.has_errors() {
             return loaded;
@@ -213,7 +215,7 @@ impl Conversion<'_> {
         if sim.world.is_none() && sim.inline.world.is_none() {
             sim.inline.world = Some(loaded.scene.world.clone());
         }
-        let printed = if target == Kind::Sim {
+        let printed = if target == FileFormat::Sim {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
@@ -226,7 +228,7 @@ impl Conversion<'_> {
     /// Parses the source text itself into a spec.
     fn source(&self) -> SimSpec {
         let text = self.files.read(self.from).map_or(String::new(), |bytes| decode(&bytes).0);
-        let read = if Kind::of(self.from) == Some(Kind::Scene) { read_scene } else { read_sim };
+        let read = if FileFormat::of(self.from) == Some(FileFormat::Scene) { read_scene } else { read_sim };
         read(self.from, &text).0
     }
 
@@ -275,8 +277,8 @@ impl Conversion<'_> {
         self.outputs.push(Output { path, text: printed.text });
     }
 
-    fn world(&mut self, source: Kind, target: Kind) -> Loaded {
-        let load = if source == Kind::Maze { load_maze } else { load_world };
+    fn world(&mut self, source: FileFormat, target: FileFormat) -> Loaded {
+        let load = if source == FileFormat::Maze { load_maze } else { load_world };
         let loaded = load(self.from, self.files);
         let mut world = loaded.scene.world.clone();
         world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
@@ -284,10 +286,10 @@ impl Conversion<'_> {
         loaded
     }
 
-    fn write_world(&mut self, world: &super::WorldSpec, target: Kind) {
+    fn write_world(&mut self, world: &super::WorldSpec, target: FileFormat) {
         let printed = match target {
-            Kind::World => print::print_world(world),
-            Kind::Maze => match print::print_maze(world) {
+            FileFormat::World => print::print_world(world),
+            FileFormat::Maze => match print::print_maze(world) {
                 Ok(text) => Printed { text, lost: print::beside_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
@@ -304,7 +306,7 @@ impl Conversion<'_> {
         self.write(self.to.to_owned(), printed);
     }
 
-    fn robi(&mut self, target: Kind) -> Loaded {
+    fn robi(&mut self, target: FileFormat) -> Loaded {
         let (robi, loaded) = load_robi(self.from, self.files);
         if let Some(mut robi) = robi {
             self.rewrite_robi(&mut robi);
@@ -313,8 +315,8 @@ impl Conversion<'_> {
         loaded
     }
 
-    fn write_robi(&mut self, robi: &super::RobiSpec, target: Kind) {
-        if target == Kind::Scene {
+    fn write_robi(&mut self, robi: &super::RobiSpec, target: FileFormat) {
+        if target == FileFormat::Scene {
             let text = print::section("robot_type", robi);
             return self.write(self.to.to_owned(), Printed { text, lost: Vec::new() });
         }
@@ -326,7 +328,7 @@ impl Conversion<'_> {
         }
     }
 
-    fn object(&mut self, target: Kind) -> Loaded {
+    fn object(&mut self, target: FileFormat) -> Loaded {
         let (object, loaded) = load_object(self.from, self.files);
         if let Some(mut object) = object {
             object.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
@@ -335,8 +337,8 @@ impl Conversion<'_> {
         loaded
     }
 
-    fn write_object(&mut self, object: &super::ObjectType, target: Kind) {
-        let printed = if target == Kind::Scene {
+    fn write_object(&mut self, object: &super::ObjectType, target: FileFormat) {
+        let printed = if target == FileFormat::Scene {
             Printed { text: print::section("object_type", object), lost: Vec::new() }
         } else {
             print::print_esobj(object)
@@ -345,7 +347,7 @@ impl Conversion<'_> {
     }
 
     /// Loads only the one inline world or type of a TOML file.
-    fn part_of_scene(&mut self, target: Kind) -> Loaded {
+    fn part_of_scene(&mut self, target: FileFormat) -> Loaded {
         let mut loaded = Loaded::default();
         let text = match self.files.read(self.from) {
             Ok(bytes) => decode(&bytes).0,
@@ -361,12 +363,12 @@ impl Conversion<'_> {
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
         self.rewrite(&mut sim);
         match (target, sim.inline.robot_types.as_slice(), sim.inline.object_types.as_slice()) {
-            (Kind::World | Kind::Maze, ..) if sim.inline.world.is_some() => {
+            (FileFormat::World | FileFormat::Maze, ..) if sim.inline.world.is_some() => {
                 let world = sim.inline.world.clone().unwrap_or_default();
                 self.write_world(&world, target);
             }
-            (Kind::Robi, [(robi, _)], _) => self.write_robi(robi, target),
-            (Kind::Object, _, [(object, _)]) => self.write_object(object, target),
+            (FileFormat::Robi, [(robi, _)], _) => self.write_robi(robi, target),
+            (FileFormat::Object, _, [(object, _)]) => self.write_object(object, target),
             _ => {
                 let message = format!("`{}` does not describe exactly one such thing in place", self.from);
                 let expected = "a `[world]` with walls or a maze, one `[[robot_type]]` or one `[[object_type]]`";
@@ -485,15 +487,15 @@ mod tests {
         }
     }
 
-    fn standing(number: u32, kind: &str, x: f64) -> Standing {
-        Standing { number, kind: kind.into(), pose: Pose::new(x, 0.25, 0.5) }
+    fn standing(number: u32, kind: &str, x: f64) -> LiveEntity {
+        LiveEntity { number, kind: kind.into(), pose: Pose::new(x, 0.25, 0.5) }
     }
 
     #[test]
     fn a_scene_is_written_as_it_stands() {
         let robots = [standing(1, "S4", 0.75), standing(3, "LabBot", 1.5)];
         let objects = [standing(2, "Can", 0.4), standing(3, "Can", 1.75)];
-        let text = scene_as_it_stands("a.sim", &One, &robots, &objects).expect("a scene");
+        let text = print_current_scene("a.sim", &One, &robots, &objects).expect("a scene");
         let (sim, diagnostics) = read_scene("b.scene.toml", &text);
         assert_eq!(diagnostics, [], "{text}");
         let of_robot = |line: &RobotLine| {
@@ -513,6 +515,6 @@ mod tests {
 
     #[test]
     fn of_a_scene_that_cannot_be_read_is_told_why() {
-        assert!(!scene_as_it_stands("b.sim", &One, &[], &[]).expect_err("there is none").is_empty());
+        assert!(!print_current_scene("b.sim", &One, &[], &[]).expect_err("there is none").is_empty());
     }
 }

@@ -10,11 +10,11 @@ pub mod builtin;
 mod clearance;
 mod code;
 mod companion;
+pub mod content;
 mod convert;
 mod diagnostic;
 mod esobj;
 mod form;
-mod given;
 mod line;
 mod load;
 mod maze;
@@ -25,18 +25,18 @@ mod place;
 pub mod print;
 mod range;
 mod robi;
-pub mod same;
 mod scene;
 mod sim;
 mod table;
 #[cfg(test)]
 mod tests;
 mod types;
+mod used_names;
 mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
-pub use convert::{Converted, Output, Standing, convert, scene_as_it_stands};
+pub use convert::{Converted, LiveEntity, Output, convert, print_current_scene};
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{

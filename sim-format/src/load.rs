@@ -219,19 +219,19 @@ pub(super) struct Loader<'a> {
     pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) inputs: Vec<InputFile>,
-    robots: Shelf<RobiSpec>,
-    objects: Shelf<ObjectType>,
+    robots: TypeCache<RobiSpec>,
+    objects: TypeCache<ObjectType>,
 }
 
 /// Cache of types that were read.
-struct Shelf<T> {
+struct TypeCache<T> {
     /// By the text of the reference; `None` for a file that does not exist.
     referenced: BTreeMap<String, Option<Arc<T>>>,
     /// By the path of the file.
     found: BTreeMap<String, Arc<T>>,
 }
 
-impl<T> Default for Shelf<T> {
+impl<T> Default for TypeCache<T> {
     fn default() -> Self {
         Self { referenced: BTreeMap::new(), found: BTreeMap::new() }
     }
@@ -239,7 +239,7 @@ impl<T> Default for Shelf<T> {
 
 impl<'a> Loader<'a> {
     pub(super) fn new(files: &'a dyn Files) -> Self {
-        let (robots, objects) = (Shelf::default(), Shelf::default());
+        let (robots, objects) = (TypeCache::default(), TypeCache::default());
         Self { files, diagnostics: Vec::new(), inputs: Vec::new(), robots, objects }
     }
 

@@ -99,7 +99,7 @@ struct Grid {
 }
 
 /// Role of a character position in a row.
-enum Place {
+enum ColumnRole {
     /// On the grid line to the left of the cell column with this number.
     Wall(u32),
     /// In this cell column.
@@ -119,7 +119,7 @@ impl Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
                 let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
-                let is_on_line = |place| matches!(grid.place(place), Some(Place::Wall(_)));
+                let is_on_line = |place| matches!(grid.place(place), Some(ColumnRole::Wall(_)));
                 characters().all(|(place, c, _)| c != '|' || is_on_line(place))
                     && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
             })
@@ -139,10 +139,10 @@ impl Grid {
     }
 
     /// Role of the character position `place`, counted from 0; `None` before the drawing.
-    fn place(self, place: u32) -> Option<Place> {
+    fn place(self, place: u32) -> Option<ColumnRole> {
         let inner = place.checked_sub(self.indent)?;
         let column = inner / self.pitch;
-        Some(if inner % self.pitch == 0 { Place::Wall(column) } else { Place::Cell(column) })
+        Some(if inner % self.pitch == 0 { ColumnRole::Wall(column) } else { ColumnRole::Cell(column) })
     }
 }
 
@@ -182,11 +182,11 @@ impl Drawing {
             };
             match (character, place) {
                 (' ' | '.', _) => {}
-                ('|', Place::Wall(column)) => {
+                ('|', ColumnRole::Wall(column)) => {
                     self.columns = self.columns.max(column);
                     self.vertical.push((column, row, span));
                 }
-                ('|', Place::Cell(column)) => {
+                ('|', ColumnRole::Cell(column)) => {
                     if !has_odd_wall {
                         let message =
                             "`|` in the middle of a cell closes it on the right, and so do others in this row";
@@ -196,10 +196,10 @@ impl Drawing {
                     self.columns = self.columns.max(column + 1);
                     self.vertical.push((column + 1, row, span));
                 }
-                ('_', Place::Cell(column)) => self.floor_line(row, column, span),
+                ('_', ColumnRole::Cell(column)) => self.floor_line(row, column, span),
                 // In a wall column it counts for the cell on the left.
-                ('_', Place::Wall(0)) => {}
-                ('_', Place::Wall(column)) => self.floor_line(row, column - 1, span),
+                ('_', ColumnRole::Wall(0)) => {}
+                ('_', ColumnRole::Wall(column)) => self.floor_line(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
                 (letter, place) => self.letter(sink, row, place, letter, span),
             }
@@ -211,7 +211,7 @@ impl Drawing {
         self.horizontal.push((row, column, span));
     }
 
-    fn letter(&mut self, sink: &mut Sink, row: u32, place: Place, letter: char, span: Span) {
+    fn letter(&mut self, sink: &mut Sink, row: u32, place: ColumnRole, letter: char, span: Span) {
         let kind = letter.to_ascii_lowercase();
         if !matches!(kind, 's' | 'u' | 'r' | 'd' | 'l' | 'o' | 'x') {
             let message = format!("`{}` means nothing in a maze", letter.escape_debug());
@@ -221,9 +221,9 @@ impl Drawing {
             return;
         }
         let column = match place {
-            Place::Cell(column) => column,
+            ColumnRole::Cell(column) => column,
             // In a wall column a letter counts for the cell on the left; no row begins with a letter.
-            Place::Wall(column) => column.saturating_sub(1),
+            ColumnRole::Wall(column) => column.saturating_sub(1),
         };
         self.columns = self.columns.max(column + 1);
         self.letters.push((kind, column, row, span));

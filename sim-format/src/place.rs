@@ -8,18 +8,18 @@ use glam::{DVec2, DVec3};
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::Loader;
-use super::scene::Room;
+use super::scene::FreeSpace;
 use super::spec::{
     Collider, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
     SceneForm, SimSpec, StartRef, TypeRef, WorldSpec,
 };
-use super::types::{Kind, Types};
+use super::types::{LoadedType, Types};
 use super::{Severity, Span, builtin, path};
 use sim_core::RobotId;
 use sim_core::pose::Pose;
 
 /// Entities of a scene.
-pub(super) struct Placed {
+pub(super) struct PlacedEntities {
     /// Robots in the order of their ids.
     pub(super) robots: Vec<RobotSpec>,
     /// Objects, those of the world first.
@@ -29,7 +29,7 @@ pub(super) struct Placed {
 }
 
 /// Places all entities of `sim`, in `folder`, and of its world. `None` for a missing world, which is already reported.
-pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Placed {
+pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> PlacedEntities {
     let types = Types::load(loader, sim, folder);
     let mut placer = Placer {
         sink: Sink::new(&sim.file),
@@ -57,7 +57,7 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
         loader.diagnostics.extend(sink.finish());
     }
-    Placed { robots: placer.robots, objects: placer.objects, of_world }
+    PlacedEntities { robots: placer.robots, objects: placer.objects, of_world }
 }
 
 struct Placer<'a> {
@@ -142,8 +142,8 @@ impl Placer<'_> {
     /// Object type named by a scene or a maze.
     fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &PathRef) -> Option<Arc<ObjectType>> {
         match self.types.find(&mut self.sink, name) {
-            Some(Kind::Object(object)) => Some(object),
-            Some(Kind::Robot(_)) => {
+            Some(LoadedType::Object(object)) => Some(object),
+            Some(LoadedType::Robot(_)) => {
                 let message = format!("`{}` is a robot, not an object", name.text);
                 self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of an object type");
                 None
@@ -213,8 +213,8 @@ impl Placer<'_> {
             TypeRef::Name(name) => name,
         };
         match self.types.find(&mut self.sink, name) {
-            Some(Kind::Robot(robi)) => Some(Some(robi)),
-            Some(Kind::Object(object)) => {
+            Some(LoadedType::Robot(robi)) => Some(Some(robi)),
+            Some(LoadedType::Object(object)) => {
                 if self.sim.form == SceneForm::Toml {
                     let message = format!("`{}` is an object, not a robot", name.text);
                     self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
@@ -278,7 +278,7 @@ impl Placer<'_> {
         let robots = self.robots.iter().map(radius);
         let widest = robots.chain(self.objects.iter().map(reach)).fold(0.0, f64::max);
         let clearances = groups.iter().filter_map(|group| Some(group.random()?.1));
-        let mut room = Room::new(world, widest + clearances.fold(0.0, f64::max));
+        let mut room = FreeSpace::new(world, widest + clearances.fold(0.0, f64::max));
         for robot in self.robots.iter().filter(|robot| !scattered.contains_key(&robot.id)) {
             room.take(robot.start.position, radius(robot));
         }

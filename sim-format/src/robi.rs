@@ -8,9 +8,9 @@ mod whole;
 use super::Span;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::given::Given;
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{DriveKind, DriveSpec, MotorSpec, RobiSpec, WheelSpec};
+use super::used_names::UsedNames;
 use body::values_of;
 pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use dialect::Dialect;
@@ -44,7 +44,7 @@ struct Reader {
     dialect: Dialect,
     robi: RobiSpec,
     /// Names and numbers of the PSDs.
-    psds: Given,
+    psds: UsedNames,
     /// Span of the first keyword of the file.
     first: Option<Span>,
     /// Span of the driven wheels' line.
@@ -65,7 +65,7 @@ impl Reader {
             sink: Sink::new(file),
             dialect,
             robi: RobiSpec::with_defaults(file),
-            psds: Given::default(),
+            psds: UsedNames::default(),
             first: None,
             wheel: None,
             is_wheel_read: false,

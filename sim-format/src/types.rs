@@ -11,23 +11,23 @@ use super::{Severity, Span, builtin, line, path, sim};
 
 /// Type of a robot or of an object.
 #[derive(Clone, Debug)]
-pub(super) enum Kind {
+pub(super) enum LoadedType {
     Robot(Arc<RobiSpec>),
     Object(Arc<ObjectType>),
 }
 
-impl Kind {
+impl LoadedType {
     fn name(&self) -> &str {
         match self {
-            Kind::Robot(robi) => &robi.name,
-            Kind::Object(object) => &object.name,
+            LoadedType::Robot(robi) => &robi.name,
+            LoadedType::Object(object) => &object.name,
         }
     }
 
     fn file(&self) -> &str {
         match self {
-            Kind::Robot(robi) => &robi.file,
-            Kind::Object(object) => &object.file,
+            LoadedType::Robot(robi) => &robi.file,
+            LoadedType::Object(object) => &object.file,
         }
     }
 }
@@ -43,7 +43,7 @@ pub(super) struct Types {
 }
 
 struct Known {
-    kind: Kind,
+    kind: LoadedType,
     /// Span of the reference that loads the type; `None` for a built-in type.
     loaded: Option<Span>,
 }
@@ -52,9 +52,10 @@ impl Types {
     /// Registers the built-in types and those that `sim` loads. Built-in names are reserved; of two types of one name the first counts.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
-        let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| Kind::Robot(Arc::new(it)));
+        let robots =
+            builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| LoadedType::Robot(Arc::new(it)));
         let objects =
-            builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(|it| Kind::Object(Arc::new(it)));
+            builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(|it| LoadedType::Object(Arc::new(it)));
         for kind in robots.chain(objects) {
             types.add(kind, None);
         }
@@ -64,32 +65,32 @@ impl Types {
         loads.sort_by_key(|(path, _)| path.span);
         let mut sink = Sink::new(&sim.file);
         for (robi, span) in &sim.inline.robot_types {
-            types.take(&mut sink, Kind::Robot(Arc::new(robi.clone())), *span);
+            types.take(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
         }
         for (object, span) in &sim.inline.object_types {
-            types.take(&mut sink, Kind::Object(Arc::new(object.clone())), *span);
+            types.take(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
         }
         for (path, is_robot) in loads {
             let kind = if is_robot {
-                loader.robot_type(&sim.file, folder, path).map(Kind::Robot)
+                loader.robot_type(&sim.file, folder, path).map(LoadedType::Robot)
             } else {
-                loader.object_type(&sim.file, folder, path).map(Kind::Object)
+                loader.object_type(&sim.file, folder, path).map(LoadedType::Object)
             };
             if let Some(kind) = kind {
                 types.take(&mut sink, kind, path.span);
             }
         }
         for (robi, span) in &sim.inline.robot_types {
-            types.take(&mut sink, Kind::Robot(Arc::new(robi.clone())), *span);
+            types.take(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
         }
         for (object, span) in &sim.inline.object_types {
-            types.take(&mut sink, Kind::Object(Arc::new(object.clone())), *span);
+            types.take(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
         }
         loader.diagnostics.extend(sink.finish());
         types
     }
 
-    fn take(&mut self, sink: &mut Sink, kind: Kind, span: Span) {
+    fn take(&mut self, sink: &mut Sink, kind: LoadedType, span: Span) {
         let name = kind.name();
         let is_reserved = builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|known| known.eq_ignore_ascii_case(name));
         let known = self.by_name.get(name);
@@ -104,14 +105,14 @@ impl Types {
         sink.warn(Code::SimTypeTwice, span, message, "each name once, and none of the built-in ones");
     }
 
-    fn add(&mut self, kind: Kind, loaded: Option<Span>) {
+    fn add(&mut self, kind: LoadedType, loaded: Option<Span>) {
         let name = kind.name().to_owned();
         self.by_lower_case.entry(name.to_lowercase()).or_default().push(name.clone());
         self.by_name.insert(name, Known { kind, loaded });
     }
 
     /// Type named by `reference`. Warns if the name differs in case or the type is loaded only further below.
-    pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<Kind> {
+    pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<LoadedType> {
         let mut known = self.by_name.get(&reference.text);
         if known.is_none()
             && let Some([name]) = self.by_lower_case.get(&reference.text.to_lowercase()).map(Vec::as_slice)

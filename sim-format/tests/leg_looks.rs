@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use sim_core::build;
-use sim_core::camera::{Label, Place};
+use sim_core::camera::{Attachment, Label};
 use sim_core::drive::{Command, Motion};
 use sim_core::pose::Twist;
 use sim_core::time::Time;
@@ -59,8 +59,9 @@ fn legs_are_seen_where_their_joints_put_them() {
     let slot = Time::from_millis(10);
     let mut world = World::new(walls, slot, [&mut motion]);
     let scenery = build::scenery(&loaded.scene, &mut MeshReader::new(&Scene));
-    let of_legs: Vec<usize> =
-        (0..scenery.parts().len()).filter(|part| matches!(scenery.parts()[*part].place, Place::Leg(..))).collect();
+    let of_legs: Vec<usize> = (0..scenery.parts().len())
+        .filter(|part| matches!(scenery.parts()[*part].attachment, Attachment::Leg(..)))
+        .collect();
     assert_eq!(of_legs.len(), 5, "two thighs, two shanks, a foot");
     assert!(of_legs.iter().all(|part| scenery.parts()[*part].label == Label::Robot(spec.id)));
     let twist = Command::Twist(Twist { vx: 0.2, vy: 0.05, omega: 0.1 });
@@ -68,9 +69,9 @@ fn legs_are_seen_where_their_joints_put_them() {
     let mut places = Vec::new();
     for _ in 0..300 {
         let at = world.slot_start();
-        let still = scenery.still(&world, at);
+        let posed = scenery.pose_at(&world, at);
         let stance = motion.stance(at);
-        let pose = |part: usize| still.poses()[of_legs[part]].expect("it is there");
+        let pose = |part: usize| posed.poses()[of_legs[part]].expect("it is there");
         // Tip of the left shank, and the contact point of the right foot's sole with the ground.
         let tip = pose(1).transform_point(DVec3::new(0.0, 0.0, -0.44));
         let sole = pose(4).transform_point(DVec3::new(stance.feet[1].sole.ahead, 0.0, -0.07));

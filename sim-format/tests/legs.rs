@@ -17,7 +17,7 @@ use sim_core::{
     sensor::Posture,
     time::Time,
 };
-use sim_format::{print, read_companion, read_robi, same};
+use sim_format::{content, print, read_companion, read_robi};
 
 const ME: RobotId = RobotId(1);
 
@@ -263,7 +263,7 @@ fn a_correction_shifts_the_foothold_and_lifts_the_foot() {
         let mut motion = walker(&legs);
         motion.command(Time(0), Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("can be driven");
         if let Some(at) = correct {
-            let command = LegCommand::Correct { leg: 2, shift: DVec2::new(0.03, -0.02), lift: 0.1 };
+            let command = LegCommand::ShiftFoothold { leg: 2, shift: DVec2::new(0.03, -0.02), lift: 0.1 };
             motion.command_legs(at, command).expect("small enough");
         }
         check(&legs, &mut motion, Time::ZERO, 3.0);
@@ -287,7 +287,7 @@ fn legs_refuse_what_they_cannot_do() {
     let mut motion = walker(&legs);
     let at = Time(5);
     assert_eq!(motion.command_legs(at, LegCommand::Gait(1)), Err(LegCommandError::NoGait { gaits: 1 }));
-    let correct = |leg, x| LegCommand::Correct { leg, shift: DVec2::new(x, 0.0), lift: 0.0 };
+    let correct = |leg, x| LegCommand::ShiftFoothold { leg, shift: DVec2::new(x, 0.0), lift: 0.0 };
     assert_eq!(motion.command_legs(at, correct(2, 0.0)), Err(LegCommandError::NoLeg { legs: 2 }));
     for wrong in [f64::NAN, f64::INFINITY, 3.0] {
         assert_eq!(motion.command_legs(at, correct(0, wrong)), Err(LegCommandError::Length));
@@ -328,7 +328,7 @@ fn saying() -> impl Strategy<Value = Said> {
     let twist = (-1.0..1.0, -1.0..1.0, -2.0..2.0).prop_map(|(vx, vy, omega)| Twist { vx, vy, omega });
     let correction = (0..4usize, -0.1..0.1, -0.1..0.1, 0.0..0.1);
     let correction =
-        correction.prop_map(|(leg, x, y, lift)| LegCommand::Correct { leg, shift: DVec2::new(x, y), lift });
+        correction.prop_map(|(leg, x, y, lift)| LegCommand::ShiftFoothold { leg, shift: DVec2::new(x, y), lift });
     prop_oneof![
         6 => twist.clone().prop_map(Said::Twist),
         3 => (twist, 0.0..3.0).prop_map(|(twist, duration)| Said::Drive(twist, duration)),
@@ -522,7 +522,7 @@ fn types_with_legs_are_read_printed_and_read_again() {
         assert_eq!(robi.drive.kind, DriveKind::Legged);
         let printed = print::print_robi(&robi);
         assert_eq!(printed.lost, Vec::<String>::new(), "{file}");
-        assert_eq!(same::robi(&read(&printed.text, &print::print_companion(&robi))), same::robi(&robi), "{file}");
+        assert_eq!(content::robi(&read(&printed.text, &print::print_companion(&robi))), content::robi(&robi), "{file}");
         let legs = build::legs(&robi).expect("it has legs");
         assert_eq!(build::model(&robi).check(), Ok(()));
         let motors = robi.all_servos().len();

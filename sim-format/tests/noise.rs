@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use sim_core::RobotId;
 use sim_core::drive::DriveKind;
-use sim_core::noise::{Profile, Range, RangeKind};
+use sim_core::noise::{Profile, RangeKind, RangeNoise};
 use sim_core::spec::{NoiseRef, NoiseSection, Preset};
 use sim_format::print::{print_noise, print_scene};
 use sim_format::{
-    Code, Diagnostic, FileError, Files, PRESETS, Severity, is_noise, load_noise, load_scene, preset, preset_text,
-    read_noise, read_scene, same,
+    Code, Diagnostic, FileError, Files, PRESETS, Severity, content, is_noise, load_noise, load_scene, preset,
+    preset_text, read_noise, read_scene,
 };
 
 /// Every key of every section with a valid number.
@@ -81,7 +81,7 @@ fn a_profile_reads_as_it_says() {
     assert_eq!(diagnostics, []);
     assert_eq!(Some(&spec.base), preset("mild").as_ref());
     let profile = spec.profile();
-    let psd = Range {
+    let psd = RangeNoise {
         sigma: 0.0015,
         sigma_share: 0.7 / 100.0,
         bias: -0.003,
@@ -94,8 +94,8 @@ fn a_profile_reads_as_it_says() {
         device: 0.0,
     };
     assert_eq!(profile.range(RangeKind::Psd, "PSD_LEFT"), psd);
-    assert_eq!(profile.range(RangeKind::Psd, "PSD_FRONT"), Range { sigma: 0.099, ..psd });
-    assert_eq!(profile.range(RangeKind::Psd, "a name"), Range { dropout: 1.0, ..psd });
+    assert_eq!(profile.range(RangeKind::Psd, "PSD_FRONT"), RangeNoise { sigma: 0.099, ..psd });
+    assert_eq!(profile.range(RangeKind::Psd, "a name"), RangeNoise { dropout: 1.0, ..psd });
     let laser = profile.range(RangeKind::Laser, "x");
     assert_eq!((laser.device, laser.sigma), (1.0, 0.0));
     assert_eq!(profile.range(RangeKind::Laser, "PSD_FRONT").device, 0.0, "a sensor of that name of any kind");
@@ -266,14 +266,14 @@ fn what_is_printed_reads_back() {
     let text = print_noise(&spec);
     let (again, diagnostics) = read_noise("p.toml", &text);
     assert_eq!(diagnostics, [], "{text}");
-    assert_eq!(same::noise(&again), same::noise(&spec), "{text}");
+    assert_eq!(content::noise(&again), content::noise(&spec), "{text}");
     let scene = format!(
         "{WORLD}[scene]\nnoise = \"real\"\n[[robot]]\ntype = \"S4\"\nnoise = \"x/lab.toml\"\n[[robot]]\ntype = \"S4\"\nnoise = {{ base = \"mild\", sensor = {{ A = {{ bias_mm = -0.1 }} }} }}\n"
     );
     let (sim, diagnostics) = read_scene("a.scene.toml", &scene);
     assert_eq!(diagnostics, []);
     let (again, _) = read_scene("a.scene.toml", &print_scene(&sim));
-    assert_eq!(same::sim(&again), same::sim(&sim), "{}", print_scene(&sim));
+    assert_eq!(content::sim(&again), content::sim(&sim), "{}", print_scene(&sim));
 }
 
 proptest! {
@@ -290,7 +290,7 @@ proptest! {
         let (spec, diagnostics) = read_noise("p.toml", &format!("[sensor.\"{name}\"]\n{lines}"));
         prop_assert!(diagnostics.is_empty(), "{:?}", diagnostics);
         let text = print_noise(&spec);
-        prop_assert_eq!(same::noise(&read_noise("p.toml", &text).0), same::noise(&spec), "{}", text);
+        prop_assert_eq!(content::noise(&read_noise("p.toml", &text).0), content::noise(&spec), "{}", text);
     }
 
     #[test]

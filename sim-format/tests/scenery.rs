@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use sim_core::build::{Newcomer, Visuals, scenery};
-use sim_core::camera::{Camera, Label, Lens, Light, Part, Picture, Place, Scenery, Sky, View};
+use sim_core::build::{SpawnedEntity, Visuals, scenery};
+use sim_core::camera::{Attachment, Camera, Label, Lens, Light, Part, Picture, Scenery, Sky, View};
 use sim_core::math;
 use sim_core::pose::Pose3;
 use sim_core::scene::{Mesh, Triangle, Walls};
@@ -149,15 +149,15 @@ fn types() -> Vec<RobiSpec> {
 
 /// Mesh of a robot of this type.
 fn looks(robi: &RobiSpec) -> Arc<Mesh> {
-    alone_in_nothing(Newcomer::Robot(RobotId(1), Arc::new(robi.clone())))
+    first_part_of(SpawnedEntity::Robot(RobotId(1), Arc::new(robi.clone())))
 }
 
 /// First part of the camera view of a spawned entity in an empty world.
-fn alone_in_nothing(newcomer: Newcomer) -> Arc<Mesh> {
+fn first_part_of(entity: SpawnedEntity) -> Arc<Mesh> {
     let files = memory([]);
     let mut reader = MeshReader::new(&files);
     let mut visuals = Visuals::new(&SceneSpec::default(), &mut reader);
-    visuals.add([newcomer], &mut reader);
+    visuals.add([entity], &mut reader);
     Arc::clone(&visuals.scenery().parts()[0].mesh)
 }
 
@@ -181,7 +181,7 @@ fn a_part_in_the_air_would_be_found() {
         let collider = |z: &f64| Collider::Box { centre: DVec3::new(0.0, 0.0, *z), size: DVec3::splat(0.1) };
         let kind =
             ObjectType { colliders: heights.iter().map(collider).collect(), ..ObjectType::with_defaults("a.esObj") };
-        alone_in_nothing(Newcomer::Object(ObjectId(1), Arc::new(kind)))
+        first_part_of(SpawnedEntity::Object(ObjectId(1), Arc::new(kind)))
     };
     assert!(stands(&boxes(&[0.05, 0.13])));
     assert!(!stands(&boxes(&[0.05, 0.16])));
@@ -205,13 +205,13 @@ fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u
     let pose = View::looking(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
     let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), []);
-    Camera::default().colour(&scenery.still(&world, Time::ZERO), &view, None, 1)
+    Camera::default().colour(&scenery.pose_at(&world, Time::ZERO), &view, None, 1)
 }
 
 /// Scenery with a single mesh.
 fn alone(mesh: Arc<Mesh>) -> Scenery {
-    let place = Place::Fixed(Pose3::IDENTITY);
-    let part = Part { mesh, label: Label::Fixed(0), place };
+    let attachment = Attachment::Fixed(Pose3::IDENTITY);
+    let part = Part { mesh, label: Label::Fixed(0), attachment };
     let white = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     Scenery::new(vec![part], None, white, Sky { horizon: [0; 3], zenith: [0; 3] })
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use parking_lot::Mutex;
-pub use sim_core::build::Newcomer;
+pub use sim_core::build::SpawnedEntity;
 use sim_core::build::Visuals;
 use sim_core::camera::{Light, Scenery, Sky};
 use sim_core::spec::SceneSpec;
@@ -43,7 +43,7 @@ pub struct SceneryReads {
 struct SceneryState {
     visuals: Option<Visuals>,
     /// Robots and objects added to the run that are not yet in `visuals`.
-    spawned: Vec<Newcomer>,
+    spawned: Vec<SpawnedEntity>,
 }
 
 impl LazyScenery {
@@ -87,7 +87,7 @@ impl LazyScenery {
     }
 
     /// Adds a spawned robot or object, which is visible from now on.
-    pub fn add(&self, spawned: Newcomer) {
+    pub fn add(&self, spawned: SpawnedEntity) {
         self.state.lock().spawned.push(spawned);
     }
 

@@ -2,7 +2,7 @@ use std::ops::AddAssign;
 
 use glam::DVec2;
 use sim_core::camera::{Camera, Label, Picture, View};
-use sim_core::{RobotId, camera::Still};
+use sim_core::{RobotId, camera::PosedScenery};
 
 use super::{Reference, Sight};
 
@@ -19,11 +19,11 @@ pub struct Shot {
 
 impl Shot {
     /// Takes the pictures with the core's camera.
-    pub fn take(camera: &mut Camera, still: &Still, view: &View, by: Option<RobotId>) -> Self {
+    pub fn take(camera: &mut Camera, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Self {
         Self {
-            colour: camera.colour(still, view, by, 1),
-            depth: camera.depth(still, view, by),
-            labels: camera.labels(still, view, by),
+            colour: camera.colour(posed, view, by, 1),
+            depth: camera.depth(posed, view, by),
+            labels: camera.labels(posed, view, by),
         }
     }
 }

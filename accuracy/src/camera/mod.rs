@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
-use sim_core::camera::{Label, Lens, Still, View};
+use sim_core::camera::{Label, Lens, PosedScenery, View};
 use sim_core::math;
 use sim_core::scene::{Material, Texture};
 
@@ -48,7 +48,7 @@ pub enum Shown {
 
 /// All surfaces that one camera may see, in the world frame.
 pub struct Reference<'s> {
-    still: &'s Still<'s>,
+    posed: &'s PosedScenery<'s>,
     bodies: Vec<Body<'s>>,
     images: BTreeMap<*const Texture, Vec<Image>>,
 }
@@ -83,9 +83,9 @@ struct Image {
 
 impl<'s> Reference<'s> {
     /// Reference for the camera of robot `by`, which does not see its own body.
-    pub fn new(still: &'s Still<'s>, by: Option<RobotId>) -> Self {
-        let scenery = still.scenery();
-        let bodies = still.parts().flat_map(|(number, part, pose)| {
+    pub fn new(posed: &'s PosedScenery<'s>, by: Option<RobotId>) -> Self {
+        let scenery = posed.scenery();
+        let bodies = posed.parts().flat_map(|(number, part, pose)| {
             let mesh: &'s sim_core::scene::Mesh = &part.mesh;
             let faces =
                 mesh.triangles.iter().enumerate().filter(|(_, triangle)| mesh.material(triangle).opacity >= 0.5);
@@ -113,7 +113,7 @@ impl<'s> Reference<'s> {
         for texture in on_faces.chain(on_floor) {
             images.entry(Arc::as_ptr(texture)).or_insert_with(|| Image::all(texture));
         }
-        Self { still, bodies, images }.by(by)
+        Self { posed, bodies, images }.by(by)
     }
 
     /// This reference for the camera of another robot, or of none.
@@ -144,7 +144,7 @@ impl<'s> Reference<'s> {
                 met.extend(distance.map(|metres| (metres, Met::Face(body, face))));
             }
         }
-        if self.still.scenery().ground().is_some() && origin.z > 0.0 && ray.z < 0.0 {
+        if self.posed.scenery().ground().is_some() && origin.z > 0.0 && ray.z < 0.0 {
             met.push((origin.z / -ray.z, Met::Ground));
         }
         met.sort_by(|one, other| one.0.total_cmp(&other.0));
@@ -175,7 +175,7 @@ impl<'s> Reference<'s> {
     }
 
     fn sky(&self, ray: DVec3) -> [f64; 3] {
-        let sky = self.still.scenery().sky();
+        let sky = self.posed.scenery().sky();
         mixed(sky.horizon.map(f64::from), sky.zenith.map(f64::from), ray.z.max(0.0))
     }
 
@@ -187,7 +187,7 @@ impl<'s> Reference<'s> {
         };
         let here = point(at);
         let mut colour = [0.0; 3];
-        if let Some(ground) = self.still.scenery().ground() {
+        if let Some(ground) = self.posed.scenery().ground() {
             colour = ground.colour.map(f64::from);
             if let Some(floor) = &ground.floor
                 && here.cmpge(DVec2::ZERO).all()
@@ -239,7 +239,7 @@ impl<'s> Reference<'s> {
     }
 
     fn lit(&self, colour: [f64; 3], normal: DVec3, is_sunlit: bool) -> [f64; 3] {
-        let light = self.still.scenery().light();
+        let light = self.posed.scenery().light();
         let opposite = light.towards * DVec3::new(-1.0, -1.0, 1.0);
         let sun = if is_sunlit { light.diffuse * normal.dot(light.towards).max(0.0) } else { 0.0 };
         let share = light.ambient + light.fill * 0.5 * (1.0 + normal.dot(opposite)) + sun;
@@ -248,7 +248,7 @@ impl<'s> Reference<'s> {
 
     /// Returns true if nothing but the surface itself lies between the point and the sun.
     fn is_sunlit(&self, point: DVec3, of: Option<(usize, usize)>) -> bool {
-        let light = self.still.scenery().light();
+        let light = self.posed.scenery().light();
         let is_met = |body: &Body, face: &Face| {
             of != Some((body.part, face.number))
                 && oracle::distance_to_triangle(&face.corners, point, light.towards, WIDER)

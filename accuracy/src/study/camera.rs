@@ -1,6 +1,6 @@
 //! `camera`: pictures of a furnished room, compared with pixels that average exactly over their squares.
 
-use sim_core::camera::{Camera, Lens, Light, Still, View};
+use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
@@ -24,10 +24,10 @@ fn run(effort: Effort) -> Outcome {
     let mut rows = Vec::new();
     for shadows in [false, true] {
         let scenery = room::scenery(Light { shadows, ..room::light() });
-        let still = scenery.still(&world::empty(), Time::ZERO);
-        let settings = SETTINGS.map(|setting| row(&still, shadows, setting, effort));
+        let posed = scenery.pose_at(&world::empty(), Time::ZERO);
+        let settings = SETTINGS.map(|setting| row(&posed, shadows, setting, effort));
         rows.extend(settings);
-        rows.push(by_all(&still, shadows));
+        rows.push(by_all(&posed, shadows));
     }
     rows.into()
 }
@@ -62,17 +62,17 @@ fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u
     sum / count
 }
 
-fn row(still: &Still, shadows: bool, (size, samples): ([u32; 2], u32), effort: Effort) -> Row {
+fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), effort: Effort) -> Row {
     let [width, height] = size;
     let views = views(size);
     let mut camera = Camera::default();
     let time_ns = nanoseconds(effort.of(50), views.len(), || {
-        views.iter().map(|view| u64::from(camera.colour(still, view, None, samples).pixels()[0][0])).sum::<u64>()
+        views.iter().map(|view| u64::from(camera.colour(posed, view, None, samples).pixels()[0][0])).sum::<u64>()
     });
-    let pictures: Vec<_> = views.iter().map(|view| camera.colour(still, view, None, samples)).collect();
+    let pictures: Vec<_> = views.iter().map(|view| camera.colour(posed, view, None, samples)).collect();
     let picture_of =
         |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |at| &pictures[at]);
-    let error = error(&Reference::new(still, None), &views, |view, [column, row]| {
+    let error = error(&Reference::new(posed, None), &views, |view, [column, row]| {
         picture_of(view).pixel(column, row).map(f64::from)
     });
     let samples = if samples == 1 { String::new() } else { format!(", {samples} x {samples} samples") };
@@ -89,9 +89,9 @@ fn row(still: &Still, shadows: bool, (size, samples): ([u32; 2], u32), effort: E
 }
 
 /// Brute force: one ray per pixel and another for shadows, each tested against all faces.
-fn by_all(still: &Still, shadows: bool) -> Row {
+fn by_all(posed: &PosedScenery, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
-    let (views, reference) = (views(size), Reference::new(still, None));
+    let (views, reference) = (views(size), Reference::new(posed, None));
     let look = |view: &View, [column, row]: [u32; 2]| reference.pixel(view, column, row, 1).unwrap_or_default();
     let pixels: Vec<[u32; 2]> = places(size).collect();
     let time_of_pixel = nanoseconds(1, pixels.len() * views.len(), || {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use sim_core::RobotId;
 use sim_core::math::{cos, ln};
-use sim_core::noise::{Events, Purpose, Range, RangeErrors, Stream};
+use sim_core::noise::{Events, Purpose, RangeErrors, RangeNoise, Stream};
 use sim_core::time::Time;
 
 use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
@@ -100,7 +100,7 @@ fn of_events(count: usize) -> Vec<f64> {
 
 /// Readings of a PSD with Gaussian noise.
 fn readings(count: usize) -> Vec<f64> {
-    let errors = RangeErrors::new(Range { sigma: SIGMA, ..Range::default() }, SEED, RobotId(1), "PSD_FRONT");
+    let errors = RangeErrors::new(RangeNoise { sigma: SIGMA, ..RangeNoise::default() }, SEED, RobotId(1), "PSD_FRONT");
     let read = |index| errors.reading(index, Time::ZERO, [0.0, 4.0], Some(DISTANCE));
     (0..count as u64).filter_map(read).collect()
 }

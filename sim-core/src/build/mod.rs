@@ -19,9 +19,9 @@ use crate::spec::{
     ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
-use crate::world::{Block, Space};
+use crate::world::{Space, ThickWall};
 pub use scenery::{
-    MARKER_RADIUS, MeshSource, Newcomer, NoMeshes, ROBOT_COLOURS, Visuals, WALL_COLOUR, scenery, wheel_places,
+    MARKER_RADIUS, MeshSource, NoMeshes, ROBOT_COLOURS, SpawnedEntity, Visuals, WALL_COLOUR, scenery, wheel_places,
 };
 
 /// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
@@ -71,17 +71,17 @@ pub fn ground(world: &WorldSpec) -> Arc<Ground> {
 pub fn space(scene: &SceneSpec) -> Space {
     let world = &scene.world;
     let mut surfaces = Vec::new();
-    let mut blocks = Vec::new();
+    let mut thick_walls = Vec::new();
     for wall in &world.walls {
         let first = surfaces.len();
         let sides = if wall.thickness > 0.0 { 4 } else { 1 };
         surfaces.resize(first + sides, wall.surface.or(world.surface).unwrap_or_default());
         if wall.thickness > 0.0 {
             let centre_line = Segment { a: wall.from, b: wall.to };
-            blocks.push(Block::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
+            thick_walls.push(ThickWall::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
         }
     }
-    let ground = world.surface.unwrap_or(usual_ground(world));
+    let ground = world.surface.unwrap_or(default_ground_surface(world));
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.as_ref());
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
@@ -104,7 +104,7 @@ pub fn space(scene: &SceneSpec) -> Space {
         floor: terrain.is_none().then_some(ground),
         outlines: Some(WallId(surfaces.len() as u32)),
         walls: surfaces,
-        blocks,
+        thick_walls,
         fixed,
         robots,
         objects,
@@ -114,7 +114,7 @@ pub fn space(scene: &SceneSpec) -> Space {
 /// Default surface of the ground. Floors, stairs and meshes are smooth: echoes of a rough floor would mask all others
 /// for a low sonar. Hills are rough: a specular surface of facets would return hardly any echo, because no facet need
 /// face the sensor. Our choice.
-fn usual_ground(world: &WorldSpec) -> Surface {
+fn default_ground_surface(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
         Some(TerrainShape::Image(_) | TerrainShape::Relief(_)) => Surface::ROUGH,
         Some(TerrainShape::Mesh { .. } | TerrainShape::Steps(_)) | None => Surface::SMOOTH,
@@ -232,7 +232,7 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
             Axis::Z => DVec3::Z,
         };
         let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
-        Link { parent: bearer(mount.on.as_ref(), &places), origin: pose(mount), axis, joint: servo }
+        Link { parent: parent_link(mount.on.as_ref(), &places), origin: pose(mount), axis, joint: servo }
     };
     let of_legs = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
     of_legs.into_iter().chain(order.iter().map(link)).collect()
@@ -243,12 +243,12 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     let places = link_places(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
         mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
-        link: bearer(psd.on.as_ref(), &places),
+        link: parent_link(psd.on.as_ref(), &places),
         model: RangeModel::Psd { range: psd.range },
     });
     let others = robi.ranges.iter().map(|range| RangeSensor {
         mount: pose(&range.mount),
-        link: bearer(range.mount.on.as_ref(), &places),
+        link: parent_link(range.mount.on.as_ref(), &places),
         model: range.model,
     });
     psds.chain(others).collect()
@@ -257,7 +257,7 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
 /// Pose of a laser scanner on its parent link, and the index of that link in [`links`]; `None` for the body.
 pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
     let places = link_places(robi, &link_order(robi));
-    (pose(&lidar.mount), bearer(lidar.mount.on.as_ref(), &places))
+    (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &places))
 }
 
 /// Pose on the parent.
@@ -266,7 +266,7 @@ fn pose(mount: &MountSpec) -> Pose3 {
 }
 
 /// Index of the parent link of this name; `None` for the body.
-fn bearer(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option<usize> {
+fn parent_link(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option<usize> {
     on.and_then(|on| places.get(on.text.as_str()).copied())
 }
 

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::face::Face;
-use super::optics::{Area, Optics, TILE};
+use super::optics::{Optics, PixelRect, TILE};
 use super::rays::{RayTable, Window};
-use super::{Label, Still, View};
+use super::{Label, PosedScenery, View};
 use crate::RobotId;
 
 /// The faces that may be visible, in total and by tile.
@@ -20,41 +20,41 @@ pub struct Bins {
 
 impl Bins {
     /// Bins all faces in the view; the body of `by` is left out.
-    pub fn fill(&mut self, still: &Still, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
+    pub fn fill(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
         let [columns, rows] = optics.tiles().map(|count| count as usize);
         self.faces.clear();
         self.tiles.iter_mut().for_each(Vec::clear);
         self.tiles.resize_with(columns * rows, Vec::new);
         let camera = view.world_from_camera();
         let camera_from_world = camera.rotation.transpose();
-        let scenery = still.scenery();
-        for (number, part, pose) in still.parts() {
+        let scenery = posed.scenery();
+        for (number, part, pose) in posed.parts() {
             if by.is_some_and(|by| part.label == Label::Robot(by)) {
                 continue;
             }
-            let shape = scenery.shape(number);
+            let render_mesh = scenery.render_mesh(number);
             let offset = camera_from_world * (pose.position - camera.position);
             let turn = camera_from_world * pose.rotation;
             let may_show =
-                |sphere: &super::shape::Sphere| optics.may_show(offset + turn * sphere.centre, sphere.radius);
-            if !may_show(&shape.bounds) {
+                |sphere: &super::render_mesh::Sphere| optics.may_show(offset + turn * sphere.centre, sphere.radius);
+            if !may_show(&render_mesh.bounds) {
                 continue;
             }
             let lens_from_part = optics.lens_from_camera * turn;
             let offset = optics.lens_from_camera * offset;
             let eye = pose.inverse_transform_point(camera.position);
-            for cluster in &shape.clusters {
-                if shape.clusters.len() > 1 && !may_show(&cluster.bounds) {
+            for cluster in &render_mesh.clusters {
+                if render_mesh.clusters.len() > 1 && !may_show(&cluster.bounds) {
                     continue;
                 }
                 let is_outside = |(low, high): (DVec3, DVec3)| eye.cmplt(low).any() || eye.cmpgt(high).any();
                 let is_hidden = cluster.closed.is_some_and(is_outside);
                 self.corners.clear();
-                self.corners.extend(shape.corners[cluster.corners.clone()].iter().map(|corner| {
+                self.corners.extend(render_mesh.corners[cluster.corners.clone()].iter().map(|corner| {
                     let corner = lens_from_part * *corner + offset;
-                    (corner, optics.landmark(corner))
+                    (corner, optics.image_position(corner))
                 }));
-                for face in &shape.faces[cluster.faces.clone()] {
+                for face in &render_mesh.faces[cluster.faces.clone()] {
                     let corners = face.corners.map(|corner| self.corners[usize::from(corner)]);
                     let Some(area) = optics.area(corners.map(|corner| corner.1)) else { continue };
                     let corners = corners.map(|corner| corner.0);
@@ -68,7 +68,7 @@ impl Bins {
         }
     }
 
-    fn add(&mut self, face: Face, area: Area, optics: &Optics, rays: &RayTable) {
+    fn add(&mut self, face: Face, area: PixelRect, optics: &Optics, rays: &RayTable) {
         let number = self.faces.len() as u32;
         let columns = optics.tiles()[0];
         let (first, last) = (area.first.map(|pixel| pixel / TILE), area.last.map(|pixel| pixel / TILE));
@@ -79,9 +79,9 @@ impl Bins {
                 let tile = (down * columns + across) as usize;
                 let may_show = is_alone
                     || if optics.is_flat {
-                        may_meet::<true>(&face, &Window::flat([across, down]))
+                        may_hit::<true>(&face, &Window::flat([across, down]))
                     } else {
-                        may_meet::<false>(&face, &Window::curved(rays.cone_of(tile)))
+                        may_hit::<false>(&face, &Window::curved(rays.cone_of(tile)))
                     };
                 if may_show {
                     self.tiles[tile].push(number);
@@ -97,7 +97,7 @@ impl Bins {
 
 /// Returns true if a ray of the tile may hit the face.
 #[inline(always)]
-fn may_meet<const FLAT: bool>(face: &Face, window: &Window) -> bool {
+fn may_hit<const FLAT: bool>(face: &Face, window: &Window) -> bool {
     face.edges.iter().all(|edge| {
         let (middle, more) = window.range::<FLAT>(*edge);
         middle + more > -2.0 * window.slack::<FLAT>(*edge)

@@ -1,6 +1,6 @@
 //! Software renderer for cameras: pictures, depths and labels of a scene, without a graphics card.
 //!
-//! A [`Scenery`] is all that can be seen of a scene, the same for all cameras; a [`Still`] adds the poses of its parts
+//! A [`Scenery`] is all that can be seen of a scene, the same for all cameras; a [`PosedScenery`] adds the poses of its parts
 //! at an instant; a [`View`] is a camera's pose, its lens and the size of its image; a [`Camera`] renders a still in a
 //! view.
 //!
@@ -26,7 +26,7 @@
 //! faces with normals at the corners, n is interpolated between them; it is flipped to the side from which the face is
 //! seen. With `shadows`, the sun reaches a place if no other face, more than 1e-6 m away, covers the sun: hard shadows,
 //! exact, cast by everything visible, a camera's own robot too; the ground casts none. Textures are filtered: see
-//! [`Pyramid`]. Colours are added and multiplied as the values of the image, 0 to 255, without gamma correction.
+//! [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255, without gamma correction.
 //!
 //! # Implementation
 //! Faces are binned into tiles of 8 x 8 pixels (`bins`); for each tile, `tile` finds the nearest face of each pixel
@@ -40,10 +40,10 @@ mod optics;
 mod picture;
 mod rays;
 mod render;
+mod render_mesh;
 mod scenery;
 mod shade;
 mod shadow;
-mod shape;
 mod surface;
 mod texture;
 mod tile;
@@ -54,6 +54,6 @@ mod tests;
 
 pub use picture::Picture;
 pub use render::Camera;
-pub use scenery::{Floor, Ground, Label, Light, Part, Place, Scenery, Sky, Spot, Still};
-pub use texture::Pyramid;
+pub use scenery::{Attachment, Floor, Ground, Label, Light, Part, PosedScenery, Scenery, Sky, Spot};
+pub use texture::MipMap;
 pub use view::{Lens, View, ViewError};

@@ -39,7 +39,7 @@ enum Field {
 
 /// A rectangle of pixels, first and last pixel included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
+pub struct PixelRect {
     pub first: [u32; 2],
     pub last: [u32; 2],
 }
@@ -106,7 +106,7 @@ impl Optics {
     }
 
     /// Position in the image, or direction, of a corner in lens space: the argument of [`area`](Self::area).
-    pub fn landmark(&self, corner: DVec3) -> DVec3 {
+    pub fn image_position(&self, corner: DVec3) -> DVec3 {
         if !self.is_flat {
             corner.normalize_or_zero()
         } else if corner.z > 0.0 {
@@ -118,7 +118,7 @@ impl Optics {
     }
 
     /// The pixels that may show part of a face with these landmarks; `None` for a face outside the image.
-    pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<Area> {
+    pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<PixelRect> {
         if !self.is_flat {
             return self.curved_area([a, b, c]);
         }
@@ -139,12 +139,12 @@ impl Optics {
         (!is_out).then_some(self.everything())
     }
 
-    fn everything(&self) -> Area {
-        Area { first: [0; 2], last: self.size.map(|side| side - 1) }
+    fn everything(&self) -> PixelRect {
+        PixelRect { first: [0; 2], last: self.size.map(|side| side - 1) }
     }
 
     /// Pixels whose middles lie between these positions.
-    fn within(&self, low: DVec2, high: DVec2) -> Option<Area> {
+    fn within(&self, low: DVec2, high: DVec2) -> Option<PixelRect> {
         let low = (low - 0.5 - MARGIN).ceil().max(DVec2::ZERO);
         let high = (high - 0.5 + MARGIN).floor();
         let side = |low: f64, high: f64, size: u32| {
@@ -154,11 +154,11 @@ impl Optics {
         };
         let [left, right] = side(low.x, high.x, self.size[0])?;
         let [top, bottom] = side(low.y, high.y, self.size[1])?;
-        Some(Area { first: [left, top], last: [right, bottom] })
+        Some(PixelRect { first: [left, top], last: [right, bottom] })
     }
 
-    /// Area for a fisheye: a circle about the face's middle, with the greatest magnification of the lens within it.
-    fn curved_area(&self, corners: [DVec3; 3]) -> Option<Area> {
+    /// Rectangle for a fisheye: a circle about the face's middle, with the greatest magnification of the lens within it.
+    fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);
         if !(middle != DVec3::ZERO && chord <= 1.0) {

@@ -8,9 +8,9 @@ use super::optics::{Optics, TILE};
 use super::rays::{PIXELS, RayTable, Rays, Window};
 use super::shade::{Colours, Shading, rounded, shade};
 use super::shadow::{Axes, ShadowGrid};
-use super::surface::Looks;
-use super::tile::{GROUND, SKY, Tile, look};
-use super::{Label, Picture, Place, Still, View};
+use super::surface::SurfaceContext;
+use super::tile::{GROUND, SKY, Tile, find_visible};
+use super::{Attachment, Label, Picture, PosedScenery, View};
 use crate::RobotId;
 
 /// Renders pictures and reuses its buffers from one to the next.
@@ -33,7 +33,7 @@ impl Default for Camera {
 
 /// Inputs of the rendering of tiles.
 struct Frame<'a> {
-    looks: Looks<'a>,
+    context: SurfaceContext<'a>,
     optics: &'a Optics,
     view: &'a View,
     bins: &'a Bins,
@@ -54,18 +54,18 @@ impl Camera {
     /// Colour picture of this view: red, green, blue. The body of `by` is left out. Each pixel is the rounded mean of
     /// `samples` x `samples` pixels of a larger picture; `samples` is reduced to the size limit of [`View`], and is at
     /// least 1.
-    pub fn colour(&mut self, still: &Still, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
+    pub fn colour(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
         let (samples, fine) =
             (1..=samples.max(1)).rev().find_map(|n| Some((n, view.enlarged(n).ok()?))).unwrap_or((1, *view));
         let optics = Optics::new(&fine);
-        self.prepare(still, &fine, &optics, by);
-        let light = still.scenery().light();
+        self.prepare(posed, &fine, &optics, by);
+        let light = posed.scenery().light();
         if light.shadows {
-            let moves = |part: &super::Part| !matches!(part.place, Place::Fixed(_));
-            self.moving.fill(still.scenery(), Some(still), &Axes::new(light.towards), moves);
+            let moves = |part: &super::Part| !matches!(part.attachment, Attachment::Fixed(_));
+            self.moving.fill(posed.scenery(), Some(posed), &Axes::new(light.towards), moves);
         }
-        let looks = Looks::new(still, &fine, optics.camera_from_lens, light.shadows.then_some(&self.moving));
-        let frame = Frame { looks, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
+        let context = SurfaceContext::new(posed, &fine, optics.camera_from_lens, light.shadows.then_some(&self.moving));
+        let frame = Frame { context, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
         let [width, height] = view.size();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         let level = self.level;
@@ -108,43 +108,43 @@ impl Camera {
     }
 
     /// Distance along each pixel's line of sight, m; infinite for the sky.
-    pub fn depth(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<f32> {
+    pub fn depth(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<f32> {
         let depth = |frame: &Frame, number, at: [u32; 2]| {
             let plane = match number {
                 SKY => return f32::INFINITY,
-                GROUND => frame.looks.ground,
+                GROUND => frame.context.ground,
                 _ => frame.bins.faces[number as usize].plane,
             };
             let ray = frame.ray(at);
             let length = (frame.optics.camera_from_lens * ray).length();
             (length / plane.dot(ray)) as f32
         };
-        self.each(still, view, by, f32::INFINITY, depth)
+        self.each(posed, view, by, f32::INFINITY, depth)
     }
 
     /// Label of the object shown in each pixel.
-    pub fn labels(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<Label> {
+    pub fn labels(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<Label> {
         let label = |frame: &Frame, number, _| match number {
             SKY => Label::Sky,
             GROUND => Label::Ground,
-            _ => still.scenery().parts()[frame.bins.faces[number as usize].part as usize].label,
+            _ => posed.scenery().parts()[frame.bins.faces[number as usize].part as usize].label,
         };
-        self.each(still, view, by, Label::Sky, label)
+        self.each(posed, view, by, Label::Sky, label)
     }
 
     /// Picture of the results of `value`, called with the face number and position of each pixel.
     fn each<T: Copy>(
         &mut self,
-        still: &Still,
+        posed: &PosedScenery,
         view: &View,
         by: Option<RobotId>,
         nothing: T,
         value: impl Fn(&Frame, u32, [u32; 2]) -> T,
     ) -> Picture<T> {
         let optics = Optics::new(view);
-        self.prepare(still, view, &optics, by);
-        let looks = Looks::new(still, view, optics.camera_from_lens, None);
-        let frame = Frame { looks, optics: &optics, view, bins: &self.bins, rays: &self.rays };
+        self.prepare(posed, view, &optics, by);
+        let context = SurfaceContext::new(posed, view, optics.camera_from_lens, None);
+        let frame = Frame { context, optics: &optics, view, bins: &self.bins, rays: &self.rays };
         let width = view.size()[0] as usize;
         let mut pixels = vec![nothing; width * view.size()[1] as usize];
         frame.survey(self.level, |tile, _, _| {
@@ -160,9 +160,9 @@ impl Camera {
         Picture::new(view.size(), pixels)
     }
 
-    fn prepare(&mut self, still: &Still, view: &View, optics: &Optics, by: Option<RobotId>) {
+    fn prepare(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, by: Option<RobotId>) {
         self.rays.prepare(view, optics.tiles());
-        self.bins.fill(still, view, optics, &self.rays, by);
+        self.bins.fill(posed, view, optics, &self.rays, by);
     }
 }
 
@@ -181,7 +181,7 @@ impl Frame<'_> {
     /// Calls `visit` with each tile and its colours.
     fn paint(&self, level: Level, mut visit: impl FnMut(&Tile, &Colours)) {
         let mut colours = [[0.0; PIXELS]; 3];
-        let shading = Shading { looks: &self.looks, faces: &self.bins.faces, is_flat: self.optics.is_flat };
+        let shading = Shading { context: &self.context, faces: &self.bins.faces, is_flat: self.optics.is_flat };
         self.survey(level, |tile, rays, window| {
             let wanted = self.wanted(tile, &mut colours);
             let ray_of = |pixel| self.ray(tile.pixel(pixel));
@@ -227,7 +227,7 @@ impl Frame<'_> {
                     Window::curved(self.rays.cone_of(number))
                 };
                 let faces = (self.bins.faces.as_slice(), self.bins.tiles[number].as_slice());
-                look(level, is_flat, (&rays, &window), self.looks.ground, faces, &mut tile.shown);
+                find_visible(level, is_flat, (&rays, &window), self.context.ground, faces, &mut tile.shown);
                 visit(&tile, &rays, &window);
             }
         }

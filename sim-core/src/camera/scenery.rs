@@ -5,9 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 
+use super::render_mesh::RenderMesh;
 use super::shadow::{Axes, ShadowGrid};
-use super::shape::Shape;
-use super::texture::{Pyramid, Wrap};
+use super::texture::{MipMap, Wrap};
 use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture};
 use crate::time::Time;
@@ -33,7 +33,7 @@ pub enum Label {
 
 /// Attachment of a part: the frame in which its mesh is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum Attachment {
     /// Fixed at this pose in the world.
     Fixed(Pose3),
     /// Attached to a movable object.
@@ -52,7 +52,7 @@ pub struct Part {
     /// Its label in label pictures.
     pub label: Label,
     /// Its attachment.
-    pub place: Place,
+    pub attachment: Attachment,
 }
 
 /// Directional light of the sun, infinitely far away, and ambient light. The three shares should add up to 1, so that
@@ -118,11 +118,11 @@ pub struct Spot {
 #[derive(Clone, Debug)]
 pub struct Scenery {
     parts: Vec<Part>,
-    /// By part, the index of its mesh in `forms`.
-    form: Vec<usize>,
-    forms: Vec<Arc<Form>>,
+    /// By part, the index of its mesh in `meshes`.
+    mesh_of: Vec<usize>,
+    meshes: Vec<Arc<PreparedMesh>>,
     ground: Option<Ground>,
-    floor: Option<Arc<Pyramid>>,
+    floor: Option<Arc<MipMap>>,
     light: Light,
     sky: Sky,
     /// Shadow casters that never move; lazily initialised.
@@ -131,18 +131,18 @@ pub struct Scenery {
 
 /// A mesh prepared for rendering.
 #[derive(Clone, Debug)]
-struct Form {
-    shape: Shape,
+struct PreparedMesh {
+    render_mesh: RenderMesh,
     /// By material.
-    looks: Vec<Look>,
+    materials: Vec<PreparedMaterial>,
 }
 
 /// A material prepared for rendering.
 #[derive(Clone, Debug)]
-pub(super) struct Look {
+pub(super) struct PreparedMaterial {
     /// Red, green, blue, 0 to 255.
     pub colour: [f32; 3],
-    pub texture: Option<Arc<Pyramid>>,
+    pub texture: Option<Arc<MipMap>>,
     pub is_seen: bool,
 }
 
@@ -150,24 +150,24 @@ impl Scenery {
     /// The scenery of these parts over `ground` (`None` without ground) in this light.
     pub fn new(parts: Vec<Part>, ground: Option<Ground>, light: Light, sky: Sky) -> Self {
         let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
-        let floor = image.map(|image| Arc::new(Pyramid::new(image, Wrap::Clamp)));
-        let (form, forms, shadows) = (Vec::new(), Vec::new(), Arc::default());
-        let nothing = Self { parts: Vec::new(), form, forms, ground, floor, light, sky, shadows };
+        let floor = image.map(|image| Arc::new(MipMap::new(image, Wrap::Clamp)));
+        let (mesh_of, meshes, shadows) = (Vec::new(), Vec::new(), Arc::default());
+        let nothing = Self { parts: Vec::new(), mesh_of, meshes, ground, floor, light, sky, shadows };
         nothing.with_parts(parts)
     }
 
     /// Appends parts to the scenery and shares all prepared data with it. Fixed parts must be given to
     /// [`Scenery::new`], because appended ones cast no shadows.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
-        let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
-        let known = self.parts.iter().zip(&self.form).map(|(part, form)| (Arc::as_ptr(&part.mesh), *form));
+        let mut mip_maps: BTreeMap<*const Texture, Arc<MipMap>> = BTreeMap::new();
+        let known = self.parts.iter().zip(&self.mesh_of).map(|(part, mesh)| (Arc::as_ptr(&part.mesh), *mesh));
         let mut of_meshes: BTreeMap<*const Mesh, usize> = known.collect();
         for part in &parts {
-            let form = *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
-                self.forms.push(Arc::new(Form::new(&part.mesh, &mut pyramids)));
-                self.forms.len() - 1
+            let mesh = *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
+                self.meshes.push(Arc::new(PreparedMesh::new(&part.mesh, &mut mip_maps)));
+                self.meshes.len() - 1
             });
-            self.form.push(form);
+            self.mesh_of.push(mesh);
         }
         self.parts.extend(parts);
         self
@@ -194,61 +194,65 @@ impl Scenery {
     }
 
     /// The image on the floor.
-    pub(super) fn floor(&self) -> Option<&Pyramid> {
+    pub(super) fn floor(&self) -> Option<&MipMap> {
         self.floor.as_deref()
     }
 
     /// A prepared material of a part.
-    pub(super) fn look(&self, part: usize, material: u32) -> &Look {
-        &self.forms[self.form[part]].looks[material as usize]
+    pub(super) fn prepared_material(&self, part: usize, material: u32) -> &PreparedMaterial {
+        &self.meshes[self.mesh_of[part]].materials[material as usize]
     }
 
     /// Shadow casters that never move.
     pub(super) fn fixed_shadows(&self) -> &ShadowGrid {
         self.shadows.get_or_init(|| {
             let mut grid = ShadowGrid::default();
-            grid.fill(self, None, &Axes::new(self.light.towards), |part| matches!(part.place, Place::Fixed(_)));
+            grid.fill(self, None, &Axes::new(self.light.towards), |part| {
+                matches!(part.attachment, Attachment::Fixed(_))
+            });
             grid
         })
     }
 
     /// The prepared faces of a part.
-    pub(super) fn shape(&self, part: usize) -> &Shape {
-        &self.forms[self.form[part]].shape
+    pub(super) fn render_mesh(&self, part: usize) -> &RenderMesh {
+        &self.meshes[self.mesh_of[part]].render_mesh
     }
 
     /// Published poses of all parts present at `at`, which is at most 100 ms before the world's present slot.
-    pub fn still(&self, world: &World, at: Time) -> Still<'_> {
-        let pose = |part: &Part| match part.place {
-            Place::Fixed(pose) => Some(pose),
-            Place::Object(object) => {
-                world.is_object_there(object, at).then(|| Pose3::from_planar(&world.object_pose(object, at), 0.0))
+    pub fn pose_at(&self, world: &World, at: Time) -> PosedScenery<'_> {
+        let pose = |part: &Part| match part.attachment {
+            Attachment::Fixed(pose) => Some(pose),
+            Attachment::Object(object) => {
+                world.is_object_present(object, at).then(|| Pose3::from_planar(&world.object_pose(object, at), 0.0))
             }
-            Place::Robot(robot) => world.is_robot_there(robot, at).then(|| world.robot_pose_in_space(robot, at)),
-            Place::Leg(robot, part) => world.leg_part_pose(robot, part, at).filter(|_| world.is_robot_there(robot, at)),
+            Attachment::Robot(robot) => world.is_robot_present(robot, at).then(|| world.robot_pose_in_space(robot, at)),
+            Attachment::Leg(robot, part) => {
+                world.leg_part_pose(robot, part, at).filter(|_| world.is_robot_present(robot, at))
+            }
         };
-        self.standing(self.parts.iter().map(pose).collect())
+        self.with_poses(self.parts.iter().map(pose).collect())
     }
 
     /// A still with these poses of the parts, in their order, `None` for an absent part; for example from another
-    /// [`Still`] of this scenery.
+    /// [`PosedScenery`] of this scenery.
     ///
     /// # Panics
     /// If the number of poses differs from that of the parts.
-    pub fn standing(&self, poses: Vec<Option<Pose3>>) -> Still<'_> {
+    pub fn with_poses(&self, poses: Vec<Option<Pose3>>) -> PosedScenery<'_> {
         assert_eq!(poses.len(), self.parts.len(), "a pose for each part");
-        Still { scenery: self, poses }
+        PosedScenery { scenery: self, poses }
     }
 }
 
 /// A scenery at an instant.
 #[derive(Clone, Debug)]
-pub struct Still<'s> {
+pub struct PosedScenery<'s> {
     scenery: &'s Scenery,
     poses: Vec<Option<Pose3>>,
 }
 
-impl<'s> Still<'s> {
+impl<'s> PosedScenery<'s> {
     /// The scenery.
     pub fn scenery(&self) -> &'s Scenery {
         self.scenery
@@ -266,18 +270,19 @@ impl<'s> Still<'s> {
     }
 }
 
-impl Form {
-    fn new(mesh: &Mesh, pyramids: &mut BTreeMap<*const Texture, Arc<Pyramid>>) -> Self {
-        let looks: Vec<Look> = mesh.materials.iter().map(|material| Look::new(material, pyramids)).collect();
-        Self { shape: Shape::new(mesh, |material| looks[material as usize].is_seen), looks }
+impl PreparedMesh {
+    fn new(mesh: &Mesh, mip_maps: &mut BTreeMap<*const Texture, Arc<MipMap>>) -> Self {
+        let materials: Vec<PreparedMaterial> =
+            mesh.materials.iter().map(|material| PreparedMaterial::new(material, mip_maps)).collect();
+        Self { render_mesh: RenderMesh::new(mesh, |material| materials[material as usize].is_seen), materials }
     }
 }
 
-impl Look {
-    fn new(material: &Material, pyramids: &mut BTreeMap<*const Texture, Arc<Pyramid>>) -> Self {
+impl PreparedMaterial {
+    fn new(material: &Material, mip_maps: &mut BTreeMap<*const Texture, Arc<MipMap>>) -> Self {
         let texture = material.texture.as_ref().map(|texture| {
-            let new = || Arc::new(Pyramid::new(texture, Wrap::Repeat));
-            Arc::clone(pyramids.entry(Arc::as_ptr(texture)).or_insert_with(new))
+            let new = || Arc::new(MipMap::new(texture, Wrap::Repeat));
+            Arc::clone(mip_maps.entry(Arc::as_ptr(texture)).or_insert_with(new))
         });
         let colour = material.colour.map(|share| 255.0 * share.clamp(0.0, 1.0));
         Self { colour, texture, is_seen: material.opacity >= 0.5 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::face::Face;
 use super::rays::{PIXELS, Rays, Window};
-use super::surface::{Attribute, Lighting, Looks, Painted, Shares, Surface, fill_from};
+use super::surface::{Attribute, Lighting, Painted, ShadedSurface, Shares, SurfaceContext, fill_from};
 use super::texture::Wrap;
 use super::tile::{GROUND, SKY, Tile};
 
@@ -33,7 +33,7 @@ impl Local {
 
 /// Inputs of the colours of a tile.
 pub struct Shading<'a> {
-    pub looks: &'a Looks<'a>,
+    pub context: &'a SurfaceContext<'a>,
     pub faces: &'a [Face],
     pub is_flat: bool,
 }
@@ -57,7 +57,7 @@ pub fn shade(
 #[inline(always)]
 fn shade_at<S: Simd, const FLAT: bool>(
     simd: S,
-    Shading { looks, faces, .. }: &Shading,
+    Shading { context, faces, .. }: &Shading,
     (rays, window): (&Rays, &Window),
     tile: &Tile,
     (wanted, ray_of): (u64, &dyn Fn(usize) -> DVec3),
@@ -78,24 +78,24 @@ fn shade_at<S: Simd, const FLAT: bool>(
         same &= pending;
         pending &= !same;
         if number == SKY {
-            sky::<S, FLAT>(simd, looks, (rays, window), same, colours);
+            sky::<S, FLAT>(simd, context, (rays, window), same, colours);
             continue;
         }
         let surface = if number == GROUND {
-            let Some(ground) = looks.scenery.ground() else { continue };
-            looks.ground(ground)
+            let Some(ground) = context.scenery.ground() else { continue };
+            context.ground(ground)
         } else {
-            looks.face(&faces[number as usize])
+            context.face(&faces[number as usize])
         };
         let has_sun = match &surface.light {
             Lighting::Flat(shares) => shares.sun > 0.0,
             Lighting::Smooth(..) => true,
         };
-        let lit = match &looks.sun {
+        let lit = match &context.sun {
             Some(sun) if has_sun => sun.reaches(surface.plane, surface.name, same, ray_of),
             _ => same,
         };
-        paint::<S, FLAT>(simd, looks, (rays, window), &surface, (same, lit, ray_of(pixel)), colours);
+        paint::<S, FLAT>(simd, context, (rays, window), &surface, (same, lit, ray_of(pixel)), colours);
     }
 }
 
@@ -124,15 +124,15 @@ fn rounded_at<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
 #[inline(always)]
 fn paint<S: Simd, const FLAT: bool>(
     simd: S,
-    looks: &Looks,
+    context: &SurfaceContext,
     (rays, window): (&Rays, &Window),
-    surface: &Surface,
+    surface: &ShadedSurface,
     (pixels, lit, ray): (u64, u64, DVec3),
     colours: &mut Colours,
 ) {
     let local = |attribute: &Attribute| Local::new::<FLAT>(attribute, surface.plane, ray, window);
     let plane = window.local::<FLAT>(surface.plane);
-    let image = surface.image.as_ref().map(|image| (image.pyramid, [local(&image.place[0]), local(&image.place[1])]));
+    let image = surface.image.as_ref().map(|image| (image.mip_map, [local(&image.place[0]), local(&image.place[1])]));
     let painted = surface.painted.as_ref().map(|painted| (painted, [local(&painted.at[0]), local(&painted.at[1])]));
     let one = S::f32s::splat(simd, 1.0);
     let mut first = 0;
@@ -153,15 +153,15 @@ fn paint<S: Simd, const FLAT: bool>(
             ];
             wanted &= on_floor(simd, painted, [x.here, y.here], at);
         }
-        if let Some((pyramid, [u, v])) = &image
+        if let Some((mip_map, [u, v])) = &image
             && wanted != 0
         {
             let away = [
                 rays.value::<S, FLAT>(simd, u.form, first) * per_near,
                 rays.value::<S, FLAT>(simd, v.form, first) * per_near,
             ];
-            let [width, height] = pyramid.size().map(|side| side as f32);
-            let base = |here: f64| match pyramid.wrap() {
+            let [width, height] = mip_map.size().map(|side| side as f32);
+            let base = |here: f64| match mip_map.wrap() {
                 Wrap::Repeat => (here - here.floor()) as f32,
                 Wrap::Clamp => here as f32,
             };
@@ -176,10 +176,10 @@ fn paint<S: Simd, const FLAT: bool>(
                 axes[axis][1] = (v_step - away[1] * across) * (per_near * height);
                 axis += 1;
             }
-            let found = pyramid.sample(simd, wanted, place, axes);
+            let found = mip_map.sample(simd, wanted, place, axes);
             let tint = rgb(simd, surface.tint);
             let tinted = [found[0] * tint[0], found[1] * tint[1], found[2] * tint[2]];
-            colour = if pyramid.is_opaque { tinted } else { over(simd, tinted, found[3] * (1.0 / 255.0), colour) };
+            colour = if mip_map.is_opaque { tinted } else { over(simd, tinted, found[3] * (1.0 / 255.0), colour) };
         }
         if let Some((painted, [x, y])) = &painted {
             let inside = S::mask32s::from_bitmask(simd, wanted);
@@ -191,7 +191,7 @@ fn paint<S: Simd, const FLAT: bool>(
             Lighting::Smooth(forms, flat) => {
                 let forms =
                     [window.local::<FLAT>(forms[0]), window.local::<FLAT>(forms[1]), window.local::<FLAT>(forms[2])];
-                smooth::<S, FLAT>(simd, looks, rays, (forms, flat), first)
+                smooth::<S, FLAT>(simd, context, rays, (forms, flat), first)
             }
         };
         let lit = S::mask32s::from_bitmask(simd, lanes_of::<S>(lit, first));
@@ -233,12 +233,12 @@ fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]
 #[inline(always)]
 fn smooth<S: Simd, const FLAT: bool>(
     simd: S,
-    looks: &Looks,
+    context: &SurfaceContext,
     rays: &Rays,
     (forms, flat): ([[f32; 3]; 3], &Shares),
     first: usize,
 ) -> [S::f32s; 2] {
-    let light = looks.scenery.light();
+    let light = context.scenery.light();
     let (sun, fill) = (light.towards.as_vec3(), fill_from(light).as_vec3());
     let x = rays.value::<S, FLAT>(simd, forms[0], first);
     let y = rays.value::<S, FLAT>(simd, forms[1], first);
@@ -261,17 +261,17 @@ fn smooth<S: Simd, const FLAT: bool>(
 #[inline(always)]
 fn sky<S: Simd, const FLAT: bool>(
     simd: S,
-    looks: &Looks,
+    context: &SurfaceContext,
     (rays, window): (&Rays, &Window),
     pixels: u64,
     colours: &mut Colours,
 ) {
-    let sky = looks.scenery.sky();
+    let sky = context.scenery.sky();
     let (horizon, zenith) = (rgb(simd, sky.horizon.map(f32::from)), rgb(simd, sky.zenith.map(f32::from)));
     let zero = S::f32s::splat(simd, 0.0);
-    let x = window.local::<FLAT>(looks.world_from_lens.row(0));
-    let y = window.local::<FLAT>(looks.world_from_lens.row(1));
-    let z = window.local::<FLAT>(looks.world_from_lens.row(2));
+    let x = window.local::<FLAT>(context.world_from_lens.row(0));
+    let y = window.local::<FLAT>(context.world_from_lens.row(1));
+    let z = window.local::<FLAT>(context.world_from_lens.row(2));
     let mut first = 0;
     while first < PIXELS {
         let lanes = lanes_of::<S>(pixels, first);

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Part, Place, Scenery, Still};
+use super::{Attachment, Part, PosedScenery, Scenery};
 
 /// Distance in metres below which a face casts no shadow, because touching faces are equal within rounding.
 pub const AWAY: f64 = 1e-6;
@@ -111,21 +111,27 @@ impl Caster {
 
 impl ShadowGrid {
     /// Fills the grid with the faces of all parts for which `counts` returns true.
-    pub fn fill(&mut self, scenery: &Scenery, still: Option<&Still>, axes: &Axes, counts: impl Fn(&Part) -> bool) {
+    pub fn fill(
+        &mut self,
+        scenery: &Scenery,
+        posed: Option<&PosedScenery>,
+        axes: &Axes,
+        counts: impl Fn(&Part) -> bool,
+    ) {
         self.faces.clear();
         let mut corners = Vec::new();
         for (number, part) in scenery.parts().iter().enumerate().filter(|(_, part)| counts(part)) {
-            let pose = match (part.place, still) {
-                (Place::Fixed(pose), _) => Some(pose),
-                (_, still) => still.and_then(|still| still.poses()[number]),
+            let pose = match (part.attachment, posed) {
+                (Attachment::Fixed(pose), _) => Some(pose),
+                (_, posed) => posed.and_then(|posed| posed.poses()[number]),
             };
             let Some(pose) = pose else { continue };
-            let shape = scenery.shape(number);
-            for cluster in &shape.clusters {
+            let render_mesh = scenery.render_mesh(number);
+            for cluster in &render_mesh.clusters {
                 corners.clear();
-                let of_cluster = &shape.corners[cluster.corners.clone()];
+                let of_cluster = &render_mesh.corners[cluster.corners.clone()];
                 corners.extend(of_cluster.iter().map(|corner| axes.of(pose.transform_point(*corner))));
-                for face in &shape.faces[cluster.faces.clone()] {
+                for face in &render_mesh.faces[cluster.faces.clone()] {
                     let corners = face.corners.map(|corner| corners[usize::from(corner)]);
                     let name = (number as u32, face.triangle);
                     self.faces.extend(Caster::new(name, corners, cluster.closed.is_some()));

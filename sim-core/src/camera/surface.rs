@@ -3,10 +3,10 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::face::Face;
-use super::scenery::Look;
+use super::scenery::PreparedMaterial;
 use super::shadow::{Axes, ShadowGrid};
-use super::texture::Pyramid;
-use super::{Ground, Light, Scenery, Still, View};
+use super::texture::MipMap;
+use super::{Ground, Light, PosedScenery, Scenery, View};
 
 /// A value that varies over a surface: `base` plus the ratio of the dot product of `form` with the ray to that of the
 /// surface's plane.
@@ -17,7 +17,7 @@ pub struct Attribute {
 }
 
 /// Properties of a surface, common to all pixels that show it.
-pub struct Surface<'a> {
+pub struct ShadedSurface<'a> {
     /// Its dot product with a ray is the reciprocal of the ray's parameter at the surface.
     pub plane: DVec3,
     /// Red, green, blue, 0 to 255, without an image.
@@ -33,7 +33,7 @@ pub struct Surface<'a> {
 
 /// An image on a surface.
 pub struct Image<'a> {
-    pub pyramid: &'a Pyramid,
+    pub mip_map: &'a MipMap,
     /// Image coordinates to the right and downwards from the upper left corner; 1 is the whole image.
     pub place: [Attribute; 2],
 }
@@ -95,8 +95,8 @@ impl Sun<'_> {
 }
 
 /// Data common to all surfaces of a still in a view.
-pub struct Looks<'a> {
-    pub still: &'a Still<'a>,
+pub struct SurfaceContext<'a> {
+    pub posed: &'a PosedScenery<'a>,
     pub scenery: &'a Scenery,
     /// Position of the camera.
     pub eye: DVec3,
@@ -107,10 +107,15 @@ pub struct Looks<'a> {
     pub sun: Option<Sun<'a>>,
 }
 
-impl<'a> Looks<'a> {
+impl<'a> SurfaceContext<'a> {
     /// `moving` holds the moving shadow casters; `None` turns shadows off.
-    pub fn new(still: &'a Still<'a>, view: &View, camera_from_lens: DMat3, moving: Option<&'a ShadowGrid>) -> Self {
-        let scenery = still.scenery();
+    pub fn new(
+        posed: &'a PosedScenery<'a>,
+        view: &View,
+        camera_from_lens: DMat3,
+        moving: Option<&'a ShadowGrid>,
+    ) -> Self {
+        let scenery = posed.scenery();
         let camera = view.world_from_camera();
         let world_from_lens = camera.rotation * camera_from_lens;
         let height = camera.position.z;
@@ -123,17 +128,17 @@ impl<'a> Looks<'a> {
             let at = axes.map(|axis| Attribute { base: axis.dot(eye), form: world_from_lens.transpose() * axis });
             Sun { grids: [scenery.fixed_shadows(), moving], at }
         });
-        Self { still, scenery, eye, world_from_lens, ground, sun }
+        Self { posed, scenery, eye, world_from_lens, ground, sun }
     }
 
     /// The surface of a face.
-    pub fn face(&self, face: &Face) -> Surface<'a> {
+    pub fn face(&self, face: &Face) -> ShadedSurface<'a> {
         let part = &self.scenery.parts()[face.part as usize];
         let triangle = &part.mesh.triangles[face.triangle as usize];
-        let look: &'a Look = self.scenery.look(face.part as usize, triangle.material);
-        let rotation = self.still.poses()[face.part as usize].unwrap_or_default().rotation;
+        let material: &'a PreparedMaterial = self.scenery.prepared_material(face.part as usize, triangle.material);
+        let rotation = self.posed.poses()[face.part as usize].unwrap_or_default().rotation;
         let side = if face.is_outside { 1.0 } else { -1.0 };
-        let flat = rotation * self.scenery.shape(face.part as usize).normals[face.triangle as usize] * side;
+        let flat = rotation * self.scenery.render_mesh(face.part as usize).normals[face.triangle as usize] * side;
         let flat = shares(self.scenery.light(), flat);
         let light = triangle.normals.map_or(Lighting::Flat(flat), |normals| {
             let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
@@ -141,16 +146,16 @@ impl<'a> Looks<'a> {
             let form = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis];
             Lighting::Smooth([form(0), form(1), form(2)], flat)
         });
-        let image = look.texture.as_deref().zip(triangle.uv).map(|(pyramid, uv)| {
+        let image = material.texture.as_deref().zip(triangle.uv).map(|(mip_map, uv)| {
             let [a, b, c] = uv.map(|uv| uv.as_dvec2());
             let u = Attribute { base: a.x, form: face.form([a.x, b.x, c.x]) };
             let v = Attribute { base: 1.0 - a.y, form: -face.form([a.y, b.y, c.y]) };
-            Image { pyramid, place: [u, v] }
+            Image { mip_map, place: [u, v] }
         });
-        let tint = look.colour.map(|channel| channel / 255.0);
-        Surface {
+        let tint = material.colour.map(|channel| channel / 255.0);
+        ShadedSurface {
             plane: face.plane,
-            colour: look.colour,
+            colour: material.colour,
             tint,
             image,
             light,
@@ -160,15 +165,15 @@ impl<'a> Looks<'a> {
     }
 
     /// The surface of the ground.
-    pub fn ground(&self, ground: &'a Ground) -> Surface<'a> {
+    pub fn ground(&self, ground: &'a Ground) -> ShadedSurface<'a> {
         let size = ground.floor.as_ref().map_or(DVec2::ONE, |floor| floor.size);
         let [x, y] = [0, 1].map(|axis| Attribute { base: self.eye[axis], form: self.world_from_lens.row(axis) });
-        let image = self.scenery.floor().map(|pyramid| {
+        let image = self.scenery.floor().map(|mip_map| {
             let u = Attribute { base: x.base / size.x, form: x.form / size.x };
             let v = Attribute { base: 1.0 - y.base / size.y, form: -y.form / size.y };
-            Image { pyramid, place: [u, v] }
+            Image { mip_map, place: [u, v] }
         });
-        Surface {
+        ShadedSurface {
             plane: self.ground,
             colour: ground.floor.as_ref().map_or(ground.colour, |floor| floor.colour).map(f32::from),
             tint: [1.0; 3],

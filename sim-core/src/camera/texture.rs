@@ -35,8 +35,8 @@ pub enum Wrap {
 /// Our choice, after Feline (McCormack et al., 1999) for the probes; blending two levels only on a part of the interval
 /// is common in graphics drivers, and saves a third of the texels.
 #[derive(Clone, Debug)]
-pub struct Pyramid {
-    levels: Vec<Level>,
+pub struct MipMap {
+    levels: Vec<MipLevel>,
     /// Texels of all levels, each level with a border of one texel by wrap mode. An entry is a texel and the one below
     /// it, so that the four texels around a position are adjacent. Red is the lowest byte, opacity the highest.
     texels: Vec<[i32; 2]>,
@@ -45,19 +45,19 @@ pub struct Pyramid {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Level {
+struct MipLevel {
     size: [u32; 2],
     /// Index of the border's first texel.
     start: usize,
 }
 
-impl Level {
+impl MipLevel {
     fn stride(&self) -> usize {
         self.size[0] as usize + 2
     }
 }
 
-impl Pyramid {
+impl MipMap {
     /// Maximum number of probes of a footprint.
     pub(super) const PROBES: f32 = 2.0;
 
@@ -67,18 +67,18 @@ impl Pyramid {
         let mut pixels: Vec<[u8; 4]> =
             (0..height).flat_map(|row| (0..width).map(move |column| image.pixel(column, row))).collect();
         let is_opaque = pixels.iter().all(|pixel| pixel[3] == u8::MAX);
-        let mut pyramid = Self { levels: Vec::new(), texels: Vec::new(), wrap, is_opaque };
+        let mut mip_map = Self { levels: Vec::new(), texels: Vec::new(), wrap, is_opaque };
         let mut size = [width, height];
-        pyramid.add(size, &pixels);
+        mip_map.add(size, &pixels);
         while size != [1, 1] {
             (size, pixels) = halved(size, &pixels);
-            pyramid.add(size, &pixels);
+            mip_map.add(size, &pixels);
         }
-        pyramid
+        mip_map
     }
 
     fn add(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
-        self.levels.push(Level { size, start: self.texels.len() });
+        self.levels.push(MipLevel { size, start: self.texels.len() });
         let [width, height] = size.map(i64::from);
         let within = |place: i64, size: i64| match self.wrap {
             Wrap::Repeat => place.rem_euclid(size),
@@ -206,7 +206,7 @@ impl Pyramid {
 
     /// Blends the four nearest texels of a level.
     #[inline(always)]
-    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: Level) -> [S::f32s; 4] {
+    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: MipLevel) -> [S::f32s; 4] {
         let [width, height] = level.size.map(|side| side as f32);
         // Measured from the middle of the border's first texel.
         let (x, y) = (place[0] * width + 0.5, place[1] * height + 0.5);

@@ -33,7 +33,7 @@ impl Tile {
 const COPLANAR: f64 = 5e-7;
 
 /// Finds the face shown by each pixel of a tile: one of the listed `faces`, or the ground, whose plane is `ground`.
-pub fn look(
+pub fn find_visible(
     level: Level,
     is_flat: bool,
     (rays, window): (&Rays, &Window),

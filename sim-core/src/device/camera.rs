@@ -10,10 +10,10 @@ use std::sync::Arc;
 use super::level::Levels;
 use super::servo::Servos;
 use crate::RobotId;
-use crate::camera::{Camera as Renderer, Lens, Picture, Scenery, Still, View, ViewError};
+use crate::camera::{Camera as Renderer, Lens, Picture, PosedScenery, Scenery, View, ViewError};
 use crate::drive::HISTORY;
 use crate::math;
-use crate::noise::{Image, ImageErrors};
+use crate::noise::{ImageErrors, ImageNoise};
 use crate::pose::Pose3;
 use crate::spec::{CameraSpec, JointSpec, RobiSpec};
 use crate::time::Time;
@@ -105,9 +105,9 @@ impl Clone for Workspace {
 
 impl Camera {
     /// Sets the noise model of the camera of `robot`, in a run with `seed`.
-    pub fn set_errors(&mut self, model: Image, seed: u64, robot: RobotId) {
+    pub fn set_errors(&mut self, model: ImageNoise, seed: u64, robot: RobotId) {
         let errors = || Box::new(ImageErrors::new(model, seed, robot, super::switch::CAMERA));
-        self.errors = (model != Image::default()).then(errors);
+        self.errors = (model != ImageNoise::default()).then(errors);
     }
 
     /// Switches the camera on, or replaces its settings.
@@ -175,11 +175,11 @@ impl Camera {
     pub(crate) fn render_last<T: Copy>(
         &mut self,
         nothing: T,
-        render: impl FnOnce(&mut Renderer, &Still<'_>, &View) -> Picture<T>,
+        render: impl FnOnce(&mut Renderer, &PosedScenery<'_>, &View) -> Picture<T>,
     ) -> Result<Picture<T>, CameraError> {
         let exposure = Arc::clone(self.last.as_ref().ok_or(CameraError::NotTaken)?);
-        let still = exposure.scenery.standing(exposure.poses.clone());
-        let mut picture = render(self.renderer(), &still, &exposure.view);
+        let posed = exposure.scenery.with_poses(exposure.poses.clone());
+        let mut picture = render(self.renderer(), &posed, &exposure.view);
         if exposure.is_dark {
             picture.pixels_mut().fill(nothing);
         }

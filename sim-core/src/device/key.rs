@@ -39,39 +39,39 @@ const MAX_PIXEL: i32 = 65_535;
 
 /// A press of a key or a touch of the display. Its text is `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsed without regard to case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
+pub enum UserInput {
     /// Press of this key below the display: 1 to [`KEYS`], from the left.
     Key(u8),
     /// Touch of the display at this pixel: x from the left, y from the top.
-    Place([i32; 2]),
+    Touch([i32; 2]),
     /// Press of the remote control's key with this index in [`REMOTE_KEYS`].
     Remote(u8),
 }
 
-/// The text does not name a [`Touch`].
+/// The text does not name a [`UserInput`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
 )]
 pub struct UnknownKey(pub String);
 
-impl std::fmt::Display for Touch {
+impl std::fmt::Display for UserInput {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Key(number) => write!(f, "KEY{number}"),
-            Self::Place([x, y]) => write!(f, "TOUCH({x},{y})"),
+            Self::Touch([x, y]) => write!(f, "TOUCH({x},{y})"),
             Self::Remote(place) => f.write_str(REMOTE_KEYS.get(usize::from(*place)).copied().unwrap_or_default()),
         }
     }
 }
 
-impl FromStr for Touch {
+impl FromStr for UserInput {
     type Err = UnknownKey;
 
     fn from_str(text: &str) -> Result<Self, UnknownKey> {
         let keys = (1..=KEYS).map(Self::Key).chain((0..REMOTE_KEYS.len() as u8).map(Self::Remote));
         let key = keys.into_iter().find(|key| key.to_string().eq_ignore_ascii_case(text));
-        key.or_else(|| place(text).map(Self::Place)).ok_or_else(|| UnknownKey(text.to_owned()))
+        key.or_else(|| place(text).map(Self::Touch)).ok_or_else(|| UnknownKey(text.to_owned()))
     }
 }
 
@@ -87,31 +87,31 @@ fn place(text: &str) -> Option<[i32; 2]> {
 ///
 /// Readers pass `key_of`, which maps a touch to their key; touches for which it gives `None` stay in the queue.
 #[derive(Clone, Debug, Default)]
-pub struct Presses {
-    presses: VecDeque<(Time, Touch)>,
+pub struct InputQueue {
+    presses: VecDeque<(Time, UserInput)>,
 }
 
-impl Presses {
+impl InputQueue {
     /// Adds a press at `at`.
-    pub fn press(&mut self, at: Time, touch: Touch) {
+    pub fn press(&mut self, at: Time, touch: UserInput) {
         let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
         self.presses.insert(place, (at, touch));
     }
 
     /// Takes the earliest press of a key that has happened by `now`.
-    pub fn take<K>(&mut self, now: Time, key_of: impl Fn(Touch) -> Option<K>) -> Option<K> {
-        let is_key = |(at, touch): &(Time, Touch)| *at <= now && key_of(*touch).is_some();
+    pub fn take<K>(&mut self, now: Time, key_of: impl Fn(UserInput) -> Option<K>) -> Option<K> {
+        let is_key = |(at, touch): &(Time, UserInput)| *at <= now && key_of(*touch).is_some();
         let (_, touch) = self.presses.remove(self.presses.iter().position(is_key)?)?;
         key_of(touch)
     }
 
     /// Takes the earliest touch of any kind that has happened by `now`.
-    pub fn take_any(&mut self, now: Time) -> Option<Touch> {
+    pub fn take_any(&mut self, now: Time) -> Option<UserInput> {
         self.take(now, Some)
     }
 
     /// Time of the next touch for which `is_meant` returns true; [`Time::NEVER`] if there is none.
-    pub fn next(&self, is_meant: impl Fn(Touch) -> bool) -> Time {
+    pub fn next(&self, is_meant: impl Fn(UserInput) -> bool) -> Time {
         self.presses.iter().find(|(_, touch)| is_meant(*touch)).map_or(Time::NEVER, |(at, _)| *at)
     }
 }
@@ -120,30 +120,30 @@ impl Presses {
 mod tests {
     use super::*;
 
-    fn pressed<const N: usize>(presses: [(i64, Touch); N]) -> Presses {
-        let mut all = Presses::default();
+    fn pressed<const N: usize>(presses: [(i64, UserInput); N]) -> InputQueue {
+        let mut all = InputQueue::default();
         presses.into_iter().for_each(|(at, touch)| all.press(Time(at), touch));
         all
     }
 
     #[test]
     fn presses_are_kept_until_read() {
-        let mut keys = pressed([(20, Touch::Key(4)), (10, Touch::Key(1)), (10, Touch::Key(2))]);
+        let mut keys = pressed([(20, UserInput::Key(4)), (10, UserInput::Key(1)), (10, UserInput::Key(2))]);
         assert_eq!(keys.take_any(Time(9)), None);
-        assert_eq!([(); 2].map(|()| keys.take_any(Time(30))), [Some(Touch::Key(1)), Some(Touch::Key(2))]);
-        keys.press(Time(15), Touch::Key(3));
-        assert_eq!([(); 3].map(|()| keys.take_any(Time(30))), [Some(Touch::Key(3)), Some(Touch::Key(4)), None]);
+        assert_eq!([(); 2].map(|()| keys.take_any(Time(30))), [Some(UserInput::Key(1)), Some(UserInput::Key(2))]);
+        keys.press(Time(15), UserInput::Key(3));
+        assert_eq!([(); 3].map(|()| keys.take_any(Time(30))), [Some(UserInput::Key(3)), Some(UserInput::Key(4)), None]);
     }
 
     #[test]
     fn touches_that_are_no_key_wait_for_who_reads_touches() {
-        let [key, edge, middle] = [Touch::Key(1), Touch::Place([0, 9]), Touch::Place([5, 5])];
-        let key_of = |touch: Touch| match touch {
-            Touch::Key(number) => Some(number),
+        let [key, edge, middle] = [UserInput::Key(1), UserInput::Touch([0, 9]), UserInput::Touch([5, 5])];
+        let key_of = |touch: UserInput| match touch {
+            UserInput::Key(number) => Some(number),
             touch => (touch == edge).then_some(2),
         };
         let mut keys = pressed([(1, middle), (2, edge), (3, key), (4, middle)]);
-        let next_key = |keys: &Presses| keys.next(|touch| key_of(touch).is_some());
+        let next_key = |keys: &InputQueue| keys.next(|touch| key_of(touch).is_some());
         assert_eq!([keys.next(|_| true), next_key(&keys)], [Time(1), Time(2)]);
         assert_eq!([keys.take(Time(9), key_of), keys.take(Time(9), key_of)], [Some(2), Some(1)]);
         assert_eq!((keys.take(Time(9), key_of), next_key(&keys)), (None, Time::NEVER));
@@ -153,15 +153,21 @@ mod tests {
 
     #[test]
     fn texts_of_touches() {
-        let touches = [Touch::Key(1), Touch::Key(4), Touch::Place([0, 65_535]), Touch::Remote(0), Touch::Remote(18)];
+        let touches = [
+            UserInput::Key(1),
+            UserInput::Key(4),
+            UserInput::Touch([0, 65_535]),
+            UserInput::Remote(0),
+            UserInput::Remote(18),
+        ];
         let texts = ["KEY1", "KEY4", "TOUCH(0,65535)", "IRTV_0", "IRTV_OK"];
         assert_eq!(touches.map(|touch| touch.to_string()), texts);
         assert_eq!(texts.map(str::parse), touches.map(Ok));
         assert_eq!(["key2", " touch( 5 ,6 )", "irtv_power"].map(str::parse), {
-            [Ok(Touch::Key(2)), Ok(Touch::Place([5, 6])), Ok(Touch::Remote(19))]
+            [Ok(UserInput::Key(2)), Ok(UserInput::Touch([5, 6])), Ok(UserInput::Remote(19))]
         });
         for text in ["", "KEY0", "KEY5", "KEY", "TOUCH", "TOUCH(-1,0)", "TOUCH(1,65536)", "TOUCH(1,2", "TOUCH(1,2)3"] {
-            assert_eq!(text.parse::<Touch>(), Err(UnknownKey(text.to_owned())));
+            assert_eq!(text.parse::<UserInput>(), Err(UnknownKey(text.to_owned())));
         }
     }
 }

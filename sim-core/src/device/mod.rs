@@ -41,9 +41,9 @@ pub struct Devices {
     /// The camera.
     pub camera: camera::Camera,
     /// Presses of the keys below the display and touches of the display.
-    pub keys: key::Presses,
+    pub keys: key::InputQueue,
     /// Presses of the keys of a remote control.
-    pub remote: key::Presses,
+    pub remote: key::InputQueue,
     /// Sensors that are switched off.
     pub switches: switch::Switches,
 }
@@ -63,8 +63,8 @@ impl Devices {
     }
 
     /// Queues a press of a key, a touch of the display or a press on the remote control at `at`.
-    pub fn press(&mut self, at: Time, touch: key::Touch) {
-        let presses = if matches!(touch, key::Touch::Remote(_)) { &mut self.remote } else { &mut self.keys };
+    pub fn press(&mut self, at: Time, touch: key::UserInput) {
+        let presses = if matches!(touch, key::UserInput::Remote(_)) { &mut self.remote } else { &mut self.keys };
         presses.press(at, touch);
     }
 

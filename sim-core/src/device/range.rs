@@ -36,14 +36,14 @@ struct Errors {
 }
 
 /// Reading of a sensor that does not exist.
-const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
+const NO_RETURN: Reading = Reading { distance: None, signal: 0.0 };
 
 /// Event period of a laser scanner: one microsecond, since a scan is made on request and not in cycles.
 const SCAN: Time = Time(1);
 
 /// Pose, range and exact distance of a sensor at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct SensorView {
     /// Pose of the sensor; its x axis is the viewing direction.
     pub world_from_sensor: Pose3,
     /// Greatest distance that the sensor measures, m.
@@ -91,8 +91,8 @@ impl Ranges {
     }
 
     /// Reading of sensor `index` while it is switched off.
-    pub fn nothing(&self, index: usize) -> Reading {
-        self.sensors.get(index).map_or(NOTHING, |sensor| sensor.model.nothing())
+    pub fn no_return(&self, index: usize) -> Reading {
+        self.sensors.get(index).map_or(NO_RETURN, |sensor| sensor.model.no_return())
     }
 
     /// Reading of sensor `index` at `at`, with the servo angles just before; no return if there is no such sensor.
@@ -100,7 +100,7 @@ impl Ranges {
         let world_from_robot = motion.pose(at);
         let event = Events::index(at, CYCLE);
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
-        let Some(sensor) = self.sensors.get(index) else { return NOTHING };
+        let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
         let (angles, lift) = self.angles(sensor.link, servos, motion, at);
         let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
         let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
@@ -109,7 +109,7 @@ impl Ranges {
     }
 
     /// Pose of each sensor in the world at `at`, and its distance without errors.
-    pub fn sights(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<Sight> {
+    pub fn views(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<SensorView> {
         let stance = motion.stance(at);
         let angles = self.all_angles(servos, &stance.joints, at);
         let world_from_robot = motion.pose(at);
@@ -117,7 +117,11 @@ impl Ranges {
         let sight = |sensor: &RangeSensor| {
             let Reading { distance, signal } = sensor.read(world, motion.id(), &posture, at, 0.0);
             let world_from_sensor = sensor.world_from_sensor(&posture);
-            Sight { world_from_sensor, reach: sensor.model.limits()[1], distance: distance.filter(|_| signal > 0.0) }
+            SensorView {
+                world_from_sensor,
+                reach: sensor.model.limits()[1],
+                distance: distance.filter(|_| signal > 0.0),
+            }
         };
         self.sensors.iter().map(sight).collect()
     }

@@ -11,7 +11,7 @@ pub const CAMERA: &str = "CAMERA";
 
 /// A sensor of a robot: its kind, and its index within the kind in the order of the robi.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Sensor {
+pub enum SensorId {
     /// A PSD or another range sensor; the PSDs come first.
     Range(usize),
     /// An infrared proximity sensor.
@@ -31,17 +31,17 @@ pub enum Sensor {
 /// Set of a robot's sensors that are off; empty at the start.
 #[derive(Clone, Debug, Default)]
 pub struct Switches {
-    off: BTreeSet<Sensor>,
+    off: BTreeSet<SensorId>,
 }
 
 impl Switches {
     /// False while `sensor` is switched off.
-    pub fn is_on(&self, sensor: Sensor) -> bool {
+    pub fn is_on(&self, sensor: SensorId) -> bool {
         self.off.is_empty() || !self.off.contains(&sensor)
     }
 
     /// Switches `sensor` on or off.
-    pub fn set(&mut self, sensor: Sensor, is_on: bool) {
+    pub fn set(&mut self, sensor: SensorId, is_on: bool) {
         if is_on {
             self.off.remove(&sensor);
         } else {
@@ -51,15 +51,15 @@ impl Switches {
 }
 
 /// Sensors of a robot of this type with their names, grouped by kind.
-pub fn sensors(spec: &RobiSpec) -> impl Iterator<Item = (&str, Sensor)> {
+pub fn sensors(spec: &RobiSpec) -> impl Iterator<Item = (&str, SensorId)> {
     let ranges = spec.psds.iter().map(|psd| &*psd.name).chain(spec.ranges.iter().map(|range| &*range.name));
-    let ranges = ranges.enumerate().map(|(index, name)| (name, Sensor::Range(index)));
-    let lidar = spec.lidar.iter().map(|_| (LIDAR, Sensor::Lidar));
-    let infrareds = spec.infrareds.iter().enumerate().map(|(index, it)| (&*it.name, Sensor::Infrared(index)));
-    let bumpers = spec.bumpers.iter().enumerate().map(|(index, it)| (&*it.name, Sensor::Bumper(index)));
-    let compass = spec.compass.iter().map(|it| (&*it.name, Sensor::Compass));
+    let ranges = ranges.enumerate().map(|(index, name)| (name, SensorId::Range(index)));
+    let lidar = spec.lidar.iter().map(|_| (LIDAR, SensorId::Lidar));
+    let infrareds = spec.infrareds.iter().enumerate().map(|(index, it)| (&*it.name, SensorId::Infrared(index)));
+    let bumpers = spec.bumpers.iter().enumerate().map(|(index, it)| (&*it.name, SensorId::Bumper(index)));
+    let compass = spec.compass.iter().map(|it| (&*it.name, SensorId::Compass));
     let encoders = spec.drive.motors.iter().enumerate();
-    let encoders = encoders.filter_map(|(index, motor)| Some((motor.encoder.as_deref()?, Sensor::Encoder(index))));
-    let camera = spec.camera.iter().map(|_| (CAMERA, Sensor::Camera));
+    let encoders = encoders.filter_map(|(index, motor)| Some((motor.encoder.as_deref()?, SensorId::Encoder(index))));
+    let camera = spec.camera.iter().map(|_| (CAMERA, SensorId::Camera));
     ranges.chain(infrareds).chain(lidar).chain(bumpers).chain(compass).chain(encoders).chain(camera)
 }

@@ -44,7 +44,7 @@ pub struct Imperfection {
 /// Smallest true diameter of a wheel, as a share of the nominal one.
 const SMALLEST: f64 = 0.1;
 
-impl noise::Motion {
+impl noise::MotionNoise {
     /// The imperfection of the drive of `robot`, of this kind, in a run with `seed`.
     ///
     /// Each wheel's diameter is the nominal one times 1 + `left` or `right` + `diameter_sigma` G, G standard normal and
@@ -232,18 +232,18 @@ fn normals<const N: usize>(mut stream: Stream) -> [f64; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Motion;
+    use crate::noise::MotionNoise;
 
     #[test]
     fn without_errors_a_drive_is_perfect() {
         for kind in [DriveKind::Differential, DriveKind::Ackermann, DriveKind::Omni] {
-            assert_eq!(Motion::default().imperfection(kind, 7, RobotId(1)), Imperfection::default());
+            assert_eq!(MotionNoise::default().imperfection(kind, 7, RobotId(1)), Imperfection::default());
         }
     }
 
     #[test]
     fn sides_are_given_to_the_wheels_of_each_drive() {
-        let motion = Motion { left: 0.1, right: -0.2, ..Motion::default() };
+        let motion = MotionNoise { left: 0.1, right: -0.2, ..MotionNoise::default() };
         let of = |kind| motion.imperfection(kind, 7, RobotId(1)).diameters;
         assert_eq!(of(DriveKind::Differential), [0.1, -0.2, 0.0, 0.0]);
         assert_eq!(of(DriveKind::Ackermann), [0.1, 0.0, 0.0, 0.0]);
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn diameters_are_drawn_for_each_wheel_and_robot() {
-        let motion = Motion { diameter_sigma: 0.01, ..Motion::default() };
+        let motion = MotionNoise { diameter_sigma: 0.01, ..MotionNoise::default() };
         let of = |robot| motion.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters;
         assert_eq!(of(1), of(1));
         let mut all: Vec<f64> = (1..=2_500).flat_map(of).collect();
@@ -262,7 +262,7 @@ mod tests {
         all.sort_by(f64::total_cmp);
         all.dedup();
         assert_eq!(all.len(), 10_000, "no two are alike");
-        let far = Motion { diameter_sigma: 10.0, ..Motion::default() };
+        let far = MotionNoise { diameter_sigma: 10.0, ..MotionNoise::default() };
         let range = SMALLEST - 1.0..=1.0;
         assert!(
             (1..100)
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn what_a_profile_may_say_is_accepted() {
         let most = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
-        let motion = Motion {
+        let motion = MotionNoise {
             left: 1.0,
             right: -0.5,
             diameter_sigma: 0.05,

@@ -20,7 +20,7 @@ use crate::{
     ObjectId, RobotId,
     contact::{APPROACH, Body, Obstacle, Path, Thing},
     math,
-    pose::{Heading, PlaceError, Pose, Twist},
+    pose::{Heading, PlacementError, Pose, Twist},
     scene::Walls,
     time::{TICK, Time},
 };
@@ -276,9 +276,9 @@ impl Motion {
     /// before [`World::advance`](crate::world::World::advance).
     ///
     /// # Errors
-    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
-    pub fn place(&mut self, at: Time, world_from_robot: Pose) -> Result<(), PlaceError> {
-        world_from_robot.check_place()?;
+    /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
+    pub fn place(&mut self, at: Time, world_from_robot: Pose) -> Result<(), PlacementError> {
+        world_from_robot.check_placement()?;
         // Nothing else to refuse.
         let _ = self.input(at, Input::Place(world_from_robot), &[]);
         Ok(())

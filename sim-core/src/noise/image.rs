@@ -14,7 +14,7 @@ use crate::RobotId;
 ///
 /// Source: Koestler & Bräunl, section 5; the blur and the order are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Image {
+pub struct ImageNoise {
     /// Standard deviation of the lens's point spread, in pixels; see [`blur`].
     pub blur: f64,
     /// Standard deviation of the added noise, in levels of 0 to 255.
@@ -27,7 +27,7 @@ pub struct Image {
     pub hundreds_and_thousands: f64,
 }
 
-impl Default for Image {
+impl Default for ImageNoise {
     fn default() -> Self {
         Self { blur: 0.0, sigma: 0.0, salt_and_pepper: 0.0, salt: 0.5, hundreds_and_thousands: 0.0 }
     }
@@ -36,13 +36,13 @@ impl Default for Image {
 /// The errors of one camera.
 #[derive(Clone, Debug)]
 pub struct ImageErrors {
-    model: Image,
+    model: ImageNoise,
     rows: Events,
 }
 
 impl ImageErrors {
     /// The errors of the camera called `device` on `robot`, in a run with `seed`.
-    pub fn new(model: Image, seed: u64, robot: RobotId, device: &str) -> Self {
+    pub fn new(model: ImageNoise, seed: u64, robot: RobotId, device: &str) -> Self {
         Self { model, rows: Events::new(seed, robot, Purpose::Image, device) }
     }
 
@@ -62,7 +62,7 @@ impl ImageErrors {
     ///
     /// The errors are a function of frame and row, so rows may be processed in any order and by several threads.
     pub fn apply<const CHANNELS: usize>(&self, frame: u64, row: u16, pixels: &mut [[u8; CHANNELS]]) {
-        let Image { sigma, salt_and_pepper, salt, hundreds_and_thousands, .. } = self.model;
+        let ImageNoise { sigma, salt_and_pepper, salt, hundreds_and_thousands, .. } = self.model;
         if sigma > 0.0 {
             let mut stream = self.rows.at(index(frame, row, 0));
             for level in pixels.as_flattened_mut() {
@@ -100,7 +100,7 @@ fn index(frame: u64, row: u16, kind: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn row<const CHANNELS: usize>(model: Image, frame: u64, row: u16) -> Vec<[u8; CHANNELS]> {
+    fn row<const CHANNELS: usize>(model: ImageNoise, frame: u64, row: u16) -> Vec<[u8; CHANNELS]> {
         let mut pixels = vec![[100; CHANNELS]; 1000];
         ImageErrors::new(model, 7, RobotId(1), "CAMERA").apply(frame, row, &mut pixels);
         pixels
@@ -108,12 +108,13 @@ mod tests {
 
     #[test]
     fn without_errors_an_image_is_exact() {
-        assert!(row::<3>(Image::default(), 3, 4).iter().all(|pixel| *pixel == [100; 3]));
+        assert!(row::<3>(ImageNoise::default(), 3, 4).iter().all(|pixel| *pixel == [100; 3]));
     }
 
     #[test]
     fn rows_and_frames_differ_and_repeat() {
-        let model = Image { sigma: 5.0, salt_and_pepper: 0.1, hundreds_and_thousands: 0.1, ..Image::default() };
+        let model =
+            ImageNoise { sigma: 5.0, salt_and_pepper: 0.1, hundreds_and_thousands: 0.1, ..ImageNoise::default() };
         assert_eq!(row::<3>(model, 3, 4), row::<3>(model, 3, 4));
         assert_ne!(row::<3>(model, 3, 4), row::<3>(model, 3, 5));
         assert_ne!(row::<3>(model, 3, 4), row::<3>(model, 4, 4));
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_frame_is_blurred_before_its_pixels_err() {
-        let model = Image { blur: 1.0, salt_and_pepper: 0.2, ..Image::default() };
+        let model = ImageNoise { blur: 1.0, salt_and_pepper: 0.2, ..ImageNoise::default() };
         let picture: Vec<[u8; 3]> = (0..40 * 30).map(|at| [if at % 40 < 20 { 60 } else { 180 }; 3]).collect();
         let mut frame = picture.clone();
         ImageErrors::new(model, 7, RobotId(1), "CAMERA").expose(5, 40, &mut frame);
@@ -140,7 +141,7 @@ mod tests {
 
     #[test]
     fn levels_are_clamped() {
-        let model = Image { sigma: 1e6, ..Image::default() };
+        let model = ImageNoise { sigma: 1e6, ..ImageNoise::default() };
         let levels = row::<1>(model, 0, 0);
         let (dark, bright) =
             (levels.iter().filter(|l| l[0] == 0).count(), levels.iter().filter(|l| l[0] == 255).count());
@@ -149,14 +150,14 @@ mod tests {
 
     #[test]
     fn salt_is_white_and_pepper_black() {
-        let of = |salt| row::<3>(Image { salt_and_pepper: 1.0, salt, ..Image::default() }, 0, 0);
+        let of = |salt| row::<3>(ImageNoise { salt_and_pepper: 1.0, salt, ..ImageNoise::default() }, 0, 0);
         assert!(of(1.0).iter().all(|pixel| *pixel == [255; 3]));
         assert!(of(0.0).iter().all(|pixel| *pixel == [0; 3]));
     }
 
     #[test]
     fn hundreds_and_thousands_are_of_all_colours() {
-        let model = Image { hundreds_and_thousands: 1.0, ..Image::default() };
+        let model = ImageNoise { hundreds_and_thousands: 1.0, ..ImageNoise::default() };
         let colours: std::collections::BTreeSet<[u8; 3]> = row(model, 0, 0).into_iter().collect();
         assert!(colours.len() > 990, "{} colours of 1000", colours.len());
         assert!(row::<1>(model, 0, 0).iter().any(|grey| grey[0] > 200), "greys, too");
@@ -164,8 +165,13 @@ mod tests {
 
     #[test]
     fn the_values_are_golden() {
-        let model =
-            Image { sigma: 5.0, salt_and_pepper: 0.3, salt: 0.25, hundreds_and_thousands: 0.3, ..Image::default() };
+        let model = ImageNoise {
+            sigma: 5.0,
+            salt_and_pepper: 0.3,
+            salt: 0.25,
+            hundreds_and_thousands: 0.3,
+            ..ImageNoise::default()
+        };
         let found: Vec<[u8; 3]> = row(model, 2, 1)[6..12].to_vec();
         assert_eq!(found, GOLDEN, "{found:?}");
     }

@@ -1,6 +1,6 @@
 //! The keys of a noise profile, with their units and ranges.
 
-use super::{Angle, Image, Motion, Place, Radio, Range};
+use super::{Accessor, AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 use crate::unit::Quantity;
 
 /// A key of a section and the number of the model that it sets.
@@ -12,13 +12,13 @@ pub struct Key<M: 'static> {
     /// Meaning of the number, with its unit and bounds.
     pub quantity: Quantity,
     /// Accessor of the number in the model.
-    pub place: Place<M>,
+    pub place: Accessor<M>,
 }
 
 /// Keys of a section, in the order of a profile.
 pub type Keys<M> = &'static [Key<M>];
 
-const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, place: Place<M>) -> Key<M> {
+const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, place: Accessor<M>) -> Key<M> {
     Key { name, about, quantity, place }
 }
 
@@ -48,7 +48,7 @@ const fn turn(name: &'static str, low: f64) -> Quantity {
 }
 
 /// Keys of all distance sensors.
-pub const RANGE: Keys<Range> = &[
+pub const RANGE: Keys<RangeNoise> = &[
     key("sigma_mm", "Standard deviation of each reading in mm.", spread("standard deviation"), |range| {
         &mut range.sigma
     }),
@@ -85,7 +85,7 @@ pub const RANGE: Keys<Range> = &[
 ];
 
 /// Keys of distance sensors whose own model has noise.
-pub const OWN: Keys<Range> = &[key(
+pub const OWN: Keys<RangeNoise> = &[key(
     "device",
     "Share of that noise, of which the sensor's own `sigma` and `mean` say how much it is; 1 for all of it.",
     Quantity::number("share of the device's own noise", 0.0, 1000.0),
@@ -93,7 +93,7 @@ pub const OWN: Keys<Range> = &[key(
 )];
 
 /// Keys of the compass.
-pub const COMPASS: Keys<Angle> = &[
+pub const COMPASS: Keys<AngleNoise> = &[
     key("sigma_deg", "Standard deviation of each reading in degrees.", turn("standard deviation", 0.0), |angle| {
         &mut angle.sigma
     }),
@@ -108,7 +108,7 @@ pub const COMPASS: Keys<Angle> = &[
 ];
 
 /// Keys of the camera.
-pub const CAMERA: Keys<Image> = &[
+pub const CAMERA: Keys<ImageNoise> = &[
     key(
         "blur",
         "Standard deviation of the lens's point spread, in pixels.",
@@ -137,7 +137,7 @@ pub const CAMERA: Keys<Image> = &[
 ];
 
 /// Keys of the errors between command and motion.
-pub const DRIVE: Keys<Motion> = &[
+pub const DRIVE: Keys<MotionNoise> = &[
     key(
         "left_percent",
         "By how many percent the left wheels are larger than their nominal diameter.",
@@ -189,7 +189,7 @@ pub const DRIVE: Keys<Motion> = &[
 ];
 
 /// Keys of the errors between motion and odometry.
-pub const ODOMETRY: Keys<Motion> = &[
+pub const ODOMETRY: Keys<MotionNoise> = &[
     key("v_sigma_mm_s", "Standard deviation of the speed in mm/s, drawn every 10 ms.", SPEED, |motion| {
         &mut motion.odometry.speed
     }),
@@ -216,7 +216,7 @@ pub const ODOMETRY: Keys<Motion> = &[
 ];
 
 /// Keys of the radio's reception.
-pub const RADIO: Keys<Radio> = &[
+pub const RADIO: Keys<RadioNoise> = &[
     key(
         "bit_error_rate",
         "Probability of a bit of the payload that arrives inverted.",

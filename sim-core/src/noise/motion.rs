@@ -4,7 +4,7 @@
 ///
 /// All fields but `diameter_sigma` are also in [`Imperfection`](crate::drive::Imperfection), which applies them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct MotionNoise {
     /// Relative excess of the diameter of the wheels on the left (of a car: the driven ones) over the nominal diameter.
     pub left: f64,
     /// Relative excess of the diameter of the wheels on the right.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Angle, Image, Motion, Radio, Range};
+use super::{AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 
 /// Kinds of devices that measure distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,28 +44,28 @@ impl RangeKind {
 }
 
 /// Accessor of the number in a noise model that a key of a profile sets.
-pub type Place<M> = fn(&mut M) -> &mut f64;
+pub type Accessor<M> = fn(&mut M) -> &mut f64;
 
 /// Noise models of the devices of a robot. The default has no errors.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
     /// Models of distance sensors by kind, in the order of [`RangeKind::ALL`].
-    pub ranges: [Range; RangeKind::ALL.len()],
+    pub ranges: [RangeNoise; RangeKind::ALL.len()],
     /// Overrides for single distance sensors, by name.
-    pub sensors: BTreeMap<String, Vec<(Place<Range>, f64)>>,
+    pub sensors: BTreeMap<String, Vec<(Accessor<RangeNoise>, f64)>>,
     /// The compass.
-    pub compass: Angle,
+    pub compass: AngleNoise,
     /// The camera.
-    pub camera: Image,
+    pub camera: ImageNoise,
     /// Drive and odometry.
-    pub motion: Motion,
+    pub motion: MotionNoise,
     /// Reception of the radio.
-    pub radio: Radio,
+    pub radio: RadioNoise,
 }
 
 impl Profile {
     /// Noise model of the sensor of this kind and name.
-    pub fn range(&self, kind: RangeKind, name: &str) -> Range {
+    pub fn range(&self, kind: RangeKind, name: &str) -> RangeNoise {
         let mut range = self.ranges[kind as usize];
         for (place, value) in self.sensors.get(name).into_iter().flatten() {
             *place(&mut range) = *value;

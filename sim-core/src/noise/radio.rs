@@ -7,14 +7,14 @@ use crate::math::{ln, ln_1p};
 ///
 /// Source: Koestler & Bräunl, section 5.1: the binary symmetric channel with a bit error rate, and whole packets that are lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Radio {
+pub struct RadioNoise {
     /// Probability P_b that a bit of the payload arrives inverted, in [0, 1].
     pub bit_error_rate: f64,
     /// Probability P_p that a message does not arrive, in [0, 1].
     pub packet_loss: f64,
 }
 
-impl Radio {
+impl RadioNoise {
     /// Returns true if every message arrives as it was sent.
     pub fn is_perfect(&self) -> bool {
         self.bit_error_rate <= 0.0 && self.packet_loss <= 0.0
@@ -121,7 +121,7 @@ mod tests {
         let stream = |number| Stream::new(1, RobotId(2), Purpose::Radio, 1, number);
         let garbled = |bit_error_rate, packet_loss, number| {
             let mut payload = [0b1010_0110; 100];
-            let errors = Radio { bit_error_rate, packet_loss }.garble(&mut stream(number), &mut payload);
+            let errors = RadioNoise { bit_error_rate, packet_loss }.garble(&mut stream(number), &mut payload);
             (errors, payload)
         };
         for number in 0..100 {
@@ -136,14 +136,14 @@ mod tests {
             assert_eq!(garbled(one_less, 0.0, number).0, Some(800));
         }
         let mut nothing = [];
-        assert_eq!(Radio { bit_error_rate: 1.0, packet_loss: 0.0 }.garble(&mut stream(0), &mut nothing), Some(0));
+        assert_eq!(RadioNoise { bit_error_rate: 1.0, packet_loss: 0.0 }.garble(&mut stream(0), &mut nothing), Some(0));
     }
 
     #[test]
     fn another_loss_leaves_the_errors_where_they_are() {
         let payload_at = |packet_loss, number| {
             let mut payload = [0; 64];
-            let errors = Radio { bit_error_rate: 0.02, packet_loss };
+            let errors = RadioNoise { bit_error_rate: 0.02, packet_loss };
             let mut stream = Stream::new(5, RobotId(1), Purpose::Radio, 2, number);
             errors.garble(&mut stream, &mut payload).map(|_| payload)
         };
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_hazard_is_that_of_the_frame() {
-        let hazard = |bit_error_rate, packet_loss| Radio { bit_error_rate, packet_loss }.hazard(56);
+        let hazard = |bit_error_rate, packet_loss| RadioNoise { bit_error_rate, packet_loss }.hazard(56);
         assert_eq!(hazard(0.0, 0.0), 0.0);
         assert_eq!(hazard(1.0, 0.0), f64::INFINITY);
         assert_eq!(hazard(0.0, 1.0), f64::INFINITY);

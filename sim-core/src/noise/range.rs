@@ -18,7 +18,7 @@ use crate::time::Time;
 ///
 /// Source: additive Gaussian noise from Koestler & Bräunl, section 5; all else is our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct RangeNoise {
     /// Standard deviation of each reading, m.
     pub sigma: f64,
     /// Standard deviation of each reading as a share of the distance.
@@ -41,7 +41,7 @@ pub struct Range {
     pub device: f64,
 }
 
-impl Default for Range {
+impl Default for RangeNoise {
     fn default() -> Self {
         Self {
             sigma: 0.0,
@@ -61,7 +61,7 @@ impl Default for Range {
 /// The errors of one distance sensor or lidar.
 #[derive(Clone, Debug)]
 pub struct RangeErrors {
-    model: Range,
+    model: RangeNoise,
     readings: Events,
     signals: Events,
     /// Constant error of this sensor, m.
@@ -71,14 +71,15 @@ pub struct RangeErrors {
 
 impl RangeErrors {
     /// The errors of the sensor called `device` on `robot`, in a run with `seed`.
-    pub fn new(model: Range, seed: u64, robot: RobotId, device: &str) -> Self {
+    pub fn new(model: RangeNoise, seed: u64, robot: RobotId, device: &str) -> Self {
         let made = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
         Self {
             model,
             readings: Events::new(seed, robot, Purpose::Range, device),
             signals: Events::new(seed, robot, Purpose::Signal, device),
             offset: model.bias + model.bias_sigma * made,
-            is_exact: Range { drift_time: 0.0, device: 0.0, ..model } == Range { drift_time: 0.0, ..Range::default() },
+            is_exact: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
+                == RangeNoise { drift_time: 0.0, ..RangeNoise::default() },
         }
     }
 
@@ -118,7 +119,7 @@ impl RangeErrors {
 /// The errors of one scan.
 #[derive(Clone, Debug)]
 pub struct ScanErrors<'a> {
-    model: &'a Range,
+    model: &'a RangeNoise,
     range: [f64; 2],
     /// Random stream and constant error of all points; `None` if all readings are exact.
     stream: Option<(Stream, f64)>,
@@ -154,11 +155,11 @@ mod tests {
 
     const LIMITS: [f64; 2] = [0.05, 4.0];
 
-    fn errors(model: Range) -> RangeErrors {
+    fn errors(model: RangeNoise) -> RangeErrors {
         RangeErrors::new(model, 7, RobotId(2), "PSD_FRONT")
     }
 
-    fn readings(model: Range, exact: Option<f64>) -> impl Iterator<Item = Option<f64>> {
+    fn readings(model: RangeNoise, exact: Option<f64>) -> impl Iterator<Item = Option<f64>> {
         let errors = errors(model);
         (0..10_000).map(move |index| errors.reading(index, Time::ZERO, LIMITS, exact))
     }
@@ -166,31 +167,31 @@ mod tests {
     #[test]
     fn without_errors_every_reading_is_exact() {
         for exact in [None, Some(0.0), Some(1.234_567_890_123), Some(100.0)] {
-            let model = Range { drift_time: 3.0, device: 1.0, ..Range::default() };
+            let model = RangeNoise { drift_time: 3.0, device: 1.0, ..RangeNoise::default() };
             assert!(readings(model, exact).all(|reading| reading == exact), "even out of range");
         }
-        assert_eq!(errors(Range::default()).own(3, 0.01, 0.5), 0.0);
+        assert_eq!(errors(RangeNoise::default()).own(3, 0.01, 0.5), 0.0);
     }
 
     #[test]
     fn nothing_stays_nothing_but_for_outliers() {
-        let model = Range { sigma: 0.1, sigma_share: 0.1, bias: -1.0, step: 0.1, ..Range::default() };
+        let model = RangeNoise { sigma: 0.1, sigma_share: 0.1, bias: -1.0, step: 0.1, ..RangeNoise::default() };
         assert!(readings(model, None).all(|reading| reading.is_none()));
-        let strays = readings(Range { outlier: 0.25, ..model }, None).flatten().count();
+        let strays = readings(RangeNoise { outlier: 0.25, ..model }, None).flatten().count();
         assert!((2_300..2_700).contains(&strays), "{strays} of 10000 at a quarter");
-        assert!(readings(Range { outlier: 1.0, ..model }, None).all(|reading| reading.is_some()));
+        assert!(readings(RangeNoise { outlier: 1.0, ..model }, None).all(|reading| reading.is_some()));
     }
 
     #[test]
     fn drop_outs_go_before_outliers() {
-        let model = Range { outlier: 1.0, dropout: 1.0, ..Range::default() };
+        let model = RangeNoise { outlier: 1.0, dropout: 1.0, ..RangeNoise::default() };
         assert!(readings(model, Some(1.0)).all(|reading| reading.is_none()));
     }
 
     #[test]
     fn readings_stay_in_the_range() {
         for exact in [0.0, 0.05, 3.99, 4.0, 1e9] {
-            let model = Range { sigma: 1.0, step: 0.03, outlier: 0.1, ..Range::default() };
+            let model = RangeNoise { sigma: 1.0, step: 0.03, outlier: 0.1, ..RangeNoise::default() };
             let [low, high] = LIMITS;
             assert!(readings(model, Some(exact)).flatten().all(|reading| (low..=high).contains(&reading)));
         }
@@ -198,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_bias_of_the_making_is_one_for_all_readings_of_a_sensor_and_another_for_each() {
-        let model = Range { bias: 0.01, bias_sigma: 0.002, ..Range::default() };
+        let model = RangeNoise { bias: 0.01, bias_sigma: 0.002, ..RangeNoise::default() };
         let offset = |robot, name| {
             let errors = RangeErrors::new(model, 7, RobotId(robot), name);
             let read = |index| errors.reading(index, Time::ZERO, LIMITS, Some(1.0)).map(|reading| reading - 1.0);
@@ -212,7 +213,7 @@ mod tests {
 
     #[test]
     fn a_drift_dies_away_with_its_time() {
-        let errors = errors(Range { drift: 0.1, drift_time: 20.0, ..Range::default() });
+        let errors = errors(RangeNoise { drift: 0.1, drift_time: 20.0, ..RangeNoise::default() });
         for (seconds, offset) in [(0, 0.1), (20, 0.1 / std::f64::consts::E), (2_000_000, 0.0)] {
             let at = Time::from_millis(seconds * 1000);
             let reading = errors.reading(9, at, LIMITS, Some(2.0)).expect("a distance");
@@ -222,8 +223,8 @@ mod tests {
 
     #[test]
     fn a_probability_that_is_changed_changes_no_other_reading() {
-        let model = Range { sigma: 0.01, ..Range::default() };
-        let more = Range { outlier: 0.1, dropout: 0.2, ..model };
+        let model = RangeNoise { sigma: 0.01, ..RangeNoise::default() };
+        let more = RangeNoise { outlier: 0.1, dropout: 0.2, ..model };
         let same = readings(model, Some(2.0)).zip(readings(more, Some(2.0))).filter(|(a, b)| a == b).count();
         assert!((7_000..7_400).contains(&same), "{same} of 10000 at 0.9 times 0.8");
     }
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_points_of_a_scan_differ_and_the_first_is_a_reading() {
-        let errors = errors(Range { sigma: 0.01, ..Range::default() });
+        let errors = errors(RangeNoise { sigma: 0.01, ..RangeNoise::default() });
         let mut scan = errors.scan(5, Time::ZERO, LIMITS);
         let points = [scan.point(Some(1.0)), scan.point(Some(1.0))];
         assert_eq!(points[0], errors.reading(5, Time::ZERO, LIMITS, Some(1.0)));
@@ -245,14 +246,14 @@ mod tests {
 
     #[test]
     fn the_values_are_golden() {
-        let model = Range {
+        let model = RangeNoise {
             sigma: 0.01,
             sigma_share: 0.01,
             bias: 0.005,
             bias_sigma: 0.01,
             drift: 0.1,
             device: 0.5,
-            ..Range::default()
+            ..RangeNoise::default()
         };
         let errors = errors(model);
         let found = [

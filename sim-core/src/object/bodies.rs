@@ -14,18 +14,18 @@ use rapier2d_f64::geometry::{ColliderBuilder, ColliderHandle, ContactPair, Group
 use rapier2d_f64::math::{Pose as RigidPose, Rotation, Vector};
 use rapier2d_f64::pipeline::PhysicsWorld;
 
-use super::{Properties, Push, Pusher, STEP, Shape, State, Touch, floor::Velocity};
+use super::{ObjectContact, Properties, Push, Pusher, STEP, Shape, State, floor::Velocity};
 use crate::{
     ObjectId, RobotId,
     pose::{Heading, Pose},
     scene::Walls,
 };
-use energy::Member;
+use energy::IslandBody;
 use friction::split;
 
 /// One object.
 #[derive(Clone)]
-struct Thing {
+struct ObjectBody {
     properties: Arc<Properties>,
     gyration_squared: f64,
     handle: RigidBodyHandle,
@@ -39,7 +39,7 @@ struct Thing {
 pub struct Bodies {
     world: PhysicsWorld,
     /// In the order of the ids.
-    things: Vec<Thing>,
+    objects: Vec<ObjectBody>,
     robots: BTreeMap<RobotId, RigidBodyHandle>,
     /// Robots that are enabled in the world, in ascending order.
     present: Vec<RobotId>,
@@ -70,7 +70,7 @@ const OBJECTS: Group = Group::GROUP_2;
 const ROBOTS: Group = Group::GROUP_3;
 
 /// Time at rest after which an object falls asleep, s.
-const SLEEPLESS: f64 = 0.02;
+const TIME_UNTIL_SLEEP: f64 = 0.02;
 
 impl Bodies {
     /// True if this build has rigid bodies: the feature `objects` is on.
@@ -92,7 +92,7 @@ impl Bodies {
         parameters.contact_recycling = false;
         let mut bodies = Self {
             world,
-            things: Vec::new(),
+            objects: Vec::new(),
             robots: BTreeMap::new(),
             present: Vec::new(),
             awake: Vec::new(),
@@ -108,13 +108,13 @@ impl Bodies {
     /// Adds an object at rest and awake; its id is the next one.
     pub fn add(&mut self, properties: Arc<Properties>, pose: Pose) -> ObjectId {
         self.insert_object(properties, pose);
-        ObjectId::from_index(self.things.len() - 1)
+        ObjectId::from_index(self.objects.len() - 1)
     }
 
     /// Removes an object from the world and keeps its last state.
     pub fn remove(&mut self, object: ObjectId) {
         let state = self.state(object);
-        let thing = &mut self.things[object.index()];
+        let thing = &mut self.objects[object.index()];
         if thing.gone.replace(state).is_none() {
             self.world.remove_body(thing.handle);
         }
@@ -129,8 +129,8 @@ impl Bodies {
     }
 
     /// Returns true if an object has been removed from the world.
-    pub fn is_gone(&self, object: ObjectId) -> bool {
-        self.things[object.index()].gone.is_some()
+    pub fn is_removed(&self, object: ObjectId) -> bool {
+        self.objects[object.index()].gone.is_some()
     }
 
     fn insert_walls(&mut self, walls: &Walls) {
@@ -161,7 +161,7 @@ impl Bodies {
         let activation = self.world.bodies[handle].activation_mut();
         activation.normalized_linear_threshold = 1e-9;
         activation.angular_threshold = 1e-9;
-        activation.time_until_sleep = SLEEPLESS;
+        activation.time_until_sleep = TIME_UNTIL_SLEEP;
         for part in &properties.parts {
             let shape = match part.shape {
                 Shape::Disc { radius } => ColliderBuilder::ball(radius),
@@ -178,9 +178,9 @@ impl Bodies {
                 .collision_groups(groups(OBJECTS, Group::ALL));
             self.world.insert_collider(collider, Some(handle));
         }
-        self.own(handle, Owner::Object(self.things.len()));
+        self.own(handle, Owner::Object(self.objects.len()));
         let gyration_squared = properties.gyration_squared();
-        self.things.push(Thing {
+        self.objects.push(ObjectBody {
             properties,
             gyration_squared,
             handle,
@@ -202,22 +202,22 @@ impl Bodies {
 
     /// Number of objects.
     pub fn len(&self) -> usize {
-        self.things.len()
+        self.objects.len()
     }
 
     /// Returns true if there are no objects.
     pub fn is_empty(&self) -> bool {
-        self.things.is_empty()
+        self.objects.is_empty()
     }
 
     /// Constant properties of an object.
     pub fn properties(&self, object: ObjectId) -> &Arc<Properties> {
-        &self.things[object.index()].properties
+        &self.objects[object.index()].properties
     }
 
     /// Pose and velocity of an object; of a removed one the last.
     pub fn state(&self, object: ObjectId) -> State {
-        let thing = &self.things[object.index()];
+        let thing = &self.objects[object.index()];
         if let Some(state) = thing.gone {
             return state;
         }
@@ -231,7 +231,7 @@ impl Bodies {
 
     /// Sets the velocity of an object's centre of mass, m/s, and its turning speed, rad/s.
     pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64) {
-        let handle = self.things[object.index()].handle;
+        let handle = self.objects[object.index()].handle;
         let body = &mut self.world.bodies[handle];
         body.set_linvel(vector(velocity), true);
         body.set_angvel(omega, true);
@@ -239,7 +239,7 @@ impl Bodies {
 
     /// Places an object at `world_from_object`, at rest and awake.
     pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
-        let thing = &mut self.things[object.index()];
+        let thing = &mut self.objects[object.index()];
         thing.heading = world_from_object.heading;
         let body = &mut self.world.bodies[thing.handle];
         body.set_position(rigid_pose(&world_from_object), true);
@@ -249,24 +249,24 @@ impl Bodies {
 
     /// Returns true if an object is asleep (at rest for a while; only a push wakes it) or removed.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
-        let thing = &self.things[object.index()];
+        let thing = &self.objects[object.index()];
         thing.gone.is_some() || self.world.bodies[thing.handle].is_sleeping()
     }
 
     /// Objects that are awake, in ascending order.
     pub fn awake(&self) -> impl Iterator<Item = ObjectId> + '_ {
-        (0..self.things.len()).map(ObjectId::from_index).filter(|&object| !self.is_asleep(object))
+        (0..self.objects.len()).map(ObjectId::from_index).filter(|&object| !self.is_asleep(object))
     }
 
     /// Kinetic energy of all objects, J.
     pub fn energy(&self) -> f64 {
-        let of_thing = |thing: &Thing| {
+        let of_thing = |thing: &ObjectBody| {
             let body = &self.world.bodies[thing.handle];
             let inertia = thing.properties.mass * thing.gyration_squared;
             0.5 * (thing.properties.mass * plain(body.linvel()).length_squared()
                 + inertia * body.angvel() * body.angvel())
         };
-        self.things.iter().filter(|thing| thing.gone.is_none()).map(of_thing).sum()
+        self.objects.iter().filter(|thing| thing.gone.is_none()).map(of_thing).sum()
     }
 
     /// Advances by one [`STEP`] with `robots` among the objects, in the order of their ids; writes the effect on each robot to
@@ -326,7 +326,7 @@ impl Bodies {
         let activation = self.world.bodies[handle].activation_mut();
         activation.normalized_linear_threshold = 1e-9;
         activation.angular_threshold = 1e-9;
-        activation.time_until_sleep = SLEEPLESS;
+        activation.time_until_sleep = TIME_UNTIL_SLEEP;
         let collider = ColliderBuilder::ball(pusher.radius)
             .density(0.0)
             .restitution(1.0)
@@ -342,14 +342,14 @@ impl Bodies {
     /// Applies the first part of floor friction; locks the objects that static friction holds.
     fn slow_before(&mut self) {
         self.awake.clear();
-        for index in 0..self.things.len() {
-            let thing = &self.things[index];
+        for index in 0..self.objects.len() {
+            let thing = &self.objects[index];
             if thing.gone.is_some() {
                 continue;
             }
             let body = &self.world.bodies[thing.handle];
             if body.is_sleeping() {
-                if self.things[index].is_held {
+                if self.objects[index].is_held {
                     self.set_held(index, false);
                 }
                 continue;
@@ -377,7 +377,7 @@ impl Bodies {
             } else if before > 0.0 {
                 set_velocity(body, velocity.slowed(before, gyration_squared));
             }
-            if self.things[index].is_held != is_held {
+            if self.objects[index].is_held != is_held {
                 self.set_held(index, is_held);
             }
             self.awake.push(Awake { index, after, pushed });
@@ -385,7 +385,7 @@ impl Bodies {
     }
 
     fn set_held(&mut self, index: usize, is_held: bool) {
-        let thing = &mut self.things[index];
+        let thing = &mut self.objects[index];
         thing.is_held = is_held;
         let locked = if is_held { LockedAxes::all() } else { LockedAxes::empty() };
         self.world.bodies[thing.handle].set_locked_axes(locked, false);
@@ -396,7 +396,7 @@ impl Bodies {
     /// Below the impulse of friction in a step the object stays where it is, as when a robot without enough traction leans
     /// against a crate.
     fn possible_push(&self, index: usize) -> DVec2 {
-        let thing = &self.things[index];
+        let thing = &self.objects[index];
         let mut push = DVec2::ZERO;
         for &collider in self.world.bodies[thing.handle].colliders() {
             for pair in self.world.narrow_phase.contact_pairs_with(collider) {
@@ -442,7 +442,7 @@ impl Bodies {
     /// Applies the second part of floor friction.
     fn slow_after(&mut self) {
         for Awake { index, after, pushed } in &self.awake {
-            let thing = &self.things[*index];
+            let thing = &self.objects[*index];
             let body = &mut self.world.bodies[thing.handle];
             let velocity = velocity_of(body);
             if let Some((direction, pose)) = pushed
@@ -459,7 +459,7 @@ impl Bodies {
 
     /// Updates the headings of the objects, with whole turns.
     fn turn(&mut self) {
-        for thing in self.things.iter_mut().filter(|thing| thing.gone.is_none()) {
+        for thing in self.objects.iter_mut().filter(|thing| thing.gone.is_none()) {
             let body = &self.world.bodies[thing.handle];
             if !body.is_sleeping() {
                 let angle = crate::math::atan2(body.rotation().sin(), body.rotation().cos());
@@ -481,7 +481,7 @@ impl Bodies {
     /// Updates `velocities` after friction, except for objects whose velocity represents friction against a push.
     fn velocities_after_friction(&self, velocities: &mut [Velocity]) {
         for awake in self.awake.iter().filter(|awake| awake.pushed.is_none()) {
-            let handle = self.things[awake.index].handle;
+            let handle = self.objects[awake.index].handle;
             velocities[handle.into_raw_parts().0 as usize] = velocity_of(&self.world.bodies[handle]);
         }
     }
@@ -503,13 +503,13 @@ impl Bodies {
                 (false, false) => {}
             }
         }
-        let mut members: BTreeMap<usize, (Vec<RigidBodyHandle>, Vec<Member>, f64)> = BTreeMap::new();
+        let mut members: BTreeMap<usize, (Vec<RigidBodyHandle>, Vec<IslandBody>, f64)> = BTreeMap::new();
         for (handle, body) in self.world.bodies.iter() {
             if !self.is_fast(handle) || body.is_sleeping() || !body.is_enabled() {
                 continue;
             }
             let index = handle.into_raw_parts().0 as usize;
-            let member = Member {
+            let member = IslandBody {
                 mass: body.mass(),
                 inertia: self.inertia(handle),
                 centre: plain(body.center_of_mass()),
@@ -518,10 +518,10 @@ impl Bodies {
             let island = members.entry(islands.find(index)).or_default();
             island.0.push(handle);
             island.1.push(member);
-            island.2 += Member { velocity: before[index], ..member }.energy();
+            island.2 += IslandBody { velocity: before[index], ..member }.energy();
         }
         for (root, (handles, mut island, limit)) in members {
-            let energy: f64 = island.iter().map(Member::energy).sum();
+            let energy: f64 = island.iter().map(IslandBody::energy).sum();
             if energy > limit {
                 energy::limit(&mut island, limit, islands.is_held(root));
                 for (handle, member) in handles.iter().zip(&island) {
@@ -539,7 +539,7 @@ impl Bodies {
 
     fn inertia(&self, handle: RigidBodyHandle) -> f64 {
         match self.owner(handle) {
-            Owner::Object(index) => self.things[index].properties.mass * self.things[index].gyration_squared,
+            Owner::Object(index) => self.objects[index].properties.mass * self.objects[index].gyration_squared,
             _ => {
                 let inverse = self.world.bodies[handle].mass_properties().local_mprops.inv_principal_inertia;
                 if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
@@ -550,7 +550,7 @@ impl Bodies {
     /// Effect of the step on a robot.
     fn push_of(&self, robot: RobotId) -> Push {
         let body = &self.world.bodies[self.robots[&robot]];
-        let mut touch: Option<Touch> = None;
+        let mut contact: Option<ObjectContact> = None;
         for &collider in body.colliders() {
             for pair in self.world.narrow_phase.contact_pairs_with(collider) {
                 let is_first = pair.collider1 == collider;
@@ -559,13 +559,13 @@ impl Bodies {
                 let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { continue };
                 let Owner::Object(index) = self.owner(parent) else { continue };
                 let strength = impulse.length();
-                if strength > 0.0 && touch.is_none_or(|hardest| strength > hardest.impulse) {
+                if strength > 0.0 && contact.is_none_or(|hardest| strength > hardest.impulse) {
                     let direction = plain(impulse / strength) * if is_first { 1.0 } else { -1.0 };
-                    touch = Some(Touch { object: ObjectId::from_index(index), impulse: strength, direction });
+                    contact = Some(ObjectContact { object: ObjectId::from_index(index), impulse: strength, direction });
                 }
             }
         }
-        Push { velocity: plain(body.linvel()), omega: body.angvel(), touch }
+        Push { velocity: plain(body.linvel()), omega: body.angvel(), contact }
     }
 }
 
@@ -585,7 +585,7 @@ impl Clone for Bodies {
         };
         Self {
             world,
-            things: self.things.clone(),
+            objects: self.objects.clone(),
             robots: self.robots.clone(),
             present: self.present.clone(),
             awake: Vec::new(),
@@ -596,7 +596,7 @@ impl Clone for Bodies {
 
 impl std::fmt::Debug for Bodies {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Bodies").field("objects", &self.things.len()).finish_non_exhaustive()
+        f.debug_struct("Bodies").field("objects", &self.objects.len()).finish_non_exhaustive()
     }
 }
 

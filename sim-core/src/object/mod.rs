@@ -11,20 +11,20 @@ mod bodies;
 #[cfg(not(feature = "objects"))]
 #[path = "no_bodies.rs"]
 mod bodies;
-mod drift;
 mod floor;
 mod push;
 mod shape;
 mod solid;
+mod trajectory;
 
 use glam::DVec2;
 
 pub use bodies::Bodies;
-pub use drift::Drift;
-pub use push::{Push, Pusher, Touch};
+pub use push::{ObjectContact, Push, Pusher};
 pub use shape::Shape;
 pub(crate) use shape::cast_disc;
-pub use solid::{Figure, Met, Solid};
+pub use solid::{Figure, Solid, SurfaceHit};
+pub use trajectory::ObjectTrajectory;
 
 use crate::{pose::Pose, scene::Bounds, time::Time};
 

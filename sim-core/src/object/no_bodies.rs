@@ -35,7 +35,7 @@ impl Bodies {
         match self.0 {}
     }
 
-    pub fn is_gone(&self, _: ObjectId) -> bool {
+    pub fn is_removed(&self, _: ObjectId) -> bool {
         match self.0 {}
     }
 

@@ -31,12 +31,12 @@ pub struct Push {
     /// Turning speed, rad/s.
     pub omega: f64,
     /// The object with the strongest contact, if there is one.
-    pub touch: Option<Touch>,
+    pub contact: Option<ObjectContact>,
 }
 
 /// An object in contact with a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct ObjectContact {
     /// The object.
     pub object: ObjectId,
     /// Impulse of the step, N s.

@@ -46,7 +46,7 @@ pub struct Figure {
 
 /// Hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
+pub struct SurfaceHit {
     /// Distance from the ray's origin, m; 0 when the origin lies inside.
     pub distance: f64,
     /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray if the origin lies inside.
@@ -82,15 +82,21 @@ impl Figure {
     /// First hit of a ray (world frame) on a body of this shape at `world_from_body`; hits beyond `range` metres may be missed.
     ///
     /// `direction` is a unit vector. A ray that starts inside or on the body hits it at distance 0.
-    pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
-        self.first_met(world_from_body, origin, direction, |solid, origin, direction| {
+    pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
+        self.first_hit(world_from_body, origin, direction, |solid, origin, direction| {
             solid.cast(origin, direction, range)
         })
     }
 
     /// First hit as [`Figure::cast`], on meshes only.
-    pub fn cast_meshes(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
-        self.first_met(world_from_body, origin, direction, |solid, origin, direction| match solid {
+    pub fn cast_meshes(
+        &self,
+        world_from_body: &Pose,
+        origin: DVec3,
+        direction: DVec3,
+        range: f64,
+    ) -> Option<SurfaceHit> {
+        self.first_hit(world_from_body, origin, direction, |solid, origin, direction| match solid {
             Solid::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
             _ => None,
         })
@@ -102,22 +108,22 @@ impl Figure {
     }
 
     /// First hit as [`Figure::cast`], but prisms are hollow: a ray that starts inside hits the face through which it leaves.
-    pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<Met> {
-        self.first_met(world_from_body, origin, direction, Solid::cast_hollow)
+    pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
+        self.first_hit(world_from_body, origin, direction, Solid::cast_hollow)
     }
 
-    fn first_met(
+    fn first_hit(
         &self,
         world_from_body: &Pose,
         origin: DVec3,
         direction: DVec3,
-        cast: impl Fn(&Solid, DVec3, DVec3) -> Option<Met>,
-    ) -> Option<Met> {
+        cast: impl Fn(&Solid, DVec3, DVec3) -> Option<SurfaceHit>,
+    ) -> Option<SurfaceHit> {
         let axis = world_from_body.heading.direction();
         let (origin, direction) = (into(world_from_body.position, axis, origin), into(DVec2::ZERO, axis, direction));
-        let met = self.solids.iter().filter_map(|solid| cast(solid, origin, direction));
-        let nearest = met.min_by(|one, other| one.distance.total_cmp(&other.distance))?;
-        Some(Met { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
+        let hit = self.solids.iter().filter_map(|solid| cast(solid, origin, direction));
+        let nearest = hit.min_by(|one, other| one.distance.total_cmp(&other.distance))?;
+        Some(SurfaceHit { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
     }
 
     /// The rectangle around the body in plan view.
@@ -148,37 +154,41 @@ impl Figure {
 
 impl Solid {
     /// First hit of a ray in the body's frame.
-    fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
+    fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
         match self {
             Self::Prism { .. } => {
-                let span = self.span(origin, direction).filter(|span| span.leave >= 0.0)?;
-                Some(if span.enter < 0.0 { inside(direction) } else { span.met() })
+                let interval = self.interval(origin, direction).filter(|interval| interval.leave >= 0.0)?;
+                Some(if interval.enter < 0.0 { inside(direction) } else { interval.hit() })
             }
             Self::Capsule { ends, radius } => cast_capsule(origin, direction, *ends, *radius),
             Self::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
         }
     }
 
-    fn cast_hollow(&self, origin: DVec3, direction: DVec3) -> Option<Met> {
-        let span = self.span(origin, direction).filter(|span| span.leave >= 0.0)?;
-        Some(if span.enter < 0.0 { Met { distance: span.leave, ..inside(direction) } } else { span.met() })
+    fn cast_hollow(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
+        let interval = self.interval(origin, direction).filter(|interval| interval.leave >= 0.0)?;
+        Some(if interval.enter < 0.0 {
+            SurfaceHit { distance: interval.leave, ..inside(direction) }
+        } else {
+            interval.hit()
+        })
     }
 
     /// Interval of a ray's line inside a prism; `None` for a miss and for other shapes.
-    fn span(&self, origin: DVec3, direction: DVec3) -> Option<Span> {
+    fn interval(&self, origin: DVec3, direction: DVec3) -> Option<Interval> {
         let Self::Prism { footprint, body_from_footprint, bottom, top } = self else { return None };
         let axis = body_from_footprint.heading.direction();
         let local = into(body_from_footprint.position, axis, origin);
-        let across = span_of_shape(footprint, local.truncate(), into(DVec2::ZERO, axis, direction).truncate())?;
-        let across = Span { normal: axis.rotate(across.normal.truncate()).extend(0.0), ..across };
+        let across = interval_of_shape(footprint, local.truncate(), into(DVec2::ZERO, axis, direction).truncate())?;
+        let across = Interval { normal: axis.rotate(across.normal.truncate()).extend(0.0), ..across };
         let (enter, leave) = slab(*bottom, *top, origin.z, direction.z)?;
         let leave = leave.min(across.leave);
-        let span = if enter > across.enter {
-            Span { enter, leave, normal: DVec3::new(0.0, 0.0, -direction.z.signum()), curvature: 0.0 }
+        let interval = if enter > across.enter {
+            Interval { enter, leave, normal: DVec3::new(0.0, 0.0, -direction.z.signum()), curvature: 0.0 }
         } else {
-            Span { leave, ..across }
+            Interval { leave, ..across }
         };
-        (span.enter <= span.leave).then_some(span)
+        (interval.enter <= interval.leave).then_some(interval)
     }
 
     fn bounds(&self, world_from_body: &Pose) -> Bounds {
@@ -219,7 +229,7 @@ impl Solid {
 
 /// Interval of a line inside a convex shape, as distances from the ray's origin, negative behind it.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+struct Interval {
     /// Entry.
     enter: f64,
     /// Exit.
@@ -230,15 +240,15 @@ struct Span {
     curvature: f64,
 }
 
-impl Span {
+impl Interval {
     /// Hit at the entry.
-    fn met(&self) -> Met {
-        Met { distance: self.enter, normal: self.normal, curvature: DVec2::new(self.curvature, 0.0) }
+    fn hit(&self) -> SurfaceHit {
+        SurfaceHit { distance: self.enter, normal: self.normal, curvature: DVec2::new(self.curvature, 0.0) }
     }
 }
 
-fn inside(direction: DVec3) -> Met {
-    Met { distance: 0.0, normal: -direction, curvature: DVec2::ZERO }
+fn inside(direction: DVec3) -> SurfaceHit {
+    SurfaceHit { distance: 0.0, normal: -direction, curvature: DVec2::ZERO }
 }
 
 /// Transforms `point` into the frame at `position` whose x axis is `axis`; heights are unchanged.
@@ -256,23 +266,23 @@ fn slab(low: f64, high: f64, origin: f64, speed: f64) -> Option<(f64, f64)> {
 }
 
 /// Interval of a line over a footprint; `direction` is the horizontal part of a unit vector, possibly zero.
-fn span_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<Span> {
+fn interval_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<Interval> {
     match *shape {
-        Shape::Disc { radius } => span_of_disc(origin, direction, DVec2::ZERO, radius),
-        Shape::Rectangle { half } => span_of_rectangle(origin, direction, half),
+        Shape::Disc { radius } => interval_of_disc(origin, direction, DVec2::ZERO, radius),
+        Shape::Rectangle { half } => interval_of_rectangle(origin, direction, half),
         Shape::Capsule { half_length, radius } => {
-            let middle = span_of_rectangle(origin, direction, DVec2::new(half_length, radius));
-            let end = |x: f64| span_of_disc(origin, direction, DVec2::new(x, 0.0), radius);
+            let middle = interval_of_rectangle(origin, direction, DVec2::new(half_length, radius));
+            let end = |x: f64| interval_of_disc(origin, direction, DVec2::new(x, 0.0), radius);
             // The shape is convex: the line is inside from the first entry to the last exit.
             [middle, end(-half_length), end(half_length)].into_iter().flatten().reduce(|one, other| {
                 let first = if other.enter < one.enter { other } else { one };
-                Span { leave: one.leave.max(other.leave), ..first }
+                Interval { leave: one.leave.max(other.leave), ..first }
             })
         }
     }
 }
 
-fn span_of_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<Span> {
+fn interval_of_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<Interval> {
     let (x_enter, x_leave) = slab(-half.x, half.x, origin.x, direction.x)?;
     let (y_enter, y_leave) = slab(-half.y, half.y, origin.y, direction.y)?;
     let normal = if x_enter > y_enter {
@@ -281,20 +291,20 @@ fn span_of_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<Spa
         DVec3::new(0.0, -direction.y.signum(), 0.0)
     };
     let (enter, leave) = (x_enter.max(y_enter), x_leave.min(y_leave));
-    (enter <= leave).then_some(Span { enter, leave, normal, curvature: 0.0 })
+    (enter <= leave).then_some(Interval { enter, leave, normal, curvature: 0.0 })
 }
 
-fn span_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<Span> {
+fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<Interval> {
     let offset = centre - origin;
     let level = direction.length();
     if level == 0.0 {
-        let endless = Span { enter: f64::NEG_INFINITY, leave: f64::INFINITY, normal: DVec3::Z, curvature: 0.0 };
+        let endless = Interval { enter: f64::NEG_INFINITY, leave: f64::INFINITY, normal: DVec3::Z, curvature: 0.0 };
         return (offset.length_squared() <= radius * radius).then_some(endless);
     }
     let (along, half_chord) = chord(offset.extend(0.0), (direction / level).extend(0.0), radius)?;
     let enter = along - half_chord;
     let normal = (direction / level * enter - offset) / radius;
-    Some(Span {
+    Some(Interval {
         enter: enter / level,
         leave: (along + half_chord) / level,
         normal: normal.extend(0.0).normalize_or_zero(),
@@ -312,12 +322,12 @@ fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))
 }
 
-fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
+fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
     let hit = mesh.cast(origin, direction, range)?;
-    Some(Met { distance: hit.distance, normal: hit.normal, curvature: DVec2::ZERO })
+    Some(SurfaceHit { distance: hit.distance, normal: hit.normal, curvature: DVec2::ZERO })
 }
 
-fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<Met> {
+fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<SurfaceHit> {
     if (origin - nearest_on_stretch(origin, ends)).length_squared() <= radius * radius {
         return Some(inside(direction));
     }
@@ -325,7 +335,7 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         let (along, half_chord) = chord(centre - origin, direction, radius)?;
         let distance = along - half_chord;
         let normal = (origin + direction * distance - centre).normalize_or_zero();
-        (along > 0.0).then_some(Met { distance, normal, curvature: DVec2::splat(1.0 / radius) })
+        (along > 0.0).then_some(SurfaceHit { distance, normal, curvature: DVec2::splat(1.0 / radius) })
     };
     let side = || {
         let stretch = ends[1] - ends[0];
@@ -347,12 +357,12 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         let height = axis.dot(point - ends[0]);
         let is_met = distance >= 0.0 && (0.0..=length).contains(&height);
         let normal = (point - ends[0] - axis * height).normalize_or_zero();
-        is_met.then_some(Met { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
+        is_met.then_some(SurfaceHit { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
     };
     // The origin lies outside, so the nearest hit on a part is the hit on the whole.
-    let met = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
-    met.min_by(|one, other| one.distance.total_cmp(&other.distance))
-        .map(|met| Met { distance: met.distance.max(0.0), ..met })
+    let hit = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
+    hit.min_by(|one, other| one.distance.total_cmp(&other.distance))
+        .map(|hit| SurfaceHit { distance: hit.distance.max(0.0), ..hit })
 }
 
 fn nearest_on_stretch(point: DVec3, ends: [DVec3; 2]) -> DVec3 {

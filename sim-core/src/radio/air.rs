@@ -3,12 +3,12 @@
 use crate::RobotId;
 use crate::time::Time;
 
-use super::{Model, Off, Sending, air_time};
+use super::{RadioModel, SentMessage, SwitchedOff, air_time};
 
 /// A message whose transmission has begun or begins at a known instant.
 #[derive(Clone, Debug)]
-pub(super) struct Flight {
-    pub sending: Sending,
+pub(super) struct Transmission {
+    pub sending: SentMessage,
     pub begins: Time,
     /// End of the transmission.
     pub ends: Time,
@@ -16,14 +16,14 @@ pub(super) struct Flight {
     pub arrives: Time,
 }
 
-impl Flight {
-    pub fn new(sending: Sending, begins: Time, model: &Model) -> Self {
+impl Transmission {
+    pub fn new(sending: SentMessage, begins: Time, model: &RadioModel) -> Self {
         let ends = begins + air_time(sending.payload.len(), sending.baud);
         Self { sending, begins, ends, arrives: ends + model.latency }
     }
 
     /// Returns true if the station is switched off before the transmission begins.
-    pub fn is_stopped_by(&self, off: &Off) -> bool {
+    pub fn is_stopped_by(&self, off: &SwitchedOff) -> bool {
         self.sending.from == off.robot && self.sending.sequence <= off.last_sequence && self.begins > off.at
     }
 
@@ -38,59 +38,63 @@ impl Flight {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Air {
     /// In order of (begins, sender, sequence); the flag is true once the outcome is decided.
-    flights: Vec<(Flight, bool)>,
+    transmissions: Vec<(Transmission, bool)>,
     /// Duration of the longest transmission so far.
     longest: Time,
 }
 
 impl Air {
-    pub fn add(&mut self, flights: impl IntoIterator<Item = Flight>) {
-        for flight in flights {
-            self.longest = self.longest.max(flight.ends - flight.begins);
-            self.flights.push((flight, false));
+    pub fn add(&mut self, transmissions: impl IntoIterator<Item = Transmission>) {
+        for transmission in transmissions {
+            self.longest = self.longest.max(transmission.ends - transmission.begins);
+            self.transmissions.push((transmission, false));
         }
-        self.flights.sort_by_key(|(it, _)| (it.begins, it.sending.from, it.sending.sequence));
+        self.transmissions.sort_by_key(|(it, _)| (it.begins, it.sending.from, it.sending.sequence));
     }
 
     /// Removes and returns the transmissions that `off` prevents.
-    pub fn stop(&mut self, off: &Off) -> impl Iterator<Item = Flight> {
-        self.flights.extract_if(.., |(flight, _)| flight.is_stopped_by(off)).map(|(flight, _)| flight)
+    pub fn stop(&mut self, off: &SwitchedOff) -> impl Iterator<Item = Transmission> {
+        self.transmissions
+            .extract_if(.., |(transmission, _)| transmission.is_stopped_by(off))
+            .map(|(transmission, _)| transmission)
     }
 
     /// Transmissions that have arrived by `time` and are not yet decided.
-    pub fn arrived(&self, time: Time) -> impl Iterator<Item = &Flight> {
-        let due = move |(flight, is_decided): &&(Flight, bool)| !is_decided && flight.arrives <= time;
-        self.flights.iter().filter(due).map(|(flight, _)| flight)
+    pub fn arrived(&self, time: Time) -> impl Iterator<Item = &Transmission> {
+        let due = move |(transmission, is_decided): &&(Transmission, bool)| !is_decided && transmission.arrives <= time;
+        self.transmissions.iter().filter(due).map(|(transmission, _)| transmission)
     }
 
     /// Returns true if another transmission is on the air at `receiver` during this one.
-    pub fn disturbs(&self, flight: &Flight, receiver: RobotId) -> bool {
-        self.beside(flight).any(|other| other.sending.from != flight.sending.from && other.is_heard_by(receiver))
+    pub fn disturbs(&self, transmission: &Transmission, receiver: RobotId) -> bool {
+        self.beside(transmission)
+            .any(|other| other.sending.from != transmission.sending.from && other.is_heard_by(receiver))
     }
 
     /// Other transmissions that overlap with this one in time.
-    fn beside(&self, flight: &Flight) -> impl Iterator<Item = &Flight> {
-        let end = self.flights.partition_point(|(other, _)| other.begins < flight.ends);
-        let start = self.flights[..end].partition_point(|(other, _)| other.begins + self.longest <= flight.begins);
-        self.flights[start..end].iter().map(|(other, _)| other).filter(|other| other.ends > flight.begins)
+    fn beside(&self, transmission: &Transmission) -> impl Iterator<Item = &Transmission> {
+        let end = self.transmissions.partition_point(|(other, _)| other.begins < transmission.ends);
+        let start =
+            self.transmissions[..end].partition_point(|(other, _)| other.begins + self.longest <= transmission.begins);
+        self.transmissions[start..end].iter().map(|(other, _)| other).filter(|other| other.ends > transmission.begins)
     }
 
     /// Marks transmissions that have arrived by `time` as decided, and drops those that can collide neither with an undecided one nor
     /// with one that begins at `time` or later.
     pub fn forget(&mut self, time: Time) {
         let mut oldest = time;
-        for (flight, is_decided) in &mut self.flights {
-            *is_decided |= flight.arrives <= time;
+        for (transmission, is_decided) in &mut self.transmissions {
+            *is_decided |= transmission.arrives <= time;
             if !*is_decided {
-                oldest = oldest.min(flight.begins);
+                oldest = oldest.min(transmission.begins);
             }
         }
-        self.flights.retain(|(flight, is_decided)| !is_decided || flight.ends > oldest);
+        self.transmissions.retain(|(transmission, is_decided)| !is_decided || transmission.ends > oldest);
     }
 
     /// Time of the next arrival that is not decided.
     pub fn next_arrival(&self) -> Time {
-        let open = self.flights.iter().filter(|(_, is_decided)| !is_decided);
-        open.map(|(flight, _)| flight.arrives).fold(Time::NEVER, Time::min)
+        let open = self.transmissions.iter().filter(|(_, is_decided)| !is_decided);
+        open.map(|(transmission, _)| transmission.arrives).fold(Time::NEVER, Time::min)
     }
 }

@@ -1,12 +1,14 @@
 //! Channel: transport of messages between sending and receiving.
 
 use crate::RobotId;
-use crate::noise::{Purpose, Radio, Stream};
+use crate::noise::{Purpose, RadioNoise, Stream};
 use crate::time::Time;
 
-use super::air::{Air, Flight};
+use super::air::{Air, Transmission};
 use super::ring::Ring;
-use super::{Address, Arrived, Change, Delivery, Loss, Medium, Member, Model, Off, Sending};
+use super::{
+    Address, Arrived, Delivery, Loss, Medium, RadioModel, SentMessage, StationChange, StationInfo, SwitchedOff,
+};
 
 /// The channel between all robots of a run.
 ///
@@ -15,17 +17,17 @@ use super::{Address, Arrived, Change, Delivery, Loss, Medium, Member, Model, Off
 /// slot that contains [`Channel::due`]; other slots may be skipped.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    model: Model,
+    model: RadioModel,
     seed: u64,
     /// Noise models of the receivers, in the order of their ids; receivers beyond the end have no errors.
-    errors: Vec<Radio>,
+    errors: Vec<RadioNoise>,
     /// Stations that are on, in the order of their robots.
-    members: Vec<Member>,
+    members: Vec<StationInfo>,
     /// The addresses of the members as (address, robot), in this order.
     addresses: Vec<(u32, RobotId)>,
     has_changed: bool,
     /// Stations switched off since the last exchange.
-    offs: Vec<Off>,
+    switched_off: Vec<SwitchedOff>,
     air: Air,
     ring: Ring,
     /// Transmissions of the ring in progress: (end, sender, number), in the order of time.
@@ -36,13 +38,13 @@ pub struct Channel {
 
 impl Default for Channel {
     fn default() -> Self {
-        Self::new(Model::default(), 0, Vec::new())
+        Self::new(RadioModel::default(), 0, Vec::new())
     }
 }
 
 impl Channel {
     /// Channel of a run with `seed`; `errors` in the order of the receivers' ids.
-    pub fn new(model: Model, seed: u64, errors: Vec<Radio>) -> Self {
+    pub fn new(model: RadioModel, seed: u64, errors: Vec<RadioNoise>) -> Self {
         Self {
             model,
             seed,
@@ -50,7 +52,7 @@ impl Channel {
             members: Vec::new(),
             addresses: Vec::new(),
             has_changed: false,
-            offs: Vec::new(),
+            switched_off: Vec::new(),
             air: Air::default(),
             ring: Ring::new(seed),
             leaving: Vec::new(),
@@ -60,23 +62,23 @@ impl Channel {
     }
 
     /// Model of the medium.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &RadioModel {
         &self.model
     }
 
     /// Stations that were on at the start of the slot, in the order of their robots.
-    pub fn members(&self) -> &[Member] {
+    pub fn members(&self) -> &[StationInfo] {
         &self.members
     }
 
     /// Reports that a station was switched in the present slot.
-    pub fn change(&mut self, change: Change) {
+    pub fn change(&mut self, change: StationChange) {
         self.set_member(change.robot, change.member);
-        self.offs.extend(change.offs);
+        self.switched_off.extend(change.switched_off);
     }
 
     /// Sets the station of `robot` from the end of the present slot on; `None` is off.
-    pub fn set_member(&mut self, robot: RobotId, member: Option<Member>) {
+    pub fn set_member(&mut self, robot: RobotId, member: Option<StationInfo>) {
         let place = self.members.binary_search_by_key(&robot, |member| member.robot);
         if let Ok(place) = place {
             let known = (self.members.remove(place).address, robot);
@@ -84,7 +86,7 @@ impl Channel {
         }
         if let Some(member) = member {
             let place = place.unwrap_or_else(|place| place);
-            self.members.insert(place, Member { robot, ..member });
+            self.members.insert(place, StationInfo { robot, ..member });
             let known = (member.address, robot);
             self.addresses.insert(self.addresses.partition_point(|it| *it < known), known);
         }
@@ -93,9 +95,9 @@ impl Channel {
 
     /// Sets the noise model of messages to `robot`, from the present slot on. For the tokens of a token ring it applies from the end of
     /// the slot on.
-    pub fn set_errors(&mut self, robot: RobotId, errors: Radio) {
+    pub fn set_errors(&mut self, robot: RobotId, errors: RadioNoise) {
         if self.errors.len() <= robot.index() {
-            self.errors.resize(robot.index() + 1, Radio::default());
+            self.errors.resize(robot.index() + 1, RadioNoise::default());
         }
         self.errors[robot.index()] = errors;
         self.has_changed |= self.model.medium == Medium::TokenRing;
@@ -103,12 +105,12 @@ impl Channel {
 
     /// Takes the messages sent in the slot that ends at `slot_end`, in any order, and returns the deliveries that are decided by then,
     /// in order of (visible, receiver, arrives, sender, sequence).
-    pub fn exchange(&mut self, slot_end: Time, mut sendings: Vec<Sending>) -> Vec<Delivery> {
+    pub fn exchange(&mut self, slot_end: Time, mut sendings: Vec<SentMessage>) -> Vec<Delivery> {
         sendings.sort_by_key(|sending| (sending.from, sending.sequence));
         let mut deliveries = self.send(slot_end, sendings);
         let until = if self.model.medium == Medium::Free { Time::NEVER } else { slot_end };
-        for flight in self.air.arrived(until) {
-            self.decide(slot_end, flight, &mut deliveries);
+        for transmission in self.air.arrived(until) {
+            self.decide(slot_end, transmission, &mut deliveries);
         }
         self.air.forget(until);
         self.settle_dues(slot_end);
@@ -125,12 +127,16 @@ impl Channel {
     /// Ends the run: returns the undecided messages as losses to their senders, in order of (sender, sequence).
     pub fn finish(&mut self, end: Time) -> Vec<Delivery> {
         let air = std::mem::take(&mut self.air);
-        let mut flights: Vec<Flight> = air.arrived(Time::NEVER).cloned().collect();
-        flights.extend(self.ring.take_queued().into_iter().map(|sending| Flight::new(sending, end, &self.model)));
-        flights.sort_by_key(|flight| (flight.sending.from, flight.sending.sequence));
+        let mut transmissions: Vec<Transmission> = air.arrived(Time::NEVER).cloned().collect();
+        transmissions
+            .extend(self.ring.take_queued().into_iter().map(|sending| Transmission::new(sending, end, &self.model)));
+        transmissions.sort_by_key(|transmission| (transmission.sending.from, transmission.sending.sequence));
         self.due = Time::NEVER;
-        let fate = |flight: &Flight| Delivery { visible: end, ..lost(flight, flight.sending.from, end, Loss::End) };
-        flights.iter().map(fate).collect()
+        let fate = |transmission: &Transmission| Delivery {
+            visible: end,
+            ..lost(transmission, transmission.sending.from, end, Loss::End)
+        };
+        transmissions.iter().map(fate).collect()
     }
 
     /// Messages that left the buffers of their senders since the last call, as (sender, number), for [`super::Station::has_left`];
@@ -140,51 +146,55 @@ impl Channel {
     }
 
     /// Puts messages on the air; returns those that are never transmitted.
-    fn send(&mut self, slot_end: Time, sendings: Vec<Sending>) -> Vec<Delivery> {
-        let offs = std::mem::take(&mut self.offs);
+    fn send(&mut self, slot_end: Time, sendings: Vec<SentMessage>) -> Vec<Delivery> {
+        let switched_off = std::mem::take(&mut self.switched_off);
         let has_changed = std::mem::take(&mut self.has_changed);
         let model = self.model;
-        let unsent = |flight: &Flight| Delivery {
+        let unsent = |transmission: &Transmission| Delivery {
             visible: slot_end,
-            ..lost(flight, flight.sending.from, slot_end, Loss::Unsent)
+            ..lost(transmission, transmission.sending.from, slot_end, Loss::Unsent)
         };
         match self.model.medium {
             Medium::Free | Medium::Aloha => {
-                let flight = |sending: Sending| {
+                let transmission = |sending: SentMessage| {
                     let begins = sending.begins.unwrap_or(sending.sent);
-                    Flight::new(sending, begins, &model)
+                    Transmission::new(sending, begins, &model)
                 };
-                self.air.add(sendings.into_iter().map(flight));
-                offs.iter()
-                    .flat_map(|off| self.air.stop(off).map(|flight| unsent(&flight)).collect::<Vec<_>>())
+                self.air.add(sendings.into_iter().map(transmission));
+                switched_off
+                    .iter()
+                    .flat_map(|off| self.air.stop(off).map(|transmission| unsent(&transmission)).collect::<Vec<_>>())
                     .collect()
             }
             Medium::TokenRing => {
                 self.ring.queue(sendings);
-                offs.iter().for_each(|off| self.ring.stop(off));
+                switched_off.iter().for_each(|off| self.ring.stop(off));
                 let sent = self.ring.advance(slot_end).into_iter();
-                let flights: Vec<Flight> = sent.map(|(sending, begins)| Flight::new(sending, begins, &model)).collect();
-                let leaving = |flight: &Flight| (flight.ends, flight.sending.from, flight.sending.sequence);
-                self.leaving.extend(flights.iter().map(leaving));
-                self.air.add(flights);
+                let transmissions: Vec<Transmission> =
+                    sent.map(|(sending, begins)| Transmission::new(sending, begins, &model)).collect();
+                let leaving = |transmission: &Transmission| {
+                    (transmission.ends, transmission.sending.from, transmission.sending.sequence)
+                };
+                self.leaving.extend(transmissions.iter().map(leaving));
+                self.air.add(transmissions);
                 if has_changed {
                     let errors = &self.errors;
                     self.ring.set_members(&self.members, |robot| radio_of(errors, robot), slot_end);
                 }
                 let never = self.ring.take_unsent().into_iter();
-                never.map(|sending| unsent(&Flight::new(sending, slot_end, &model))).collect()
+                never.map(|sending| unsent(&Transmission::new(sending, slot_end, &model))).collect()
             }
         }
     }
 
     /// Decides the outcome of a message at each station that it is addressed to.
-    fn decide(&self, slot_end: Time, flight: &Flight, deliveries: &mut Vec<Delivery>) {
-        let Sending { from, to, .. } = flight.sending;
+    fn decide(&self, slot_end: Time, transmission: &Transmission, deliveries: &mut Vec<Delivery>) {
+        let SentMessage { from, to, .. } = transmission.sending;
         let count = deliveries.len();
-        let mut deliver = |member: &Member| {
+        let mut deliver = |member: &StationInfo| {
             if member.robot != from {
-                let outcome = self.outcome(flight, member);
-                deliveries.push(Delivery { outcome, ..lost(flight, member.robot, slot_end, Loss::Nobody) });
+                let outcome = self.outcome(transmission, member);
+                deliveries.push(Delivery { outcome, ..lost(transmission, member.robot, slot_end, Loss::Nobody) });
             }
         };
         match to {
@@ -196,19 +206,19 @@ impl Channel {
             }
         }
         if deliveries.len() == count {
-            deliveries.push(lost(flight, from, slot_end, Loss::Nobody));
+            deliveries.push(lost(transmission, from, slot_end, Loss::Nobody));
         }
     }
 
-    fn outcome(&self, flight: &Flight, member: &Member) -> Result<Arrived, Loss> {
-        let sending = &flight.sending;
+    fn outcome(&self, transmission: &Transmission, member: &StationInfo) -> Result<Arrived, Loss> {
+        let sending = &transmission.sending;
         if let Ok(place) = sending.out_of_reach.binary_search_by_key(&member.robot, |(robot, _)| *robot) {
             return Err(sending.out_of_reach[place].1);
         }
         if member.baud != sending.baud {
             return Err(Loss::Baud);
         }
-        if self.model.medium == Medium::Aloha && self.air.disturbs(flight, member.robot) {
+        if self.model.medium == Medium::Aloha && self.air.disturbs(transmission, member.robot) {
             return Err(Loss::Collision);
         }
         let mut payload = sending.payload.clone();
@@ -221,7 +231,7 @@ impl Channel {
         Ok(Arrived { payload, bit_errors })
     }
 
-    fn member(&self, robot: RobotId) -> Option<&Member> {
+    fn member(&self, robot: RobotId) -> Option<&StationInfo> {
         self.members.binary_search_by_key(&robot, |member| member.robot).ok().map(|place| &self.members[place])
     }
 
@@ -240,18 +250,18 @@ impl Channel {
 }
 
 /// Noise model of messages to `robot`.
-fn radio_of(errors: &[Radio], robot: RobotId) -> Radio {
+fn radio_of(errors: &[RadioNoise], robot: RobotId) -> RadioNoise {
     errors.get(robot.index()).copied().unwrap_or_default()
 }
 
-fn lost(flight: &Flight, to: RobotId, slot_end: Time, loss: Loss) -> Delivery {
+fn lost(transmission: &Transmission, to: RobotId, slot_end: Time, loss: Loss) -> Delivery {
     Delivery {
         to,
-        from: flight.sending.from,
-        address: flight.sending.address,
-        sequence: flight.sending.sequence,
-        arrives: flight.arrives,
-        visible: flight.arrives.max(slot_end),
+        from: transmission.sending.from,
+        address: transmission.sending.address,
+        sequence: transmission.sending.sequence,
+        arrives: transmission.arrives,
+        visible: transmission.arrives.max(slot_end),
         outcome: Err(loss),
     }
 }

@@ -33,7 +33,7 @@ pub enum Medium {
 
 /// Radio model of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Model {
+pub struct RadioModel {
     /// Medium access.
     pub medium: Medium,
     /// Bits a second, ten per byte; positive. A RoBIOS 6 program may set another speed for its own station.
@@ -46,7 +46,7 @@ pub struct Model {
     pub line_of_sight: bool,
 }
 
-impl Default for Model {
+impl Default for RadioModel {
     /// A free medium of 115200 baud without limits: our choice.
     fn default() -> Self {
         Self { medium: Medium::Free, baud: 115_200, latency: Time::ZERO, range: None, line_of_sight: false }
@@ -79,7 +79,7 @@ pub enum Address {
 
 /// A message that a station has sent.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sending {
+pub struct SentMessage {
     /// The sender.
     pub from: RobotId,
     /// Address of the sender's station.
@@ -155,7 +155,7 @@ pub struct Arrived {
 
 /// A station that is on, as the channel knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Member {
+pub struct StationInfo {
     /// The robot.
     pub robot: RobotId,
     /// Address of the station.
@@ -166,18 +166,18 @@ pub struct Member {
 
 /// Report of a station to the channel after it was switched on or off.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Change {
+pub struct StationChange {
     /// The robot.
     pub robot: RobotId,
     /// Present state; `None` if it is off.
-    pub member: Option<Member>,
+    pub member: Option<StationInfo>,
     /// Times when it was switched off since the last report, in order.
-    pub offs: Vec<Off>,
+    pub switched_off: Vec<SwitchedOff>,
 }
 
 /// A station was switched off: messages whose transmission had not begun by then are never sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Off {
+pub struct SwitchedOff {
     /// The robot.
     pub robot: RobotId,
     /// Time of switching off.

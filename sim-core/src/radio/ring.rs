@@ -14,10 +14,10 @@ use std::collections::{BTreeMap, VecDeque};
 
 use crate::RobotId;
 use crate::math::ln;
-use crate::noise::{Purpose, Radio, Stream};
+use crate::noise::{Purpose, RadioNoise, Stream};
 use crate::time::Time;
 
-use super::{HEADER, Member, Off, Sending, air_time};
+use super::{HEADER, SentMessage, StationInfo, SwitchedOff, air_time};
 
 /// Length of the silence after which the token counts as lost, in token frames.
 pub const SILENCE: i64 = 2;
@@ -62,7 +62,7 @@ struct Token {
 
 #[derive(Clone, Debug)]
 struct Queued {
-    sending: Sending,
+    sending: SentMessage,
     /// The message is not sent after this time.
     until: Time,
 }
@@ -73,14 +73,14 @@ impl Ring {
     }
 
     /// Queues messages that wait for the token; those of each sender in the order of their numbers.
-    pub fn queue(&mut self, sendings: impl IntoIterator<Item = Sending>) {
+    pub fn queue(&mut self, sendings: impl IntoIterator<Item = SentMessage>) {
         for sending in sendings {
             self.queues.entry(sending.from).or_default().push_back(Queued { sending, until: Time::NEVER });
         }
     }
 
     /// Handles a station that was switched off: messages queued by then are not sent later.
-    pub fn stop(&mut self, off: &Off) {
+    pub fn stop(&mut self, off: &SwitchedOff) {
         for queued in self.queues.get_mut(&off.robot).into_iter().flatten() {
             if queued.sending.sequence <= off.last_sequence {
                 queued.until = queued.until.min(off.at);
@@ -89,7 +89,7 @@ impl Ring {
     }
 
     /// Passes the token round until `time`; returns the messages sent on the way with the start of each transmission.
-    pub fn advance(&mut self, time: Time) -> Vec<(Sending, Time)> {
+    pub fn advance(&mut self, time: Time) -> Vec<(SentMessage, Time)> {
         let mut sent = Vec::new();
         let Some(mut token) = self.token else { return sent };
         loop {
@@ -118,7 +118,7 @@ impl Ring {
     }
 
     /// Sets the members of the ring from `time` on, in the order of their robots.
-    pub fn set_members(&mut self, members: &[Member], radio_of: impl Fn(RobotId) -> Radio, time: Time) {
+    pub fn set_members(&mut self, members: &[StationInfo], radio_of: impl Fn(RobotId) -> RadioNoise, time: Time) {
         let was = self.token.map(|token| (self.nodes[token.place].robot, token));
         self.nodes.clear();
         self.nodes.extend(members.iter().map(|member| Node {
@@ -142,12 +142,12 @@ impl Ring {
     }
 
     /// Removes and returns all messages that wait for the token.
-    pub fn take_queued(&mut self) -> Vec<Sending> {
+    pub fn take_queued(&mut self) -> Vec<SentMessage> {
         std::mem::take(&mut self.queues).into_values().flatten().map(|queued| queued.sending).collect()
     }
 
     /// Removes and returns messages that are never sent: stopped ones, and those of robots that are not in the ring.
-    pub fn take_unsent(&mut self) -> Vec<Sending> {
+    pub fn take_unsent(&mut self) -> Vec<SentMessage> {
         let is_in = |robot| self.nodes.binary_search_by_key(&robot, |node| node.robot).is_ok();
         let mut unsent = Vec::new();
         for (robot, queue) in &mut self.queues {
@@ -181,7 +181,7 @@ impl Ring {
     }
 
     /// Message that `robot` sends if it has the token at `time`.
-    fn ready(&self, robot: RobotId, time: Time) -> Option<&Sending> {
+    fn ready(&self, robot: RobotId, time: Time) -> Option<&SentMessage> {
         let queued = self.queues.get(&robot)?.iter().find(|queued| time <= queued.until)?;
         (queued.sending.sent <= time).then_some(&queued.sending)
     }
@@ -208,7 +208,7 @@ impl Ring {
 }
 
 /// Cost in token life of receiving a token frame with `radio`: the frame survives with the probability that it arrives without error.
-fn hazard(radio: Radio) -> u128 {
+fn hazard(radio: RadioNoise) -> u128 {
     fixed(radio.hazard(8 * HEADER as u32))
 }
 

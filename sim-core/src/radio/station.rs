@@ -5,7 +5,9 @@ use std::collections::VecDeque;
 use crate::RobotId;
 use crate::time::Time;
 
-use super::{Address, Change, Delivery, Loss, Medium, Member, Model, Off, Sending, air_time};
+use super::{
+    Address, Delivery, Loss, Medium, RadioModel, SentMessage, StationChange, StationInfo, SwitchedOff, air_time,
+};
 
 /// Capacity in bytes of the buffer of messages not yet sent, and of the buffer of messages not yet read; our choice. An empty message
 /// counts as one byte.
@@ -36,14 +38,14 @@ pub struct Station {
     robot: RobotId,
     medium: Medium,
     /// Address and speed; `None` while the station is off.
-    member: Option<Member>,
+    member: Option<StationInfo>,
     has_changed: bool,
-    offs: Vec<Off>,
+    switched_off: Vec<SwitchedOff>,
     last_sequence: u64,
     /// In the order of their numbers.
     outgoing: VecDeque<Outgoing>,
     /// Messages not yet passed to the channel.
-    sent: Vec<Sending>,
+    sent: Vec<SentMessage>,
     /// Messages on their way, in order of (visible, arrives, sender, sequence).
     coming: VecDeque<Delivery>,
     /// Messages that wait to be read, in order of (arrived, sender, sequence).
@@ -61,13 +63,13 @@ struct Outgoing {
 
 impl Station {
     /// The station of `robot`, switched off.
-    pub fn new(robot: RobotId, model: &Model) -> Self {
+    pub fn new(robot: RobotId, model: &RadioModel) -> Self {
         Self {
             robot,
             medium: model.medium,
             member: None,
             has_changed: false,
-            offs: Vec::new(),
+            switched_off: Vec::new(),
             last_sequence: 0,
             outgoing: VecDeque::new(),
             sent: Vec::new(),
@@ -78,7 +80,7 @@ impl Station {
 
     /// Switches the station on.
     pub fn switch_on(&mut self, address: u32, baud: u32) {
-        self.member = Some(Member { robot: self.robot, address, baud });
+        self.member = Some(StationInfo { robot: self.robot, address, baud });
         self.has_changed = true;
     }
 
@@ -91,7 +93,7 @@ impl Station {
         }
         self.has_changed = true;
         self.outgoing = self.outgoing.iter().filter(|it| self.goes_out(it, now)).copied().collect();
-        self.offs.push(Off { robot: self.robot, at: now, last_sequence: self.last_sequence });
+        self.switched_off.push(SwitchedOff { robot: self.robot, at: now, last_sequence: self.last_sequence });
         self.inbox.clear();
         let unheard = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
         self.coming.drain(..).map(unheard).collect()
@@ -111,14 +113,14 @@ impl Station {
     }
 
     /// Present state for the channel; `None` while the station is off.
-    pub fn member(&self) -> Option<Member> {
+    pub fn member(&self) -> Option<StationInfo> {
         self.member
     }
 
     /// Takes the report for the channel; `None` if the station was not switched since the last call.
-    pub fn take_change(&mut self) -> Option<Change> {
-        let offs = std::mem::take(&mut self.offs);
-        let change = Change { robot: self.robot, member: self.member, offs };
+    pub fn take_change(&mut self) -> Option<StationChange> {
+        let switched_off = std::mem::take(&mut self.switched_off);
+        let change = StationChange { robot: self.robot, member: self.member, switched_off };
         std::mem::take(&mut self.has_changed).then_some(change)
     }
 
@@ -135,7 +137,7 @@ impl Station {
         to: Address,
         payload: &[u8],
         out_of_reach: Vec<(RobotId, Loss)>,
-    ) -> Result<&Sending, Full> {
+    ) -> Result<&SentMessage, Full> {
         let member = self.member.expect("only a station that is on sends");
         while self.outgoing.front().is_some_and(|it| it.span.is_some_and(|(_, ends)| ends <= now)) {
             self.outgoing.pop_front();
@@ -154,7 +156,7 @@ impl Station {
         self.last_sequence += 1;
         let span = begins.map(|begins| (begins, begins + air_time(payload.len(), member.baud)));
         self.outgoing.push_back(Outgoing { sequence: self.last_sequence, size, span });
-        self.sent.push(Sending {
+        self.sent.push(SentMessage {
             from: self.robot,
             address: member.address,
             sequence: self.last_sequence,
@@ -169,7 +171,7 @@ impl Station {
     }
 
     /// Takes the messages sent since the last call.
-    pub fn take_sent(&mut self) -> Vec<Sending> {
+    pub fn take_sent(&mut self) -> Vec<SentMessage> {
         std::mem::take(&mut self.sent)
     }
 

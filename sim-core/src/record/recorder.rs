@@ -17,12 +17,12 @@ pub struct Recorder {
     /// Pages of this slot's robots, followed by spare ones: the first `used` are in use.
     pages: Vec<(RobotId, Page)>,
     used: usize,
-    order: Vec<Place>,
+    order: Vec<MergedEntry>,
 }
 
 /// Position of an event in the merged order.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct MergedEntry {
     time: Time,
     page: u32,
     entry: u32,
@@ -61,8 +61,11 @@ impl Recorder {
         *robot = journal.robot();
         journal.turn_page(page);
         let wanted = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
-        let place =
-            |(index, entry): (usize, &Entry)| Place { time: entry.time, page: self.used as u32, entry: index as u32 };
+        let place = |(index, entry): (usize, &Entry)| MergedEntry {
+            time: entry.time,
+            page: self.used as u32,
+            entry: index as u32,
+        };
         self.order.extend(page.entries().iter().enumerate().filter(wanted).map(place));
         self.used += 1;
     }

@@ -30,12 +30,12 @@ pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Upper bound of the distance by which rounding makes a ray from `origin` miss a point inside `bounds`.
 #[inline]
-pub(super) fn doubt(origin: DVec2, bounds: &Bounds) -> f64 {
+pub(super) fn rounding_error(origin: DVec2, bounds: &Bounds) -> f64 {
     let reach = (bounds.min - origin).abs().max((bounds.max - origin).abs());
     ROUNDING * (origin.abs().element_sum() + reach.element_sum())
 }
 
-/// A margin above twice the [`doubt`] of every ray that starts inside `bounds`, and above the rounding of its cells.
+/// A margin above twice the [`rounding_error`] of every ray that starts inside `bounds`, and above the rounding of its cells.
 pub(super) fn rounding_margin(bounds: &Bounds) -> f64 {
     16.0 * ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element()
 }

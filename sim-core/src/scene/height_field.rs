@@ -118,7 +118,7 @@ impl HeightField {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;
         }
-        let (columns, rows) = (Spots::of(&self.xs, x), Spots::of(&self.ys, y));
+        let (columns, rows) = (AxisPosition::of(&self.xs, x), AxisPosition::of(&self.ys, y));
         let mut highest = f64::NEG_INFINITY;
         for row in rows.iter() {
             for column in columns.iter() {
@@ -144,7 +144,7 @@ impl HeightField {
         if x.is_nan() || y.is_nan() {
             return DVec3::Z;
         }
-        let (columns, rows) = (Spots::of(&self.xs, x), Spots::of(&self.ys, y));
+        let (columns, rows) = (AxisPosition::of(&self.xs, x), AxisPosition::of(&self.ys, y));
         let mut upper = (f64::NEG_INFINITY, DVec3::Z);
         for row in rows.iter() {
             for column in columns.iter() {
@@ -267,12 +267,12 @@ impl HeightField {
 
 /// Position of a coordinate on an axis: one spot, or the two sides of a step; each is a corner and the fraction of the
 /// next cell.
-struct Spots {
+struct AxisPosition {
     first: (usize, f64),
     second: Option<(usize, f64)>,
 }
 
-impl Spots {
+impl AxisPosition {
     fn of(axis: &[f64], value: f64) -> Self {
         let value = value.clamp(axis[0], axis[axis.len() - 1]);
         let next = axis.partition_point(|at| *at < value);

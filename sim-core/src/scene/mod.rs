@@ -6,6 +6,7 @@
 //! walls or bodies near a place. Meshes are in the frame of their body.
 
 mod bounds;
+mod bounds_index;
 mod bvh;
 mod capsule;
 pub(crate) mod distance;
@@ -14,7 +15,6 @@ mod ground;
 mod height_field;
 mod material;
 mod mesh;
-mod moving;
 mod relief;
 mod segment;
 mod steps;
@@ -22,15 +22,15 @@ mod surface;
 mod walls;
 
 pub use bounds::Bounds;
+pub use bounds_index::BoundsIndex;
 pub use bvh::{MeshHit, MeshIndex};
 pub use capsule::Capsule;
 pub use ground::Ground;
 pub use height_field::{FieldError, HeightField, MAX_CELLS};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, Triangle};
-pub use moving::Moving;
 pub use relief::{Boulders, Disc, MAX_BOULDERS, Relief};
 pub use segment::Segment;
-pub use steps::{Block, MAX_STEPS, Stairs, Steps, Way};
+pub use steps::{Block, MAX_STEPS, Stairs, StairsDirection, Steps};
 pub use surface::Surface;
-pub use walls::{Hit, WallId, Walls};
+pub use walls::{WallHit, WallId, Walls};

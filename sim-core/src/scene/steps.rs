@@ -24,7 +24,7 @@ pub struct Steps {
 
 /// Direction in which stairs go up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Way {
+pub enum StairsDirection {
     /// Towards greater x.
     #[default]
     East,
@@ -36,16 +36,17 @@ pub enum Way {
     South,
 }
 
-impl Way {
+impl StairsDirection {
     /// All directions, by quarter turns counter-clockwise from x.
-    pub const ALL: [Way; 4] = [Way::East, Way::North, Way::West, Way::South];
+    pub const ALL: [StairsDirection; 4] =
+        [StairsDirection::East, StairsDirection::North, StairsDirection::West, StairsDirection::South];
 
     fn direction(self) -> DVec2 {
         match self {
-            Way::East => DVec2::X,
-            Way::North => DVec2::Y,
-            Way::West => DVec2::NEG_X,
-            Way::South => DVec2::NEG_Y,
+            StairsDirection::East => DVec2::X,
+            StairsDirection::North => DVec2::Y,
+            StairsDirection::West => DVec2::NEG_X,
+            StairsDirection::South => DVec2::NEG_Y,
         }
     }
 }
@@ -56,7 +57,7 @@ pub struct Stairs {
     /// Middle of the foot of the first step.
     pub from: DVec2,
     /// Direction in which the stairs go up.
-    pub way: Way,
+    pub way: StairsDirection,
     /// Number of steps; at most [`MAX_STEPS`].
     pub count: u32,
     /// Height of each step; positive.
@@ -148,14 +149,14 @@ mod tests {
         steps.field().expect("a field")
     }
 
-    fn stairs(way: Way) -> Stairs {
+    fn stairs(way: StairsDirection) -> Stairs {
         let (from, count) = (DVec2::new(2.0, 1.5), 3);
         Stairs { from, way, count, rise: 0.125, depth: 0.25, landing: 0.5, width: 1.0, goes_down: false }
     }
 
     #[test]
     fn stairs_go_up_all_four_ways() {
-        for way in Way::ALL {
+        for way in StairsDirection::ALL {
             let field = steps(vec![stairs(way)], Vec::new());
             let at = |ahead: f64, aside: f64| {
                 let place = DVec2::new(2.0, 1.5) + ahead * way.direction() + aside * way.direction().perp();
@@ -173,7 +174,7 @@ mod tests {
 
     #[test]
     fn stairs_may_go_down_again() {
-        let field = steps(vec![Stairs { goes_down: true, landing: 0.25, ..stairs(Way::West) }], Vec::new());
+        let field = steps(vec![Stairs { goes_down: true, landing: 0.25, ..stairs(StairsDirection::West) }], Vec::new());
         let heights: Vec<f64> = (0..8).map(|step| field.height(2.125 - 0.25 * f64::from(step), 1.5)).collect();
         assert_eq!(heights, [0.0, 0.125, 0.25, 0.375, 0.25, 0.125, 0.0, 0.0]);
     }

@@ -1,13 +1,13 @@
 //! Static walls, and the nearest of them along a ray.
 
-mod block;
+mod batch;
 mod ray;
 
 use glam::{DVec2, Vec2Swizzles};
 
-use super::grid::{Cells, Grid, doubt, is_ray, is_usable, rounding_margin};
+use super::grid::{Cells, Grid, is_ray, is_usable, rounding_error, rounding_margin};
 use super::{Bounds, Segment};
-use block::Blocks;
+use batch::WallBatches;
 use ray::{Nearest, Ray};
 
 /// A wall's number: its index in the list passed to [`Walls::new`].
@@ -16,7 +16,7 @@ pub struct WallId(pub u32);
 
 /// The nearest wall along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct WallHit {
     /// Metres from the ray's origin to the wall; not negative.
     pub distance: f64,
     /// The wall; ties in distance go to the lowest number.
@@ -57,9 +57,9 @@ pub struct Walls {
     grid: Grid,
     /// Margin by which walls are enlarged when they are entered into cells: above all rounding of rays and cells.
     margin: f64,
-    /// Upper bound of the [`doubt`] of every ray that starts in `bounds`, or outside them by no more than the margin.
-    inside_doubt: f64,
-    blocks: Blocks,
+    /// Upper bound of the [`rounding_error`] of every ray that starts in `bounds`, or outside them by no more than the margin.
+    inside_rounding_error: f64,
+    batches: WallBatches,
 }
 
 impl Walls {
@@ -77,16 +77,16 @@ impl Walls {
         let extent = usable.iter().fold(Bounds::EMPTY, |all, &wall| all.union(segments[wall as usize].bounds()));
         let bounds = (!usable.is_empty()).then_some(extent);
         let (grid, margin) = match bounds {
-            Some(bounds) => lay_out(bounds, usable.iter().map(|&wall| &segments[wall as usize])),
+            Some(bounds) => choose_grid(bounds, usable.iter().map(|&wall| &segments[wall as usize])),
             None => (Grid::new(Bounds { min: DVec2::ZERO, max: DVec2::ZERO }, 1.0), 0.0),
         };
         let mut cells = Cells::default();
         cells.fill(grid.len(), usable.iter().copied(), |wall, visit| {
             for_each_cell(&grid, margin, &segments[wall as usize], visit)
         });
-        let blocks = Blocks::new(&grid, &cells, &segments);
-        let inside_doubt = bounds.map_or(0.0, |bounds| 0.5 * rounding_margin(&bounds.grown(margin)));
-        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_doubt, blocks }
+        let batches = WallBatches::new(&grid, &cells, &segments);
+        let inside_rounding_error = bounds.map_or(0.0, |bounds| 0.5 * rounding_margin(&bounds.grown(margin)));
+        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_rounding_error, batches }
     }
 
     /// Sets the heights of the walls' upper edges above the floor, m, in the order of the walls.
@@ -136,7 +136,7 @@ impl Walls {
     /// [`Walls`] defines a hit. `range` may be infinite. `None` without a hit, and for an invalid ray: an argument is
     /// NaN, `origin` is infinite or beyond 10^100 m, `range` is negative, or the length of `direction` is not 1 within
     /// 10^-6.
-    pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<Hit> {
+    pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<WallHit> {
         self.cast_where(origin, direction, range, |_, _| true)
     }
 
@@ -148,7 +148,7 @@ impl Walls {
         direction: DVec2,
         range: f64,
         counts: impl Fn(WallId, f64) -> bool,
-    ) -> Option<Hit> {
+    ) -> Option<WallHit> {
         if !is_ray(origin, direction, range) {
             return None;
         }
@@ -156,15 +156,15 @@ impl Walls {
         let mut nearest = Nearest::within(range);
         let reach = bounds.grown(self.margin);
         if reach.contains(origin) {
-            let ray = self.ray(origin, direction, self.inside_doubt, bounds);
+            let ray = self.ray(origin, direction, self.inside_rounding_error, bounds);
             self.walk(ray, origin, 0.0, &mut nearest, counts);
             return nearest.hit();
         }
-        let ray = self.ray(origin, direction, doubt(origin, &bounds), bounds);
-        if ray.doubt < self.margin {
+        let ray = self.ray(origin, direction, rounding_error(origin, &bounds), bounds);
+        if ray.rounding_error < self.margin {
             let (entry, _) = reach.clip(origin, direction, range)?;
             self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
-        } else if bounds.grown(2.0 * ray.doubt).clip(origin, direction, range).is_some() {
+        } else if bounds.grown(2.0 * ray.rounding_error).clip(origin, direction, range).is_some() {
             // From so far away, rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
@@ -176,9 +176,9 @@ impl Walls {
     }
 
     #[inline(always)]
-    fn ray(&self, origin: DVec2, direction: DVec2, doubt: f64, bounds: Bounds) -> Ray {
-        let doubt_area = 4.0 * doubt * (bounds.max - bounds.min).element_sum();
-        Ray { origin, direction, doubt, doubt_area }
+    fn ray(&self, origin: DVec2, direction: DVec2, rounding_error: f64, bounds: Bounds) -> Ray {
+        let area_rounding_error = 4.0 * rounding_error * (bounds.max - bounds.min).element_sum();
+        Ray { origin, direction, rounding_error, area_rounding_error }
     }
 
     /// Tests the ray, which enters the walls' bounds at `start` after `passed` metres, against the walls along its
@@ -186,7 +186,7 @@ impl Walls {
     #[inline(always)]
     fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, counts: impl Fn(WallId, f64) -> bool) {
         let mut found = *nearest;
-        self.blocks.walk(start, ray.direction, passed, found.distance, |wall| {
+        self.batches.walk(start, ray.direction, passed, found.distance, |wall| {
             found.offer(wall, ray.distance(self.segment(wall)), &counts);
             found.distance
         });
@@ -209,7 +209,7 @@ impl Walls {
     /// Every wall in the cells that `bounds` meets, in order and once.
     fn candidates(&self, bounds: &Bounds) -> Vec<WallId> {
         let mut ids = Vec::new();
-        self.blocks.collect(self.grid.span(bounds), &mut ids);
+        self.batches.collect(self.grid.span(bounds), &mut ids);
         ids.sort_unstable();
         ids.dedup();
         ids
@@ -220,7 +220,7 @@ impl Walls {
 ///
 /// Cells are as small as three budgets, each proportional to the number of walls, allow: the number of cells, of
 /// entries (a wall has about one entry more than the number of cells its extents span), and of cells along a ray.
-fn lay_out<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
+fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
     let count = walls.len() as f64;
     let size = bounds.max - bounds.min;
     let lengths: f64 = walls.map(|wall| (wall.b - wall.a).abs().element_sum()).sum();
@@ -294,7 +294,7 @@ mod tests {
     fn the_nearest_wall_within_range_is_met() {
         let scene = walls(&[[3.0, -1.0, 3.0, 1.0], [2.0, -1.0, 2.0, 1.0], [-1.0, -1.0, -1.0, 1.0]]);
         let hit = scene.cast(DVec2::ZERO, DVec2::X, 2.0);
-        assert_eq!(hit, Some(Hit { distance: 2.0, wall: WallId(1) }));
+        assert_eq!(hit, Some(WallHit { distance: 2.0, wall: WallId(1) }));
         assert_eq!(distance(&scene, [0.0, 0.0], [1.0, 0.0], 1.999), None);
         assert_eq!(distance(&scene, [0.0, 0.0], [-1.0, 0.0], f64::INFINITY), Some(1.0));
         assert_eq!(distance(&scene, [0.0, 0.0], [0.0, 1.0], f64::INFINITY), None);
@@ -374,8 +374,8 @@ mod tests {
                 let target = if round % 5 == 0 { scene.segments[round % count].a } else { point(20.0) };
                 let Some(direction) = (target - origin).try_normalize() else { continue };
                 let range = if round % 2 == 0 { f64::INFINITY } else { 10.0 };
-                let doubt = doubt(origin, &scene.bounds.unwrap());
-                let ray = scene.ray(origin, direction, doubt, scene.bounds.unwrap());
+                let rounding_error = rounding_error(origin, &scene.bounds.unwrap());
+                let ray = scene.ray(origin, direction, rounding_error, scene.bounds.unwrap());
                 let mut nearest = Nearest::within(range);
                 for (wall, segment) in (0..).map(WallId).zip(&scene.segments) {
                     nearest.offer(wall, ray.distance(segment), |_, _| true);

@@ -28,7 +28,7 @@ impl RangeErrors {
         }
         let seen = exact.distance.filter(|_| exact.signal > 0.0);
         match self.reading(index, at, model.limits(), seen) {
-            None => model.nothing(),
+            None => model.no_return(),
             distance => Reading { distance, signal: if seen.is_some() { exact.signal } else { 1.0 } },
         }
     }

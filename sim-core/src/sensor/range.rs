@@ -90,7 +90,7 @@ impl RangeModel {
     }
 
     /// Reading without return.
-    pub fn nothing(&self) -> Reading {
+    pub fn no_return(&self) -> Reading {
         let distance = match self {
             Self::Psd { .. } | Self::Sonar(_) => None,
             Self::Laser(echo) | Self::Ultrasonic(echo) | Self::Reflectance(echo) => Some(echo.max),

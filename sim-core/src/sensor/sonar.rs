@@ -8,7 +8,7 @@ use crate::{
     pose::Pose3,
     scene::Surface,
     time::Time,
-    world::{Face, Ray, RayHit, World},
+    world::{HitSurface, Ray, RayHit, World},
 };
 
 /// Greatest incidence angle at which a mirror's echo returns to the sensor, rad: far above rounding, and a
@@ -93,7 +93,7 @@ impl Sonar {
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). That a wall
     /// larger than the beam, specular or rough, returns 1 / d^2, and the spreading: geometrical acoustics.
-    pub fn energy(&self, angle: f64, distance: f64, face: &Face, alpha: f64) -> f64 {
+    pub fn energy(&self, angle: f64, distance: f64, face: &HitSurface, alpha: f64) -> f64 {
         let Surface { reflectivity, specular } = face.surface;
         let spread = 1.0 + distance * face.curvature;
         let mirrored = if alpha <= HEAD_ON { specular / (spread.x * spread.y) } else { 0.0 };
@@ -116,12 +116,12 @@ impl Sonar {
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
     pub fn listen(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
-        let mut ear = Ear { sonar: self, world, by, world_from_sensor, at, distance: self.max, energy: 0.0 };
-        ear.try_angle(world_from_sensor.forward(), 0.0);
-        ear.try_nearest_points();
-        ear.try_fan();
-        match ear.energy > 0.0 {
-            true => Reading { distance: Some((ear.distance * (1.0 + noise)).max(0.0)), signal: ear.energy },
+        let mut search = EchoSearch { sonar: self, world, by, world_from_sensor, at, distance: self.max, energy: 0.0 };
+        search.try_angle(world_from_sensor.forward(), 0.0);
+        search.try_nearest_points();
+        search.try_fan();
+        match search.energy > 0.0 {
+            true => Reading { distance: Some((search.distance * (1.0 + noise)).max(0.0)), signal: search.energy },
             false => Reading { distance: None, signal: 0.0 },
         }
     }
@@ -141,7 +141,7 @@ impl Sonar {
 }
 
 /// Search for the nearest echo of a sonar at one instant.
-struct Ear<'a> {
+struct EchoSearch<'a> {
     sonar: &'a Sonar,
     world: &'a World,
     by: RobotId,
@@ -153,9 +153,9 @@ struct Ear<'a> {
     energy: f64,
 }
 
-impl Ear<'_> {
+impl EchoSearch<'_> {
     /// Casts a ray along `direction`, `angle` rad from the line of sight. Returns the hit if it is near enough to be detected.
-    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<Face> {
+    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<HitSurface> {
         let range = self.sonar.reach(angle).min(self.distance);
         if range < self.sonar.min {
             return None;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Robot;
 use crate::camera::{Label, Picture, Scenery, View};
 use crate::device::camera::{self, CameraError, Exposure, READ_OUT, Setting};
-use crate::device::switch::Sensor;
+use crate::device::switch::SensorId;
 use crate::pose::Pose3;
 use crate::record::{Digest, Event};
 use crate::time::Time;
@@ -129,8 +129,8 @@ impl Robot {
         let at = (self.now - READ_OUT).max(Time::ZERO);
         let [view, exposed] = [self.camera_view(at, None)?, self.camera_view(at, Some(size))?];
         let samples = self.camera_samples();
-        let is_dark = !self.devices.switches.is_on(Sensor::Camera);
-        let still = scenery.still(world, at);
+        let is_dark = !self.devices.switches.is_on(SensorId::Camera);
+        let still = scenery.pose_at(world, at);
         let mut picture = self.devices.camera.renderer().colour(&still, &exposed, Some(self.id), samples);
         if is_dark {
             picture.pixels_mut().fill([0; 3]);

@@ -10,7 +10,7 @@ use crate::{ObjectId, RobotId};
 
 /// State shared by all robots of a simulation.
 ///
-/// Within a slot robots only read it. At the slot's end [`Environment::concerned`] returns the robots that the end affects, and
+/// Within a slot robots only read it. At the slot's end [`Environment::affected_robots`] returns the robots that the end affects, and
 /// [`Environment::end_slot`], called with exactly these, advances the world, delivers messages and collects journals.
 #[derive(Clone, Debug)]
 pub struct Environment {
@@ -82,7 +82,7 @@ impl Environment {
 
     /// Robots affected by the end of the present slot, in the order of their ids: those that acted in it (`ran`), those that
     /// move, receivers and senders of messages, and those that are to be placed elsewhere.
-    pub fn concerned(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
+    pub fn affected_robots(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
         let mut concerned = std::mem::take(&mut self.moving);
         concerned.extend_from_slice(ran);
         concerned.sort_unstable();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Robot;
 use crate::build;
 use crate::drive::{Model, ModelError, Motion};
-use crate::noise::{Profile, Radio};
+use crate::noise::{Profile, RadioNoise};
 use crate::object::Bodies;
 use crate::radio::Channel;
 use crate::scene::{Ground, Walls};
@@ -65,7 +65,7 @@ impl RobotFactory {
     ///
     /// # Errors
     /// [`FactoryError::Robot`] if the robot type, or the noise model of its drive, has an invalid value.
-    pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, Radio), FactoryError> {
+    pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, RadioNoise), FactoryError> {
         let failed = |part| move |error| FactoryError::Robot { file: spec.robi.file.clone(), part, error };
         let new_model = || Arc::new(build::model(&spec.robi));
         let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
@@ -75,7 +75,7 @@ impl RobotFactory {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }
         let mut robot = Robot::new(motion, Arc::clone(&spec.robi), since, self.seed, self.is_verbose);
-        let Some(profile) = self.profile(spec) else { return Ok((robot, Radio::default())) };
+        let Some(profile) = self.profile(spec) else { return Ok((robot, RadioNoise::default())) };
         robot.set_noise(since, &profile).map_err(failed("noise of the drive: "))?;
         Ok((robot, profile.radio))
     }
@@ -89,7 +89,7 @@ impl RobotFactory {
         &self,
         scene: &SceneSpec,
         robots: impl IntoIterator<Item = &'a mut Robot>,
-        heard: Vec<Radio>,
+        heard: Vec<RadioNoise>,
     ) -> Result<World, FactoryError> {
         let movable = build::movable(scene).count();
         if movable > 0 && !Bodies::ARE_BUILT {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{Environment, Robot, Roster};
 use crate::build;
 use crate::contact::Thing;
-use crate::device::key::{Touch, UnknownKey};
-use crate::noise::{ParameterError, Profile, Radio};
+use crate::device::key::{UnknownKey, UserInput};
+use crate::noise::{ParameterError, Profile, RadioNoise};
 use crate::pose::Pose;
 use crate::record::{Action, ActionText, Event, WORLD};
 use crate::spec::ObjectSpec;
@@ -104,7 +104,7 @@ fn in_the_way(thing: &Thing) -> String {
 #[derive(Clone, Debug)]
 pub enum Intervention {
     /// Presses a robot's key, touches its display, or presses a key of a remote control.
-    Press(RobotId, Touch),
+    Press(RobotId, UserInput),
     /// Moves a robot to another pose.
     PlaceRobot(RobotId, Pose),
     /// Moves a movable object to another pose.
@@ -267,7 +267,7 @@ impl Environment {
     }
 
     /// Adds a robot, which has the next id, at the start of the present slot; `heard` is the noise model of its radio.
-    pub fn admit(&mut self, robot: &mut Robot, heard: Radio) {
+    pub fn admit(&mut self, robot: &mut Robot, heard: RadioNoise) {
         let figure = Arc::new(build::robot_figure(&robot.spec));
         self.world.add_robot(&mut robot.motion, Some(figure));
         self.world.radio_mut().set_errors(robot.id, heard);
@@ -284,7 +284,7 @@ impl Effect {
 /// Robots that are in the world at the start of the present slot.
 fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
     let all = (0..world.robot_count()).map(RobotId::from_index);
-    all.filter(|id| world.is_robot_there(*id, world.slot_start()))
+    all.filter(|id| world.is_robot_present(*id, world.slot_start()))
 }
 
 fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
@@ -293,7 +293,7 @@ fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
 
 fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
     let known = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
-    known.filter(|id| world.is_object_there(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
+    known.filter(|id| world.is_object_present(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
 }
 
 /// Checks the range of a placement and returns its pose.

@@ -6,9 +6,9 @@ use crate::RobotId;
 use crate::contact::Thing;
 use crate::device::Devices;
 use crate::device::psd::Measured;
-use crate::device::switch::{self, Sensor};
+use crate::device::switch::{self, SensorId};
 use crate::device::{compass, psd};
-use crate::drive::legged::{Footfall, Stance, Touching};
+use crate::drive::legged::{BodyPart, Footfall, Stance};
 use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
 use crate::pose::Pose;
@@ -17,7 +17,7 @@ use crate::record::{Event, Journal, Numbers, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
-use crate::world::{Contact, LegTouch, World};
+use crate::world::{Contact, LegContact, World};
 
 use super::Placement;
 
@@ -63,7 +63,7 @@ pub struct WalkRecord {
     /// Last recorded posture.
     posture: Option<(f64, Vec<f64>)>,
     /// Contacts of the robot's parts at the last check.
-    touching: Vec<(Touching, Thing)>,
+    touching: Vec<(BodyPart, Thing)>,
     looked_at: Time,
     /// Number of footfalls.
     pub footfalls: u64,
@@ -145,7 +145,7 @@ impl Robot {
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
             has_any = true;
             self.devices.switches.set(sensor, is_on);
-            if let Sensor::Encoder(index) = sensor {
+            if let SensorId::Encoder(index) = sensor {
                 self.devices.encoders.switch(index, is_on, &mut self.motion, at);
             }
         }
@@ -263,8 +263,9 @@ impl Robot {
         let first = self.walk.looked_at.max(slot_end - HISTORY);
         let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
         while at <= slot_end {
-            let touches = world.closeness(&mut self.motion, at, 0.0).map(|near| near.touches).unwrap_or_default();
-            for LegTouch { part, thing, point } in &touches {
+            let contacts =
+                world.leg_clearance(&mut self.motion, at, 0.0).map(|clearance| clearance.contacts).unwrap_or_default();
+            for LegContact { part, thing, point } in &contacts {
                 if !self.walk.touching.contains(&(*part, *thing)) {
                     let part = self.part_name(*part);
                     let with = obstacle(*thing);
@@ -273,18 +274,18 @@ impl Robot {
                     self.walk.touches += 1;
                 }
             }
-            self.walk.touching = touches.iter().map(|touch| (touch.part, touch.thing)).collect();
+            self.walk.touching = contacts.iter().map(|touch| (touch.part, touch.thing)).collect();
             self.walk.looked_at = at;
             at += TOUCH_GRID;
         }
     }
 
     /// Name of a part in events: that of its link, or `body`.
-    fn part_name(&self, part: Touching) -> String {
+    fn part_name(&self, part: BodyPart) -> String {
         let (leg, link) = match part {
-            Touching::Body => return "body".to_owned(),
-            Touching::Thigh(leg) => (leg, "thigh"),
-            Touching::Shank(leg) => (leg, "shank"),
+            BodyPart::Body => return "body".to_owned(),
+            BodyPart::Thigh(leg) => (leg, "thigh"),
+            BodyPart::Shank(leg) => (leg, "shank"),
         };
         let name = self.motion.legs().and_then(|legs| legs.legs.get(leg)).map_or("", |leg| &leg.name);
         format!("{name}.{link}")
@@ -323,8 +324,8 @@ impl Robot {
 /// Reading of range sensor `index` at `at`; no return while it is switched off.
 fn measure_range(devices: &Devices, motion: &mut Motion, world: &World, index: usize, at: Time) -> Reading {
     let Devices { ranges, servos, switches, .. } = devices;
-    let is_on = switches.is_on(Sensor::Range(index));
-    if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.nothing(index) }
+    let is_on = switches.is_on(SensorId::Range(index));
+    if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
 }
 
 /// Obstacle as it is recorded.

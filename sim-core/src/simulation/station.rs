@@ -1,14 +1,14 @@
 //! Radio of a robot within the simulation: its station, and the events recorded for messages.
 
 use super::Robot;
-use crate::radio::{Address, Delivery, Full, Member, Message, Sending, Station};
+use crate::radio::{Address, Delivery, Full, Message, SentMessage, Station, StationInfo};
 use crate::record::Event;
 use crate::time::Time;
 use crate::world::World;
 
 impl Robot {
     /// Address and speed of the radio; `None` while it is off.
-    pub fn radio_member(&self) -> Option<Member> {
+    pub fn radio_member(&self) -> Option<StationInfo> {
         self.station.as_ref()?.member()
     }
 
@@ -51,10 +51,10 @@ impl Robot {
     pub fn send_message(&mut self, world: &World, to: Address, payload: &[u8]) -> Result<(), Full> {
         let now = self.now;
         self.settle_radio(now);
-        let out_of_reach = world.out_of_reach(self.id, self.motion.pose(now).position, now);
+        let out_of_reach = world.unreachable_robots(self.id, self.motion.pose(now).position, now);
         let Self { station, journal, .. } = self;
         let station = station.as_deref_mut().expect("only a station that is on sends");
-        let Sending { sequence, to, begins, payload, .. } = station.send(now, to, payload, out_of_reach)?;
+        let SentMessage { sequence, to, begins, payload, .. } = station.send(now, to, payload, out_of_reach)?;
         let to = match to {
             Address::All => None,
             Address::One(address) => Some(*address),

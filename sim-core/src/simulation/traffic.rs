@@ -5,14 +5,14 @@ use std::collections::BinaryHeap;
 
 use super::Robot;
 use crate::RobotId;
-use crate::radio::{Channel, Delivery, Sending};
+use crate::radio::{Channel, Delivery, SentMessage};
 use crate::time::Time;
 
 /// Messages between stations and channel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traffic {
     /// Messages sent in the present slot.
-    sendings: Vec<Sending>,
+    sendings: Vec<SentMessage>,
     /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
     /// Messages that have left the buffers of their senders by then: (sender, number).

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Environment, FactoryError, Intervention, Refusal, Robot, RobotFactory, Roster};
 use crate::RobotId;
-use crate::build::{Newcomer, NoMeshes, Visuals};
+use crate::build::{NoMeshes, SpawnedEntity, Visuals};
 use crate::camera::{Label, Picture};
 use crate::device::camera::{CameraError, Setting};
 use crate::drive::{Command, CommandError};
@@ -147,7 +147,7 @@ impl Simulation {
             robot.record_start("");
             self.environment.record_intervention(self.now, action);
             self.environment.admit(&mut robot, heard);
-            self.show(Newcomer::Robot(robot.id, Arc::clone(&spec.robi)));
+            self.show(SpawnedEntity::Robot(robot.id, Arc::clone(&spec.robi)));
             self.acted.push(robot.id);
             self.robots.push(robot);
             Arc::make_mut(&mut self.roster).keep_robot(spec);
@@ -162,16 +162,16 @@ impl Simulation {
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
         self.acted.extend(effect.robots);
         if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
-            self.show(Newcomer::Object(id, Arc::clone(&spec.kind)));
+            self.show(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
             Arc::make_mut(&mut self.roster).keep_object(*spec);
         }
         Ok(())
     }
 
     /// Makes a spawned entity visible to cameras: with the looks of others of its type, else with the shape of its colliders.
-    fn show(&mut self, newcomer: Newcomer) {
+    fn show(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {
-            Arc::make_mut(visuals).add([newcomer], &mut NoMeshes);
+            Arc::make_mut(visuals).add([entity], &mut NoMeshes);
         }
     }
 
@@ -310,7 +310,7 @@ impl Simulation {
 
     fn end_slot(&mut self) {
         let Self { environment, robots, acted, .. } = self;
-        let concerned = environment.concerned(acted, &mut robots[..]);
+        let concerned = environment.affected_robots(acted, &mut robots[..]);
         acted.clear();
         // Both lists are in the order of the ids.
         let mut next = concerned.iter().copied().peekable();

@@ -324,7 +324,7 @@ pub struct SimSpec {
     /// Run options; only in our own format.
     pub run: RunSpec,
     /// Radio model; only in our own format.
-    pub radio: radio::Model,
+    pub radio: radio::RadioModel,
 }
 
 /// A robot of a scene, ready to be built.
@@ -378,5 +378,5 @@ pub struct SceneSpec {
     /// Run options. A cost table or noise profile in a file has been read.
     pub run: RunSpec,
     /// Radio model.
-    pub radio: radio::Model,
+    pub radio: radio::RadioModel,
 }

@@ -39,12 +39,12 @@ impl World {
     pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
-        let figure = self.stage.space.robots.get(robot.index()).map(Arc::clone);
+        let figure = self.indexed_space.space.robots.get(robot.index()).map(Arc::clone);
         (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
     }
 
     pub(super) fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
-        let figure = self.stage.space.objects.get(object.index()).map(Arc::clone);
+        let figure = self.indexed_space.space.objects.get(object.index()).map(Arc::clone);
         figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
     }
 
@@ -52,17 +52,17 @@ impl World {
     /// to `z`, so that no point above or below is nearer than the obstacle at that height. For the floor see
     /// [`Space::floor`](super::Space).
     pub(crate) fn is_upright_at(&self, z: f64) -> bool {
-        z >= 0.0 && z <= self.stage.plain_below
+        z >= 0.0 && z <= self.indexed_space.plain_below
     }
 
     /// Returns true if any body has a mesh.
     pub(crate) fn has_meshes(&self) -> bool {
-        self.stage.has_meshes
+        self.indexed_space.has_meshes
     }
 
     /// Material of the floor; `None` if a fixed body is the ground.
     pub(crate) fn floor_surface(&self) -> Option<Surface> {
-        self.stage.space.floor
+        self.indexed_space.space.floor
     }
 
     /// Visits, in a fixed order, the point nearest to `point` of the floor, of each wall and of each convex part of a
@@ -75,7 +75,7 @@ impl World {
         at: Time,
         mut visit: impl FnMut(DVec3),
     ) {
-        if self.stage.space.floor.is_some() {
+        if self.indexed_space.space.floor.is_some() {
             visit(point.with_z(point.z.min(0.0)));
         }
         let near = Bounds::of_disc(point.truncate(), reach);
@@ -91,18 +91,18 @@ impl World {
         at: Time,
         mut visit: impl FnMut(Thing, &Geometry<'_>),
     ) {
-        let stage = &self.stage;
+        let indexed_space = &self.indexed_space;
         self.walls.for_each_in(near, |wall, segment| {
-            if stage.is_wall(wall) {
+            if indexed_space.is_wall(wall) {
                 visit(Thing::Wall(wall), &Geometry::Wall(segment, self.walls.height(wall)));
             }
         });
-        stage.blocks.for_each_in(near, |place| {
-            let block = &stage.space.blocks[place as usize];
-            visit(Thing::Wall(block.wall), &Geometry::Body(&block.world_from_block, &block.figure));
+        indexed_space.thick_walls.for_each_in(near, |place| {
+            let block = &indexed_space.space.thick_walls[place as usize];
+            visit(Thing::Wall(block.wall), &Geometry::Body(&block.world_from_wall, &block.figure));
         });
-        stage.fixed.for_each_in(near, |place| {
-            let (pose, figure) = &stage.space.fixed[place as usize];
+        indexed_space.fixed.for_each_in(near, |place| {
+            let (pose, figure) = &indexed_space.space.fixed[place as usize];
             visit(Thing::Fixed(place), &Geometry::Body(pose, figure));
         });
         self.for_each_near(near, at, |robot| {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::Presence;
+use super::Lifetime;
 use crate::{
     ObjectId, RobotId,
     drive::HISTORY,
-    object::{Bodies, Drift, Properties, Push, Pusher, STEP, State},
+    object::{Bodies, ObjectTrajectory, Properties, Push, Pusher, STEP, State},
     pose::Pose,
-    scene::{Bounds, Moving, Walls},
+    scene::{Bounds, BoundsIndex, Walls},
     time::Time,
 };
 
@@ -21,9 +21,9 @@ const NEAR: f64 = 5e-3;
 /// Published motion of one object.
 #[derive(Clone, Debug)]
 struct ObjectTrack {
-    presence: Presence,
+    lifetime: Lifetime,
     /// Trajectories, each with the slot start from which it is in force; never empty.
-    publications: VecDeque<(Time, Drift)>,
+    publications: VecDeque<(Time, ObjectTrajectory)>,
     /// Bounds of the object over the published history and the present slot.
     bounds: Bounds,
     /// The object has been at rest, or removed, for as long as the history reaches.
@@ -31,12 +31,12 @@ struct ObjectTrack {
 }
 
 impl ObjectTrack {
-    fn new(bodies: &Bodies, object: ObjectId, presence: Presence, until: Time) -> Self {
-        let drift = Drift::new(Time(i64::MIN), bodies.state(object), bodies.properties(object));
+    fn new(bodies: &Bodies, object: ObjectId, lifetime: Lifetime, until: Time) -> Self {
+        let trajectory = ObjectTrajectory::new(Time(i64::MIN), bodies.state(object), bodies.properties(object));
         Self {
-            presence,
-            publications: VecDeque::from([(Time(i64::MIN), drift)]),
-            bounds: drift.bounds(bodies.properties(object), until),
+            lifetime,
+            publications: VecDeque::from([(Time(i64::MIN), trajectory)]),
+            bounds: trajectory.bounds(bodies.properties(object), until),
             is_resting: true,
         }
     }
@@ -48,13 +48,13 @@ pub(super) struct Objects {
     bodies: Bodies,
     tracks: Vec<ObjectTrack>,
     /// Index over the published bounds.
-    index: Moving<ObjectId>,
+    index: BoundsIndex<ObjectId>,
     /// End of the last step of the bodies, on the grid of [`STEP`].
     stepped: Time,
     /// Objects that moved in the last slot, in ascending order.
     moved: Vec<ObjectId>,
     /// Pending placements for the end of the slot, in the order of the calls.
-    places: Vec<(ObjectId, Pose)>,
+    placements: Vec<(ObjectId, Pose)>,
     /// Objects that were placed and have not slept since: an overlap may still push them out.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
@@ -64,14 +64,14 @@ impl Objects {
     pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let bodies = Bodies::new(walls, objects);
         let ids = (0..bodies.len()).map(ObjectId::from_index);
-        let tracks = ids.map(|object| ObjectTrack::new(&bodies, object, Presence::ALWAYS, Time::ZERO)).collect();
+        let tracks = ids.map(|object| ObjectTrack::new(&bodies, object, Lifetime::ALWAYS, Time::ZERO)).collect();
         let mut objects = Self {
             bodies,
             tracks,
-            index: Moving::default(),
+            index: BoundsIndex::default(),
             stepped: Time::ZERO,
             moved: Vec::new(),
-            places: Vec::new(),
+            placements: Vec::new(),
             unsettled: BTreeSet::new(),
             pushes: Vec::new(),
         };
@@ -86,7 +86,7 @@ impl Objects {
     /// Adds an object at `world_from_object` from `now` on, at rest and awake; its id is the next one.
     pub fn add(&mut self, properties: Arc<Properties>, world_from_object: Pose, now: Time) -> ObjectId {
         let object = self.bodies.add(properties, world_from_object);
-        let track = ObjectTrack::new(&self.bodies, object, Presence::since(now), now);
+        let track = ObjectTrack::new(&self.bodies, object, Lifetime::since(now), now);
         self.tracks.push(ObjectTrack { is_resting: false, ..track });
         self.unsettled.insert(object);
         self.rebuild_index();
@@ -96,11 +96,11 @@ impl Objects {
     /// Removes an object from `now` on.
     pub fn remove(&mut self, object: ObjectId, now: Time) {
         let track = &mut self.tracks[object.index()];
-        track.presence.until = track.presence.until.min(now);
+        track.lifetime.until = track.lifetime.until.min(now);
         track.is_resting = false;
         self.bodies.remove(object);
         self.unsettled.remove(&object);
-        self.places.retain(|(placed, _)| *placed != object);
+        self.placements.retain(|(placed, _)| *placed != object);
         self.moved.retain(|moved| *moved != object);
     }
 
@@ -110,14 +110,14 @@ impl Objects {
     }
 
     /// Lifetime of an object in the world.
-    pub fn presence(&self, object: ObjectId) -> Presence {
-        self.tracks[object.index()].presence
+    pub fn lifetime(&self, object: ObjectId) -> Lifetime {
+        self.tracks[object.index()].lifetime
     }
 
     /// The first present object whose footprint is nearer than `radius` to `centre` at the start of the slot.
     pub fn first_within(&self, centre: DVec2, radius: f64) -> Option<ObjectId> {
         let ids = (0..self.len()).map(ObjectId::from_index);
-        ids.filter(|object| !self.bodies.is_gone(*object)).find(|object| {
+        ids.filter(|object| !self.bodies.is_removed(*object)).find(|object| {
             let world_from_object = self.state(*object).world_from_object;
             let centre = world_from_object.inverse_transform_point(centre);
             self.properties(*object).distance(centre) < radius
@@ -130,8 +130,8 @@ impl Objects {
 
     /// Pose published for `at`; for a removed object, its last pose.
     pub fn pose(&self, object: ObjectId, at: Time) -> Pose {
-        let ObjectTrack { publications, presence, .. } = &self.tracks[object.index()];
-        let at = at.min(presence.until);
+        let ObjectTrack { publications, lifetime, .. } = &self.tracks[object.index()];
+        let at = at.min(lifetime.until);
         let in_force = publications.iter().rposition(|(since, _)| *since <= at).unwrap_or(0);
         publications[in_force].1.pose(self.properties(object), at)
     }
@@ -142,22 +142,23 @@ impl Objects {
 
     pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64, now: Time) {
         self.bodies.set_velocity(object, velocity, omega);
-        let drift = Drift::new(self.stepped.max(now), self.bodies.state(object), self.bodies.properties(object));
-        self.tracks[object.index()].publications.push_back((now, drift));
+        let trajectory =
+            ObjectTrajectory::new(self.stepped.max(now), self.bodies.state(object), self.bodies.properties(object));
+        self.tracks[object.index()].publications.push_back((now, trajectory));
         self.tracks[object.index()].is_resting = false;
     }
 
     /// Stores a placement for the end of the slot.
-    pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
+    pub fn queue_placement(&mut self, object: ObjectId, world_from_object: Pose) {
         assert!(object.index() < self.len(), "the scene has this object");
-        if !self.bodies.is_gone(object) {
-            self.places.push((object, world_from_object));
+        if !self.bodies.is_removed(object) {
+            self.placements.push((object, world_from_object));
         }
     }
 
     /// Carries out the pending placements.
-    pub fn settle_places(&mut self) {
-        for (object, world_from_object) in self.places.drain(..) {
+    pub fn apply_placements(&mut self) {
+        for (object, world_from_object) in self.placements.drain(..) {
             self.bodies.place(object, world_from_object);
             self.tracks[object.index()].is_resting = false;
             self.unsettled.insert(object);
@@ -175,16 +176,16 @@ impl Objects {
 
     /// Visits each object present at `at` whose published bounds meet a ray, once.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
-        self.index.along_ray(origin, direction, range, |object| self.visit_if_there(object, at, &mut visit));
+        self.index.along_ray(origin, direction, range, |object| self.visit_if_present(object, at, &mut visit));
     }
 
     /// Visits each object present at `at` whose published bounds meet `bounds`, once, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
-        self.index.for_each_in(bounds, |object| self.visit_if_there(object, at, &mut visit));
+        self.index.for_each_in(bounds, |object| self.visit_if_present(object, at, &mut visit));
     }
 
-    fn visit_if_there(&self, object: ObjectId, at: Time, mut visit: impl FnMut(ObjectId)) {
-        if self.presence(object).holds(at) {
+    fn visit_if_present(&self, object: ObjectId, at: Time, mut visit: impl FnMut(ObjectId)) {
+        if self.lifetime(object).contains(at) {
             visit(object);
         }
     }
@@ -192,7 +193,7 @@ impl Objects {
     /// Returns true if an object that has not been removed, asleep or awake, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
-        self.index.for_each_in(bounds.grown(NEAR), |object| is_near |= !self.bodies.is_gone(object));
+        self.index.for_each_in(bounds.grown(NEAR), |object| is_near |= !self.bodies.is_removed(object));
         is_near
     }
 
@@ -239,8 +240,8 @@ impl Objects {
             if track.is_resting && self.bodies.is_asleep(object) {
                 continue;
             }
-            if self.bodies.is_gone(object) {
-                if track.presence.until <= now - HISTORY {
+            if self.bodies.is_removed(object) {
+                if track.lifetime.until <= now - HISTORY {
                     (track.bounds, track.is_resting, has_changed) = (Bounds::EMPTY, true, true);
                 }
                 continue;
@@ -248,20 +249,20 @@ impl Objects {
             let properties = self.bodies.properties(object);
             let state = self.bodies.state(object);
             let (_, last) = track.publications[track.publications.len() - 1];
-            let drift = Drift::new(self.stepped, state, properties);
+            let trajectory = ObjectTrajectory::new(self.stepped, state, properties);
             if last.state.is_resting() && state == last.state {
                 // At rest as already published.
             } else {
                 self.moved.push(object);
-                track.publications.push_back((now, drift));
+                track.publications.push_back((now, trajectory));
             }
             while track.publications.len() > 1 && track.publications[1].0 <= now - HISTORY {
                 track.publications.pop_front();
             }
             track.bounds = Bounds::EMPTY;
-            for (place, (_, drift)) in track.publications.iter().enumerate() {
+            for (place, (_, trajectory)) in track.publications.iter().enumerate() {
                 let until = track.publications.get(place + 1).map_or(until, |(next, _)| *next);
-                track.bounds = track.bounds.union(drift.bounds(properties, until));
+                track.bounds = track.bounds.union(trajectory.bounds(properties, until));
             }
             track.is_resting = track.publications.len() == 1 && track.publications[0].1.state.is_resting();
             has_changed = true;

@@ -7,7 +7,7 @@ use crate::{
     RobotId,
     contact::Thing,
     math,
-    object::{Figure, Met, cast_disc},
+    object::{Figure, SurfaceHit, cast_disc},
     pose::Pose,
     scene::{Segment, Surface},
     time::Time,
@@ -22,12 +22,12 @@ pub struct RayHit {
     pub thing: Thing,
     /// The surface at the hit; `None` if only the distance is known: for a wall, robot or object that [`Ray::flat`] or
     /// [`Ray::tilted`] treats as unlimited in height.
-    pub face: Option<Face>,
+    pub face: Option<HitSurface>,
 }
 
 /// Surface at the point where a ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+pub struct HitSurface {
     /// Unit normal of the surface on the side from which the ray comes; opposite to the ray if its origin lies
     /// inside.
     pub normal: DVec3,
@@ -59,7 +59,7 @@ impl Tilt {
 
 /// Obstacles that a ray treats as unlimited in height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Endless {
+enum UnlimitedHeight {
     /// Walls, robots and objects.
     All,
     /// Robots and objects.
@@ -82,7 +82,7 @@ pub struct Ray {
     /// Distance along the ray at which it reaches the floor; infinite if it does not.
     floor: f64,
     range: f64,
-    endless: Endless,
+    unlimited: UnlimitedHeight,
 }
 
 /// Factor on a range along the floor that keeps obstacles at its very end; distances are compared again along the ray.
@@ -106,7 +106,7 @@ impl Ray {
         let rise = Some(direction.z / level).filter(|rise| rise.is_finite()).unwrap_or_default();
         let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
         let range = if is_ray { range } else { f64::NAN };
-        Self { origin, direction, trace, level, rise, floor, range, endless: Endless::Nothing }
+        Self { origin, direction, trace, level, rise, floor, range, unlimited: UnlimitedHeight::Nothing }
     }
 
     /// The ray in the plane from `origin` along the unit vector `direction`. Walls, robots and objects are unlimited in
@@ -122,7 +122,7 @@ impl Ray {
             rise: 0.0,
             floor: f64::INFINITY,
             range,
-            endless: Endless::All,
+            unlimited: UnlimitedHeight::All,
         }
     }
 
@@ -138,7 +138,16 @@ impl Ray {
     pub fn tilted(origin: DVec3, trace: DVec2, tilt: &Tilt, range: f64) -> Self {
         let floor = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
         let direction = tilt.direction(trace);
-        Self { origin, direction, trace, level: tilt.cos, rise: tilt.tan, floor, range, endless: Endless::Bodies }
+        Self {
+            origin,
+            direction,
+            trace,
+            level: tilt.cos,
+            rise: tilt.tan,
+            floor,
+            range,
+            unlimited: UnlimitedHeight::Bodies,
+        }
     }
 
     /// Height above the floor after `distance` metres of the trace, m.
@@ -153,7 +162,7 @@ impl Ray {
 }
 
 /// The state of a ray cast: the ray and its nearest hit so far.
-struct Search<'a> {
+struct RayCast<'a> {
     world: &'a World,
     ray: &'a Ray,
     by: RobotId,
@@ -168,25 +177,25 @@ impl World {
     /// robot, or a movable object, by their published motion. Ties in distance go to the obstacle that comes first in
     /// [`Thing`]: our choice.
     pub fn cast(&self, by: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
-        let mut search = Search { world: self, ray, by, at, range: ray.range, nearest: None };
-        search.meet_floor();
-        search.meet_walls();
-        if search.meets_figures() {
-            search.meet_fixed();
+        let mut cast = RayCast { world: self, ray, by, at, range: ray.range, nearest: None };
+        cast.cast_floor();
+        cast.cast_walls();
+        if cast.hits_figures() {
+            cast.cast_fixed();
         }
         // A robot's own body is not seen.
         let is_alone = self.tracks.len() <= usize::from(by == RobotId::from_index(0));
         if !is_alone {
-            search.meet_robots();
+            cast.cast_robots();
         }
         if let Some(objects) = &self.objects {
-            search.meet_objects(objects);
+            cast.cast_objects(objects);
         }
-        search.nearest
+        cast.nearest
     }
 }
 
-impl Search<'_> {
+impl RayCast<'_> {
     /// Distance up to which the trace is followed, m.
     fn reach(&self) -> f64 {
         match self.ray.level {
@@ -197,7 +206,7 @@ impl Search<'_> {
     }
 
     /// Records a hit if it is the nearest.
-    fn meet(&mut self, distance: f64, thing: Thing, face: impl FnOnce() -> Option<Face>) {
+    fn record(&mut self, distance: f64, thing: Thing, face: impl FnOnce() -> Option<HitSurface>) {
         let is_nearer = match &self.nearest {
             Some(nearest) => (distance, thing) < (nearest.distance, nearest.thing),
             None => distance <= self.range,
@@ -208,110 +217,111 @@ impl Search<'_> {
         }
     }
 
-    fn meet_surface(&mut self, met: Option<Met>, thing: Thing, surface: Surface) {
-        if let Some(Met { distance, normal, curvature }) = met {
-            self.meet(distance, thing, || Some(Face { normal, surface, curvature }));
+    fn record_surface(&mut self, hit: Option<SurfaceHit>, thing: Thing, surface: Surface) {
+        if let Some(SurfaceHit { distance, normal, curvature }) = hit {
+            self.record(distance, thing, || Some(HitSurface { normal, surface, curvature }));
         }
     }
 
-    fn meet_floor(&mut self) {
-        if let Some(surface) = self.world.stage.space.floor.filter(|_| self.ray.floor < f64::INFINITY) {
-            let face = Face { normal: DVec3::Z, surface, curvature: DVec2::ZERO };
-            self.meet(self.ray.floor, Thing::Floor, || Some(face));
+    fn cast_floor(&mut self) {
+        if let Some(surface) = self.world.indexed_space.space.floor.filter(|_| self.ray.floor < f64::INFINITY) {
+            let face = HitSurface { normal: DVec3::Z, surface, curvature: DVec2::ZERO };
+            self.record(self.ray.floor, Thing::Floor, || Some(face));
         }
     }
 
-    fn meet_walls(&mut self) {
+    fn cast_walls(&mut self) {
         let (world, ray, reach) = (self.world, self.ray, self.reach());
-        let (walls, stage, origin) = (&world.walls, &world.stage, ray.origin.truncate());
-        let hit = if ray.endless == Endless::All {
+        let (walls, indexed_space, origin) = (&world.walls, &world.indexed_space, ray.origin.truncate());
+        let hit = if ray.unlimited == UnlimitedHeight::All {
             walls.cast(origin, ray.trace, reach)
         } else {
             walls.cast_where(origin, ray.trace, reach, |wall, distance| {
-                let is_met = ray.endless == Endless::Bodies || stage.is_wall(wall);
-                is_met && ray.height_at(distance) <= walls.height(wall)
+                let is_hit = ray.unlimited == UnlimitedHeight::Bodies || indexed_space.is_wall(wall);
+                is_hit && ray.height_at(distance) <= walls.height(wall)
             })
         };
         if let Some(hit) = hit {
-            self.meet(ray.along(hit.distance), Thing::Wall(hit.wall), || {
+            self.record(ray.along(hit.distance), Thing::Wall(hit.wall), || {
                 let normal = wall_normal(walls.segment(hit.wall), origin, ray.trace);
-                let face = Face { normal, surface: stage.wall_surface(hit.wall), curvature: DVec2::ZERO };
-                (ray.endless == Endless::Nothing).then_some(face)
+                let face = HitSurface { normal, surface: indexed_space.wall_surface(hit.wall), curvature: DVec2::ZERO };
+                (ray.unlimited == UnlimitedHeight::Nothing).then_some(face)
             });
         }
         // A level ray can only hit the sides.
-        if ray.direction.z != 0.0 && !stage.blocks.is_empty() {
-            stage.blocks.along_ray(origin, ray.trace, self.reach(), |place| {
-                let block = &stage.space.blocks[place as usize];
-                let met = block.figure.cast_hollow(&block.world_from_block, ray.origin, ray.direction);
-                self.meet_surface(met, Thing::Wall(block.wall), stage.wall_surface(block.wall));
+        if ray.direction.z != 0.0 && !indexed_space.thick_walls.is_empty() {
+            indexed_space.thick_walls.along_ray(origin, ray.trace, self.reach(), |place| {
+                let block = &indexed_space.space.thick_walls[place as usize];
+                let hit = block.figure.cast_hollow(&block.world_from_wall, ray.origin, ray.direction);
+                self.record_surface(hit, Thing::Wall(block.wall), indexed_space.wall_surface(block.wall));
             });
         }
     }
 
     /// Returns true if the ray hits bodies as shapes in space, not only as footprints.
-    fn meets_figures(&self) -> bool {
-        self.ray.endless == Endless::Nothing || self.world.stage.has_meshes && !self.ray.origin.z.is_nan()
+    fn hits_figures(&self) -> bool {
+        self.ray.unlimited == UnlimitedHeight::Nothing
+            || self.world.indexed_space.has_meshes && !self.ray.origin.z.is_nan()
     }
 
     /// Records the hit on a body of this shape; only meshes count if bodies are unlimited in height.
-    fn meet_figure(&mut self, thing: Thing, pose: &Pose, figure: &Figure) {
-        let cast = if self.ray.endless == Endless::Nothing { Figure::cast } else { Figure::cast_meshes };
-        let met = cast(figure, pose, self.ray.origin, self.ray.direction, self.range);
-        self.meet_surface(met, thing, figure.surface);
+    fn cast_figure(&mut self, thing: Thing, pose: &Pose, figure: &Figure) {
+        let cast = if self.ray.unlimited == UnlimitedHeight::Nothing { Figure::cast } else { Figure::cast_meshes };
+        let hit = cast(figure, pose, self.ray.origin, self.ray.direction, self.range);
+        self.record_surface(hit, thing, figure.surface);
     }
 
-    fn meet_fixed(&mut self) {
-        let stage = &self.world.stage;
-        stage.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
-            let (pose, figure) = &stage.space.fixed[place as usize];
-            self.meet_figure(Thing::Fixed(place), pose, figure);
+    fn cast_fixed(&mut self) {
+        let indexed_space = &self.world.indexed_space;
+        indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
+            let (pose, figure) = &indexed_space.space.fixed[place as usize];
+            self.cast_figure(Thing::Fixed(place), pose, figure);
         });
     }
 
-    fn meet_robots(&mut self) {
+    fn cast_robots(&mut self) {
         let (world, ray, at, reach) = (self.world, self.ray, self.at, self.reach());
-        let (origin, meets_figures) = (ray.origin.truncate(), self.meets_figures());
+        let (origin, hits_figures) = (ray.origin.truncate(), self.hits_figures());
         let mut look_at = |robot: RobotId| {
             if robot == self.by {
                 return;
             }
             let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
-            if ray.endless != Endless::Nothing
+            if ray.unlimited != UnlimitedHeight::Nothing
                 && let Some(distance) = cast_disc(origin, ray.trace, track.centre(at), track.radius())
-                && track.presence.holds(at)
+                && track.lifetime.contains(at)
             {
-                self.meet(ray.along(distance), thing, || None);
+                self.record(ray.along(distance), thing, || None);
             }
-            if meets_figures && track.presence.holds(at) {
+            if hits_figures && track.lifetime.contains(at) {
                 let (pose, figure) = world.robot_figure(robot, at);
-                self.meet_figure(thing, &pose, &figure);
+                self.cast_figure(thing, &pose, &figure);
             }
         };
         world.resting.along_ray(origin, ray.trace, reach, &mut look_at);
         world.moving.along_ray(origin, ray.trace, reach, &mut look_at);
     }
 
-    fn meet_objects(&mut self, objects: &Objects) {
+    fn cast_objects(&mut self, objects: &Objects) {
         let (world, ray, at) = (self.world, self.ray, self.at);
         let origin = ray.origin.truncate();
         objects.along_ray(origin, ray.trace, self.reach(), at, |object| {
             let (thing, pose) = (Thing::Object(object), objects.pose(object, at));
-            if ray.endless != Endless::Nothing {
+            if ray.unlimited != UnlimitedHeight::Nothing {
                 if let Some(distance) = objects.properties(object).cast(&pose, origin, ray.trace) {
-                    self.meet(ray.along(distance), thing, || None);
+                    self.record(ray.along(distance), thing, || None);
                 }
             } else {
                 let figure = world.object_figure(object);
                 if !figure.has_mesh() {
-                    self.meet_figure(thing, &pose, &figure);
+                    self.cast_figure(thing, &pose, &figure);
                 }
             }
         });
-        let meets_meshes = self.meets_figures();
-        let meshes = world.stage.mesh_objects.iter().filter(|_| meets_meshes);
-        for object in meshes.filter(|object| objects.presence(**object).holds(at)) {
-            self.meet_figure(Thing::Object(*object), &objects.pose(*object, at), &world.object_figure(*object));
+        let hits_meshes = self.hits_figures();
+        let meshes = world.indexed_space.mesh_objects.iter().filter(|_| hits_meshes);
+        for object in meshes.filter(|object| objects.lifetime(**object).contains(at)) {
+            self.cast_figure(Thing::Object(*object), &objects.pose(*object, at), &world.object_figure(*object));
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     drive::{Model, Motion, Passage, Thrust},
     object::{GRAVITY, Pusher, STEP},
     pose::Twist,
-    scene::{Bounds, Moving},
+    scene::{Bounds, BoundsIndex},
     time::Time,
 };
 
@@ -32,7 +32,7 @@ pub(super) struct Truth {
     /// Rectangles of the active motions' bodies in the slot.
     bounds: Vec<(RobotId, Bounds)>,
     /// Index of these bounds as they were before any contact was settled.
-    index: Moving<RobotId>,
+    index: BoundsIndex<RobotId>,
     /// Robots whose bounds have left those in the index.
     strays: BTreeSet<RobotId>,
 }
@@ -186,7 +186,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         for (place, push) in pushes.into_iter().enumerate() {
             let (robot, Some(thrust)) = (near[place], thrusts[place]) else { continue };
             let active = self.truth.places[robot.index()] as usize;
-            let touched = push.touch.map(|touch| {
+            let touched = push.contact.map(|touch| {
                 let point = robots[place].centre + touch.direction * robots[place].radius;
                 (touch.object, Obstacle { thing: Thing::Object(touch.object), point })
             });

@@ -8,7 +8,7 @@ use crate::{
     ObjectId, math,
     object::{Figure, Properties, Shape, Solid},
     pose::Pose,
-    scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
+    scene::{Bounds, BoundsIndex, Segment, Surface, WallId, Walls},
 };
 
 /// Geometry for rays in space, in addition to the planar walls and bodies; by default only a smooth floor.
@@ -23,7 +23,7 @@ pub struct Space {
     /// First wall that is an outline of a fixed body. Such walls serve contacts; rays in space meet the bodies instead.
     pub outlines: Option<WallId>,
     /// Walls with a thickness; they add the upper faces.
-    pub blocks: Vec<Block>,
+    pub thick_walls: Vec<ThickWall>,
     /// Bodies that never move, each with its pose in the world.
     pub fixed: Vec<(Pose, Arc<Figure>)>,
     /// Shapes of the robots around their centres, in the order of their ids.
@@ -38,7 +38,7 @@ impl Default for Space {
             floor: Some(Surface::SMOOTH),
             walls: Vec::new(),
             outlines: None,
-            blocks: Vec::new(),
+            thick_walls: Vec::new(),
             fixed: Vec::new(),
             robots: Vec::new(),
             objects: Vec::new(),
@@ -48,16 +48,16 @@ impl Default for Space {
 
 /// A wall with a thickness.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub struct ThickWall {
     /// The first of its four sides.
     pub wall: WallId,
     /// Pose of the block's frame, whose origin is the middle of the wall.
-    pub world_from_block: Pose,
+    pub world_from_wall: Pose,
     /// Shape: one prism.
     pub figure: Figure,
 }
 
-impl Block {
+impl ThickWall {
     /// The wall `thickness` metres thick and `height` metres high with this centre line, whose first side is `wall`.
     pub fn new(wall: WallId, centre_line: &Segment, thickness: f64, height: f64) -> Self {
         let along = centre_line.b - centre_line.a;
@@ -66,7 +66,7 @@ impl Block {
         let solid = Solid::Prism { footprint, body_from_footprint: Pose::default(), bottom: 0.0, top: height };
         Self {
             wall,
-            world_from_block: Pose::new(middle.x, middle.y, math::atan2(along.y, along.x)),
+            world_from_wall: Pose::new(middle.x, middle.y, math::atan2(along.y, along.x)),
             figure: Figure { solids: vec![solid], surface: Surface::default() },
         }
     }
@@ -74,12 +74,12 @@ impl Block {
 
 /// A [`Space`] with data derived from it: indices and flags.
 #[derive(Clone, Debug)]
-pub(super) struct Stage {
+pub(super) struct IndexedSpace {
     pub space: Space,
     /// Index over the bounds of `space.fixed`.
-    pub fixed: Moving<u32>,
-    /// Index over the bounds of `space.blocks`.
-    pub blocks: Moving<u32>,
+    pub fixed: BoundsIndex<u32>,
+    /// Index over the bounds of `space.thick_walls`.
+    pub thick_walls: BoundsIndex<u32>,
     /// Height in metres up to which all walls and bodies are prisms on the floor.
     pub plain_below: f64,
     /// At least one body has a mesh.
@@ -88,7 +88,7 @@ pub(super) struct Stage {
     pub mesh_objects: Vec<ObjectId>,
 }
 
-impl Stage {
+impl IndexedSpace {
     pub fn new(space: Space, walls: &Walls) -> Self {
         let plain_walls = space.outlines.map_or(walls.len(), |first| first.0 as usize) as u32;
         let heights = (0..plain_walls).map(|wall| walls.height(WallId(wall)));
@@ -96,10 +96,10 @@ impl Stage {
         let has_meshes = figures.clone().any(|figure| figure.has_mesh());
         let plain_below = heights.chain(figures.map(|figure| figure.prism_top())).fold(f64::INFINITY, f64::min);
         let fixed = index(space.fixed.iter().map(|(pose, figure)| figure.bounds(pose)));
-        let blocks = index(space.blocks.iter().map(|block| block.figure.bounds(&block.world_from_block)));
+        let thick_walls = index(space.thick_walls.iter().map(|wall| wall.figure.bounds(&wall.world_from_wall)));
         let objects = (1..).map(ObjectId).zip(&space.objects);
         let mesh_objects = objects.filter(|(_, figure)| figure.has_mesh()).map(|(object, _)| object).collect();
-        Self { space, fixed, blocks, plain_below, has_meshes, mesh_objects }
+        Self { space, fixed, thick_walls, plain_below, has_meshes, mesh_objects }
     }
 
     /// Adds a robot of this shape; `radii` are those of the robots before.
@@ -138,8 +138,8 @@ impl Stage {
     }
 }
 
-fn index(bounds: impl Iterator<Item = Bounds>) -> Moving<u32> {
-    let mut index = Moving::default();
+fn index(bounds: impl Iterator<Item = Bounds>) -> BoundsIndex<u32> {
+    let mut index = BoundsIndex::default();
     index.rebuild(&(0..).zip(bounds).collect::<Vec<_>>());
     index
 }

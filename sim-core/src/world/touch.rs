@@ -6,7 +6,7 @@ use super::{World, near::Geometry};
 use crate::{
     RobotId,
     contact::Thing,
-    drive::{Motion, legged::Touching},
+    drive::{Motion, legged::BodyPart},
     scene::{Bounds, Capsule},
     time::Time,
 };
@@ -17,9 +17,9 @@ const ROUNDS: u32 = 70;
 
 /// A part of a legged robot in contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LegTouch {
+pub struct LegContact {
     /// The part.
-    pub part: Touching,
+    pub part: BodyPart,
     /// The obstacle; terrain is [`Thing::Floor`].
     pub thing: Thing,
     /// Point of contact on the obstacle, in the world frame, m; for the ground, the point below the axis of the part.
@@ -28,9 +28,9 @@ pub struct LegTouch {
 
 /// Contacts and ground clearance of a legged robot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Closeness {
+pub struct LegClearance {
     /// Contacts of its parts, in the order of parts and obstacles.
-    pub touches: Vec<LegTouch>,
+    pub contacts: Vec<LegContact>,
     /// Least distance of thighs, shanks and body from the ground, m; negative if a part is below it, and at most the
     /// requested bound.
     pub clearance: f64,
@@ -48,20 +48,20 @@ impl World {
     /// For the ground, the body is a disc at the height of its underside, and cells crossed by the disc's edge count as
     /// a whole; a limb is exact, but for the ground beyond a terrain's border see
     /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
-    pub fn closeness(&self, motion: &mut Motion, at: Time, within: f64) -> Option<Closeness> {
+    pub fn leg_clearance(&self, motion: &mut Motion, at: Time, within: f64) -> Option<LegClearance> {
         motion.legs()?;
         let by = motion.id();
         let world_from_robot = motion.pose(at);
         let stance = motion.stance(at);
         let radius = motion.radius();
         let (legs, ground) = (motion.legs()?, motion.ground()?);
-        let mut touches = Vec::new();
+        let mut contacts = Vec::new();
         let mut clearance = within;
         let underside = world_from_robot.position.extend(stance.lift + legs.belly);
         let (_, highest) = ground.range_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
         if underside.z <= highest {
-            touches.push(LegTouch { part: Touching::Body, thing: Thing::Floor, point: underside.with_z(highest) });
+            contacts.push(LegContact { part: BodyPart::Body, thing: Thing::Floor, point: underside.with_z(highest) });
         }
         for limb in legs.limbs(&stance, &world_from_robot) {
             let Capsule { ends: [upper, lower], radius } = limb.capsule;
@@ -74,13 +74,13 @@ impl World {
             if distance < 0.0 {
                 let (_, point) = ground.least_gap(piece);
                 let point = point.with_z(ground.height(point.truncate()));
-                touches.push(LegTouch { part: limb.part, thing: Thing::Floor, point });
+                contacts.push(LegContact { part: limb.part, thing: Thing::Floor, point });
             }
-            let things = self.touched(by, &limb.capsule, at);
-            touches.extend(things.into_iter().map(|(thing, point)| LegTouch { part: limb.part, thing, point }));
+            let things = self.capsule_contacts(by, &limb.capsule, at);
+            contacts.extend(things.into_iter().map(|(thing, point)| LegContact { part: limb.part, thing, point }));
         }
-        touches.sort_by_key(|touch| (touch.part, touch.thing));
-        Some(Closeness { touches, clearance })
+        contacts.sort_by_key(|touch| (touch.part, touch.thing));
+        Some(LegClearance { contacts, clearance })
     }
 
     /// Obstacles in contact at `at` with a capsule, a part of robot `by`, each once with a point of contact, in the
@@ -89,15 +89,15 @@ impl World {
     ///
     /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; a mesh counts if the capsule's axis crosses
     /// its surface.
-    pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
+    pub fn capsule_contacts(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
         self.for_each_geometry(by, near, at, |thing, geometry| {
             // Without a floor, the first fixed body is the ground.
-            let is_ground = thing == Thing::Fixed(0) && self.stage.space.floor.is_none();
+            let is_ground = thing == Thing::Fixed(0) && self.indexed_space.space.floor.is_none();
             if !is_ground {
-                things.extend(touch_geometry(geometry, capsule).map(|point| (thing, point)));
+                things.extend(geometry_contact(geometry, capsule).map(|point| (thing, point)));
             }
         });
         things.sort_by_key(|(thing, _)| *thing);
@@ -107,12 +107,12 @@ impl World {
 }
 
 /// A point of the geometry within the capsule's radius of its axis; `None` if there is no such point.
-fn touch_geometry(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
+fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
     // The parts are visited in the same order in every call.
     let mut count = 0;
     geometry.for_each_nearest(capsule.ends[0], |_| count += 1);
     let touch_part = |part: usize| {
-        touch_convex(capsule, |point| {
+        convex_contact(capsule, |point| {
             let (mut number, mut found) = (0, point);
             geometry.for_each_nearest(point, |nearest| {
                 if number == part {
@@ -135,7 +135,7 @@ fn touch_geometry(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
 /// A point of a convex body within the capsule's radius of its axis; `None` if there is no such point. `nearest` maps a
 /// point to the nearest point of the body. The distance from a convex body is convex along a segment, so a ternary
 /// search finds its minimum.
-fn touch_convex(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
+fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;
     let length = from.distance(to);
     let distance = |share: f64| {

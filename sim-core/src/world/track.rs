@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
-use super::{Presence, passage_at};
+use super::{Lifetime, passage_at};
 use crate::{
     drive::{Motion, Passage},
     pose::Pose,
@@ -23,7 +23,7 @@ struct Publication {
 /// The publications of one robot, and its disc.
 #[derive(Clone, Debug)]
 pub(super) struct Track {
-    pub presence: Presence,
+    pub lifetime: Lifetime,
     radius: f64,
     /// Never empty.
     publications: VecDeque<Publication>,
@@ -39,12 +39,12 @@ pub(super) struct Track {
 
 impl Track {
     /// The track of a body with this motion, published for the slot from `from` to `until`.
-    pub fn new(motion: &mut Motion, presence: Presence, (from, until): (Time, Time)) -> Self {
+    pub fn new(motion: &mut Motion, lifetime: Lifetime, (from, until): (Time, Time)) -> Self {
         let mut passages = Vec::new();
         motion.passages(from, until, &mut passages);
         let publications = VecDeque::from([Publication { since: Time(i64::MIN), passages }]);
         Self {
-            presence,
+            lifetime,
             radius: motion.radius(),
             publications,
             revision: motion.revision(),
@@ -60,17 +60,17 @@ impl Track {
 
     /// Published centre of the body at `at`.
     pub fn centre(&self, at: Time) -> DVec2 {
-        self.passage(at).centre(at.min(self.presence.until))
+        self.passage(at).centre(at.min(self.lifetime.until))
     }
 
     /// Published pose of the body at `at`.
     pub fn pose(&self, at: Time) -> Pose {
-        self.passage(at).pose(at.min(self.presence.until))
+        self.passage(at).pose(at.min(self.lifetime.until))
     }
 
     /// Published passage in force at `at`; for a removed body, the one at its removal.
     fn passage(&self, at: Time) -> &Passage {
-        let at = at.min(self.presence.until);
+        let at = at.min(self.lifetime.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
         passage_at(&self.publications[in_force.unwrap_or(0)].passages, at)
     }
@@ -106,7 +106,7 @@ impl Track {
 
     /// Ends the lifetime of the body at `at`.
     pub fn end(&mut self, at: Time) {
-        self.presence.until = at;
+        self.lifetime.until = at;
         self.is_resting = false;
     }
 
@@ -118,7 +118,7 @@ impl Track {
     /// Computes the bounds of what is published from `from` to `to`, and drops older publications. Not needed for a
     /// resting track unless its body was removed.
     pub fn refresh(&mut self, from: Time, to: Time) {
-        if self.presence.until <= from {
+        if self.lifetime.until <= from {
             self.bounds = Bounds::EMPTY;
             self.is_resting = true;
             return;
@@ -127,7 +127,7 @@ impl Track {
             self.spare = self.publications.pop_front().expect("more than one publication").passages;
         }
         let mut bounds = Bounds::EMPTY;
-        self.is_resting = self.publications.len() == 1 && self.presence.until == Time::NEVER;
+        self.is_resting = self.publications.len() == 1 && self.lifetime.until == Time::NEVER;
         for (index, publication) in self.publications.iter().enumerate() {
             let next = self.publications.get(index + 1).map_or(to, |next| next.since);
             let (from, to) = (from.max(publication.since), to.min(next));

@@ -58,7 +58,7 @@ pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 
 /// One pass over the keys of a table.
 pub(crate) struct Keys<'k> {
-    walk: Walk<'k>,
+    pass: Pass<'k>,
     /// No required key is missing so far.
     is_complete: bool,
     /// The table cannot be interpreted, so the validity of its other keys is unknown.
@@ -66,7 +66,7 @@ pub(crate) struct Keys<'k> {
 }
 
 /// Action for each key.
-enum Walk<'k> {
+enum Pass<'k> {
     /// Reads the key from a table.
     Read(&'k mut Reader, Section<'k, 'k>),
     /// Prints the key into the first table unless it equals the default in the second.
@@ -129,13 +129,13 @@ enum Need {
 }
 
 impl<'k> Keys<'k> {
-    fn new(walk: Walk<'k>) -> Self {
-        Self { walk, is_complete: true, is_abandoned: false }
+    fn new(pass: Pass<'k>) -> Self {
+        Self { pass, is_complete: true, is_abandoned: false }
     }
 
     /// Declares the form: its name and its description in the JSON schema.
     pub(crate) fn form(&mut self, name: &'static str, about: &'static str) {
-        if let Walk::Describe(_, description) = &mut self.walk {
+        if let Pass::Describe(_, description) = &mut self.pass {
             (description.name, description.about) = (name, about);
         }
     }
@@ -149,8 +149,8 @@ impl<'k> Keys<'k> {
     /// declared.
     pub(crate) fn variant<F: Variants>(&mut self, form: &mut F) -> bool {
         let word = |form: &F| F::KINDS[form.place()].0;
-        match &mut self.walk {
-            Walk::Read(reader, section) => {
+        match &mut self.pass {
+            Pass::Read(reader, section) => {
                 let words: Vec<&str> = F::KINDS.iter().map(|(word, ..)| *word).collect();
                 if !section.has("kind") {
                     reader.missing(section, "kind");
@@ -160,12 +160,12 @@ impl<'k> Keys<'k> {
                 self.is_abandoned = place.is_none();
                 self.is_complete &= !self.is_abandoned;
             }
-            Walk::Print(table, _) => drop(table.insert("kind".to_owned(), word(form).into())),
-            Walk::Describe(_, description) if description.variant.is_some() => {
+            Pass::Print(table, _) => drop(table.insert("kind".to_owned(), word(form).into())),
+            Pass::Describe(_, description) if description.variant.is_some() => {
                 description.properties.insert("kind".to_owned(), json!({ "type": "string", "const": word(form) }));
                 description.required.push("kind");
             }
-            Walk::Describe(definitions, description) => {
+            Pass::Describe(definitions, description) => {
                 let kinds = F::KINDS.iter().map(|(_, about, make)| {
                     let part = Description { variant: Some(about), ..Description::default() };
                     describe(definitions, part, |keys| make().keys(keys)).schema()
@@ -195,8 +195,8 @@ impl<'k> Keys<'k> {
 
     /// The reader and the table during a read, for checks that involve several keys.
     pub(crate) fn reading(&mut self) -> Option<(&mut Reader, &mut Section<'k, 'k>)> {
-        match &mut self.walk {
-            Walk::Read(reader, section) => Some((reader, section)),
+        match &mut self.pass {
+            Pass::Read(reader, section) => Some((reader, section)),
             _ => None,
         }
     }
@@ -294,14 +294,14 @@ impl Key<'_, '_> {
 
     /// Prints the value if there is one, or describes it in the schema.
     fn tell<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
-        match &mut self.keys.walk {
-            Walk::Read(..) => {}
-            Walk::Print(..) => {
+        match &mut self.keys.pass {
+            Pass::Read(..) => {}
+            Pass::Print(..) => {
                 if let Some(value) = value {
                     self.put(kind.print(value), need);
                 }
             }
-            Walk::Describe(definitions, _) => {
+            Pass::Describe(definitions, _) => {
                 let schema = kind.describe(definitions);
                 self.put_schema(schema, need);
             }
@@ -310,8 +310,8 @@ impl Key<'_, '_> {
 
     /// Adds a printed value to the table.
     fn put(self, printed: Value, need: Need) {
-        match &mut self.keys.walk {
-            Walk::Print(table, usual) => {
+        match &mut self.keys.pass {
+            Pass::Print(table, usual) => {
                 let is_as_usual = || usual.as_ref().is_some_and(|usual| usual.get(self.name) == Some(&printed));
                 let is_left_out = match need {
                     Need::Required | Need::Nullable => false,
@@ -322,14 +322,14 @@ impl Key<'_, '_> {
                     table.insert(self.name.to_owned(), printed);
                 }
             }
-            Walk::Read(..) | Walk::Describe(..) => {}
+            Pass::Read(..) | Pass::Describe(..) => {}
         }
     }
 
     /// Adds the schema of the value to the description of the form.
     fn put_schema(self, mut schema: Json, need: Need) {
-        match &mut self.keys.walk {
-            Walk::Describe(_, description) => {
+        match &mut self.keys.pass {
+            Pass::Describe(_, description) => {
                 if need == Need::Required {
                     description.required.push(self.name);
                 } else if need != Need::Optional {
@@ -338,7 +338,7 @@ impl Key<'_, '_> {
                 schema["description"] = self.about.into();
                 description.properties.insert(self.name.to_owned(), schema);
             }
-            Walk::Read(..) | Walk::Print(..) => {}
+            Pass::Read(..) | Pass::Print(..) => {}
         }
     }
 }
@@ -374,7 +374,7 @@ pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnc
 }
 
 fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Table {
-    let mut keys = Keys::new(Walk::Print(Table::new(), usual));
+    let mut keys = Keys::new(Pass::Print(Table::new(), usual));
     declare(&mut keys);
     keys.into_table()
 }
@@ -384,24 +384,24 @@ fn describe(
     description: Description,
     declare: impl FnOnce(&mut Keys<'_>),
 ) -> Description {
-    let mut keys = Keys::new(Walk::Describe(definitions, description));
+    let mut keys = Keys::new(Pass::Describe(definitions, description));
     declare(&mut keys);
     keys.into_description()
 }
 
 impl Keys<'_> {
-    /// The table that a walk has printed.
+    /// The table that the pass has printed.
     fn into_table(self) -> Table {
-        match self.walk {
-            Walk::Print(table, _) => table,
+        match self.pass {
+            Pass::Print(table, _) => table,
             _ => Table::new(),
         }
     }
 
-    /// The description that a walk has made.
+    /// The description that the pass has made.
     fn into_description(self) -> Description {
-        match self.walk {
-            Walk::Describe(_, description) => description,
+        match self.pass {
+            Pass::Describe(_, description) => description,
             _ => Description::default(),
         }
     }
@@ -444,7 +444,7 @@ impl Reader {
 
     /// Reads the keys that `declare` declares and reports all others; returns false if a required key is missing.
     pub(crate) fn table(&mut self, section: Section<'_, '_>, declare: impl FnOnce(&mut Keys<'_>)) -> bool {
-        let mut keys = Keys::new(Walk::Read(self, section));
+        let mut keys = Keys::new(Pass::Read(self, section));
         declare(&mut keys);
         let (is_complete, is_abandoned) = (keys.is_complete, keys.is_abandoned);
         if let Some((reader, section)) = keys.reading()

@@ -34,7 +34,7 @@ impl Form for ObjectType {
             .always(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
         keys.key("surface", "How it reflects.").optional(PART, &mut self.surface);
-        let mut sight = if matches!(self.solid, Solid::Mesh(_)) { Sight::Mesh } else { Sight::Colliders };
+        let mut sight = if matches!(self.solid, Solid::Mesh(_)) { SensorShape::Mesh } else { SensorShape::Colliders };
         keys.key("solid", "What range sensors see of it; its colliders if left out.").optional(Word, &mut sight);
         keys.key("buoyancy_m3", "Volume in cubic metres by which it floats; 0 if left out.")
             .optional(Bounded(Quantity::number("volume", 0.0, 1e6)), &mut self.buoyancy);
@@ -42,9 +42,9 @@ impl Form for ObjectType {
             let is_ball = self.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
             self.rolling = self.rolling.or(is_ball.then_some(DEFAULT_ROLLING));
             match (sight, &self.model) {
-                (Sight::Colliders, _) => {}
-                (Sight::Mesh, Some(_)) => self.solid = Solid::Mesh(None),
-                (Sight::Mesh, None) => reader.missing(section, "model"),
+                (SensorShape::Colliders, _) => {}
+                (SensorShape::Mesh, Some(_)) => self.solid = Solid::Mesh(None),
+                (SensorShape::Mesh, None) => reader.missing(section, "model"),
             }
         }
     }
@@ -52,16 +52,16 @@ impl Form for ObjectType {
 
 /// Shape of an object that 3D range sensors see.
 #[derive(Clone, Copy, PartialEq)]
-enum Sight {
+enum SensorShape {
     Colliders,
     Mesh,
 }
 
-impl Words for Sight {
+impl Words for SensorShape {
     const NAME: &'static str = "SolidForm";
     const ABOUT: &'static str = "What range sensors in space see of an object.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (Sight::Colliders, "colliders", "Its colliders."),
-        (Sight::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
+        (SensorShape::Colliders, "colliders", "Its colliders."),
+        (SensorShape::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
     ];
 }

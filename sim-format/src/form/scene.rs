@@ -9,7 +9,7 @@ use toml::de::DeValue;
 use super::device::by_name;
 use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
 use super::noise::NOISE;
-use super::world::World;
+use super::world::WorldTable;
 use super::{Definitions, Form, Keys, definition, print};
 use crate::Span;
 use crate::code::Code;
@@ -17,7 +17,7 @@ use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
 use crate::table::{Reader, Section};
-use sim_core::radio::{Medium, Model};
+use sim_core::radio::{Medium, RadioModel};
 use sim_core::time::Time;
 
 /// Greatest cost of a call: an hour, in microseconds.
@@ -36,7 +36,7 @@ impl Form for SimSpec {
         );
         keys.key("scene", "What the scene says about its run; the command line goes before it.")
             .optional(PART, &mut self.run);
-        let mut world = World::of(self);
+        let mut world = WorldTable::of(self);
         keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
             .required(PART, &mut world);
         if keys.reading().is_some() {
@@ -186,7 +186,7 @@ impl Form for Settings {
     }
 }
 
-impl Form for Model {
+impl Form for RadioModel {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RadioForm", "What carries messages between robots.");
         keys.key("medium", "How the robots share the medium; `free` if left out.").optional(Word, &mut self.medium);
@@ -221,9 +221,9 @@ enum TypeEntry<F> {
 }
 
 /// Array of the types of a scene.
-struct Types;
+struct TypeEntries;
 
-impl<F: Form> Kind<Vec<TypeEntry<F>>> for Types {
+impl<F: Form> Kind<Vec<TypeEntry<F>>> for TypeEntries {
     fn read(&self, at: At<'_, '_>, _: Option<&Vec<TypeEntry<F>>>) -> Option<Vec<TypeEntry<F>>> {
         let sections = at.reader.sections(at.section, at.key);
         Some(sections.into_iter().filter_map(|section| at.reader.scene_type(section)).collect())
@@ -303,8 +303,8 @@ fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F
 fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     let mut robot_types = entries(&sim.robot_types, &sim.inline.robot_types);
     let mut object_types = entries(&sim.object_types, &sim.inline.object_types);
-    keys.key("robot_type", "Robot types: files, or described in place.").list(Types, &mut robot_types);
-    keys.key("object_type", "Object types: files, or described in place.").list(Types, &mut object_types);
+    keys.key("robot_type", "Robot types: files, or described in place.").list(TypeEntries, &mut robot_types);
+    keys.key("object_type", "Object types: files, or described in place.").list(TypeEntries, &mut object_types);
     let mut lines: Vec<RobotLine> = sim.robots.iter().chain(&sim.named).cloned().collect();
     if let Some((reader, section)) = keys.reading() {
         let mut names = BTreeSet::new();

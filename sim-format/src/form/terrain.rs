@@ -18,13 +18,13 @@ use crate::spec::{
     TerrainImage, TerrainShape, TerrainSpec,
 };
 use crate::table::{Reader, Section};
-use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, Relief, Stairs, Steps, Way};
+use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, Relief, Stairs, StairsDirection, Steps};
 
 /// Keys that select the source of a terrain.
 const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 /// Keys of the function for boulders.
 const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
-/// Directions in which stairs rise, in degrees, in the order of [`Way::ALL`].
+/// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
 const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
 /// A key of each way to define a terrain, and its description.
 const ABOUT: [(&str, &str); 4] = [
@@ -37,9 +37,9 @@ const DIRECTION: Quantity = Quantity::number("direction", -360.0, 360.0);
 const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
 
 /// `terrain = "FILE"`, or a table; the floor's size is the default size of a terrain.
-pub(crate) struct Terrain(pub(crate) DVec2);
+pub(crate) struct TerrainTable(pub(crate) DVec2);
 
-impl Kind<TerrainSpec> for Terrain {
+impl Kind<TerrainSpec> for TerrainTable {
     fn read(&self, at: At<'_, '_>, _: Option<&TerrainSpec>) -> Option<TerrainSpec> {
         let At { reader, section, key } = at;
         let span = reader.key_span(section, key);
@@ -84,7 +84,7 @@ impl Kind<TerrainSpec> for Terrain {
     }
 }
 
-impl Terrain {
+impl TerrainTable {
     /// Default terrain of the kind selected by this key.
     fn shape(&self, kind: &str) -> TerrainShape {
         let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
@@ -281,7 +281,7 @@ impl Form for Stairs {
 }
 
 /// Direction along an axis, in degrees.
-const QUARTER_TURN: Custom<Way> = Custom {
+const QUARTER_TURN: Custom<StairsDirection> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
         let degrees = reader.number(section, key, &DIRECTION)?;
@@ -291,10 +291,10 @@ const QUARTER_TURN: Custom<Way> = Custom {
             let message = format!("direction `{degrees}` is no multiple of a quarter turn");
             reader.sink.error(Code::NumberRange, span, message, "0, 90, 180 or 270 degrees");
         }
-        place.map(|place| Way::ALL[place])
+        place.map(|place| StairsDirection::ALL[place])
     },
     print: |way| {
-        let ways = Way::ALL.iter().zip(WAYS);
+        let ways = StairsDirection::ALL.iter().zip(WAYS);
         ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
     },
     describe: |definitions| DIRECTION.describe(definitions),

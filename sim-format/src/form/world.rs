@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::kind::{Bounded, Flag, IMAGE, PART, PARTS, Part, Shades, TEXT, Word, Words};
 use super::place::POINT;
-use super::terrain::Terrain;
+use super::terrain::TerrainTable;
 use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
@@ -21,7 +21,7 @@ const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "su
 
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
-pub(crate) struct World {
+pub(crate) struct WorldTable {
     file: Option<PathRef>,
     kind: Option<WorldKind>,
     maze: Option<String>,
@@ -30,7 +30,7 @@ pub(crate) struct World {
     is_in_place: bool,
 }
 
-impl World {
+impl WorldTable {
     /// The world of `sim`: as a drawing if it is a maze that a drawing reproduces, else by its walls.
     pub(crate) fn of(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
@@ -73,7 +73,7 @@ impl World {
     }
 }
 
-impl Form for World {
+impl Form for WorldTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WorldForm", "The world.");
         let is_read = keys.reading().is_some();
@@ -101,7 +101,7 @@ impl Form for World {
     }
 }
 
-impl World {
+impl WorldTable {
     fn in_place(&mut self, keys: &mut Keys<'_>, is_drawn: bool) {
         let sides = [Quantity::size("width"), Quantity::size("height")];
         if let Some((reader, section)) = keys.reading() {
@@ -130,7 +130,7 @@ impl World {
             "Ground that is not the plane: sensors and cameras see it, legs walk on it; wheels drive on the plane all the \
              same.",
         )
-        .maybe(Terrain(world.floor), &mut world.terrain);
+        .maybe(TerrainTable(world.floor), &mut world.terrain);
         looks(keys, &mut world.looks);
         if keys.reading().is_none() {
             keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);

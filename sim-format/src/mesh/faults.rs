@@ -8,10 +8,10 @@ use crate::{Code, Span};
 /// count of the others.
 pub(super) struct Faults {
     file: String,
-    kinds: Vec<Kind>,
+    kinds: Vec<FaultKind>,
 }
 
-struct Kind {
+struct FaultKind {
     code: Code,
     span: Span,
     message: String,
@@ -34,7 +34,7 @@ impl Faults {
     ) {
         match self.kinds.iter_mut().find(|kind| kind.code == code) {
             Some(kind) => kind.count += 1,
-            None => self.kinds.push(Kind { code, span: line.span(), message: message(), expected, count: 1 }),
+            None => self.kinds.push(FaultKind { code, span: line.span(), message: message(), expected, count: 1 }),
         }
     }
 

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::LOOKS;
 use super::number::written_mm;
 use crate::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
-use crate::{read_maze, same};
+use crate::{content, read_maze};
 
 /// Greatest number of cells of a drawing.
 const MAX_CELLS: f64 = 1e6;
@@ -21,7 +21,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     if !(size.x >= 1.0 && size.y >= 1.0 && size.x * size.y <= MAX_CELLS) {
         return Err("the floor is no grid of cells".to_owned());
     }
-    let mut drawing = Drawing::new(size.x as usize, size.y as usize);
+    let mut drawing = MazeCanvas::new(size.x as usize, size.y as usize);
     for wall in &world.walls {
         drawing.wall((wall.from / cell).round(), (wall.to / cell).round());
     }
@@ -43,15 +43,15 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     read.terrain.clone_from(&world.terrain);
     read.surface = world.surface;
     read.looks = world.looks;
-    let mut wanted = same::world(world);
+    let mut wanted = content::world(world);
     wanted.cell.get_or_insert(cell);
-    if same::world(&read) == wanted {
+    if content::world(&read) == wanted {
         return Ok(text);
     }
     let what = [
         (read.floor != world.floor, "its floor ends elsewhere"),
-        (same::world(&read).walls != wanted.walls, "its walls are not whole sides of cells, or they look special"),
-        (same::world(&read).starts != wanted.starts, "its starts are not in the middle of cells, one each"),
+        (content::world(&read).walls != wanted.walls, "its walls are not whole sides of cells, or they look special"),
+        (content::world(&read).starts != wanted.starts, "its starts are not in the middle of cells, one each"),
     ];
     let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
     Err(format!("the world is no maze: {what}"))
@@ -67,7 +67,7 @@ pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
 }
 
 /// Characters of a drawing, row 0 at the bottom.
-struct Drawing {
+struct MazeCanvas {
     columns: usize,
     rows: usize,
     /// `vertical[row][column]`: a wall to the left of the cell; one column more than cells.
@@ -77,7 +77,7 @@ struct Drawing {
     letters: Vec<Vec<Option<char>>>,
 }
 
-impl Drawing {
+impl MazeCanvas {
     fn new(columns: usize, rows: usize) -> Self {
         Self {
             columns,

@@ -8,7 +8,7 @@ use super::Printed;
 use super::number::{mm, shortest, written};
 use super::sim::quoted;
 use crate::spec::{Axis, Collider, ObjectType};
-use crate::{read_esobj, same};
+use crate::{content, read_esobj};
 use sim_core::unit::metres_from_mm;
 
 /// Text of an object file.
@@ -71,7 +71,7 @@ fn text_of(object: &ObjectType) -> String {
 
 /// Names of the properties in which two types differ.
 fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
-    let (a, b) = (same::object(a), same::object(b));
+    let (a, b) = (content::object(a), content::object(b));
     let points = [
         (a.name != b.name, "the name"),
         (a.model != b.model, "the place of the mesh"),

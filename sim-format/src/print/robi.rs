@@ -13,7 +13,7 @@ use crate::form::robot::companion;
 use crate::form::sensor::psd_keys;
 use crate::robi::DRIVES;
 use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
-use crate::{read_companion, read_robi, same};
+use crate::{content, read_companion, read_robi};
 use sim_core::drive::DriveKind;
 
 /// Text of a robi: in the classic dialect if it represents as much as that of EyeSim VR.
@@ -61,7 +61,7 @@ fn read_back(robi: &RobiSpec, text: &str, companion: &str) -> RobiSpec {
 
 /// Names of the properties in which two types differ.
 fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
-    let (a, b) = (same::robi(a), same::robi(b));
+    let (a, b) = (content::robi(a), content::robi(b));
     let points = [
         (a.name != b.name, "the name"),
         (a.diameter != b.diameter, "the diameter of the body"),

@@ -11,7 +11,7 @@ use crate::spec::{
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
-use sim_core::radio::Model;
+use sim_core::radio::RadioModel;
 
 /// Text of a sim file. A robot with a program whose type is a file gets a classic line; all other entities get lines of
 /// EyeSim VR.
@@ -89,7 +89,7 @@ impl Printer<'_> {
             (run.costs.is_some(), "the cost table"),
             (run.api.is_some(), "the generation of the API"),
             (run.noise.is_some(), "the noise profile"),
-            (sim.radio != Model::default(), "the radio"),
+            (sim.radio != RadioModel::default(), "the radio"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),

@@ -4,7 +4,7 @@
 //! files of their own.
 
 mod drawing;
-mod room;
+mod free_space;
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use super::form::place::MAX_ROBOTS;
 use super::spec::{CostTable, RobotLine, SceneForm, SimSpec, StartRef};
 use super::table::{Reader, Section, has_top_key};
 use super::{Span, path};
-pub(super) use room::Room;
+pub(super) use free_space::FreeSpace;
 use sim_core::RobotId;
 
 /// Suffix of file names that identifies a scene without reading its content.

@@ -8,12 +8,13 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use sim_core::radio::{Medium, Model};
+use sim_core::radio::{Medium, RadioModel};
 use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
 use sim_format::{
-    Code, FileError, Files, Severity, convert, load_scene, load_scene_with, read_companion, read_robi, read_scene, same,
+    Code, FileError, Files, Severity, content, convert, load_scene, load_scene_with, read_companion, read_robi,
+    read_scene,
 };
 
 /// File system of the files below a folder, overlaid by those written in the test.
@@ -107,7 +108,7 @@ fn every_scene_of_the_corpus_goes_to_toml_and_back() {
             let read = load_scene(to, &files);
             let text = &converted.outputs.last().expect("a file").text;
             assert!(!read.has_errors(), "{from}: {:?}\n{text}", read.diagnostics);
-            assert_eq!(same::scene(&read.scene), same::scene(&first.scene), "{from} to {to}:\n{text}");
+            assert_eq!(content::scene(&read.scene), content::scene(&first.scene), "{from} to {to}:\n{text}");
         }
         count += 1;
     }
@@ -146,16 +147,16 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
                 }
                 "maz" => {
                     let [old, new] = [&file, &back].map(|name| sim_format::load_maze(name, &files).scene.world);
-                    assert_eq!(same::world(&new), same::world(&old), "{file}:\n{text}");
+                    assert_eq!(content::world(&new), content::world(&old), "{file}:\n{text}");
                 }
                 "robi" => {
                     let [old, new] = [&file, &back].map(|name| sim_format::load_robi(name, &files).0.expect("a robi"));
-                    assert!(lost || same::robi(&new) == same::robi(&old), "{file}:\n{text}");
+                    assert!(lost || content::robi(&new) == content::robi(&old), "{file}:\n{text}");
                 }
                 _ => {
                     let [old, new] =
                         [&file, &back].map(|name| sim_format::load_object(name, &files).0.expect("an object"));
-                    assert!(lost || same::object(&new) == same::object(&old), "{file}:\n{text}");
+                    assert!(lost || content::object(&new) == content::object(&old), "{file}:\n{text}");
                 }
             }
         }
@@ -451,7 +452,7 @@ fn what_a_sim_cannot_hold_is_named() {
     let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
     assert!(!new.has_errors(), "{:?}", new.diagnostics);
     assert_eq!(places(&new), places(&old));
-    assert_eq!(same::robi(&new.scene.robots[0].robi), same::robi(&old.scene.robots[0].robi));
+    assert_eq!(content::robi(&new.scene.robots[0].robi), content::robi(&old.scene.robots[0].robi));
 }
 
 #[test]
@@ -554,12 +555,17 @@ fn the_radio_is_what_the_scene_says() {
     let radio = |keys: &str| scene(&format!("[radio]\n{keys}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"));
     let all = radio("medium = \"token_ring\"\nbaud = 9600\nlatency_ms = 1.5\nrange_mm = 2500\nline_of_sight = true");
     assert_eq!(all.diagnostics, []);
-    let said =
-        Model { medium: Medium::TokenRing, baud: 9600, latency: Time(1_500), range: Some(2.5), line_of_sight: true };
+    let said = RadioModel {
+        medium: Medium::TokenRing,
+        baud: 9600,
+        latency: Time(1_500),
+        range: Some(2.5),
+        line_of_sight: true,
+    };
     assert_eq!(all.scene.radio, said);
-    assert_eq!(radio("medium = \"aloha\"").scene.radio, Model { medium: Medium::Aloha, ..Model::default() });
-    assert_eq!(radio("medium = \"free\"").scene.radio, Model::default());
-    assert_eq!(scene("").scene.radio, Model::default(), "nothing said");
+    assert_eq!(radio("medium = \"aloha\"").scene.radio, RadioModel { medium: Medium::Aloha, ..RadioModel::default() });
+    assert_eq!(radio("medium = \"free\"").scene.radio, RadioModel::default());
+    assert_eq!(scene("").scene.radio, RadioModel::default(), "nothing said");
 }
 
 #[test]
@@ -689,11 +695,11 @@ fn a_sim_has_robots_in_the_order_of_their_numbers() {
     let programs: Vec<&str> = old.scene.robots.iter().map(|robot| robot.program_name()).collect();
     assert_eq!(programs, ["b.c", "c.c", "b.c", "a.c"]);
     let text = &converted.outputs.last().expect("a sim").text;
-    assert_eq!(same::scene(&new.scene).robots, same::scene(&old.scene).robots, "{text}");
+    assert_eq!(content::scene(&new.scene).robots, content::scene(&old.scene).robots, "{text}");
     let back = convert("b.sim", "c.scene.toml", &files);
     files.write(&back);
     let again = load_scene("c.scene.toml", &files).scene;
-    assert_eq!(same::scene(&again).robots, same::scene(&old.scene).robots);
+    assert_eq!(content::scene(&again).robots, content::scene(&old.scene).robots);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use sim_core::spec::{CameraSpec, Lens, SimSpec};
 use sim_format::print::{print_companion, print_esobj, print_maze, print_robi, print_scene, print_world};
-use sim_format::{Code, load_scene, read_companion, read_esobj, read_maze, read_robi, read_scene, read_world, same};
+use sim_format::{Code, content, load_scene, read_companion, read_esobj, read_maze, read_robi, read_scene, read_world};
 
 use super::Overlay;
 
@@ -12,7 +12,7 @@ fn reads_back(sim: &SimSpec) -> Result<(), TestCaseError> {
     let printed = print_scene(sim);
     let (read, said) = read_scene("a.scene.toml", &printed);
     prop_assert_eq!(said, vec![], "{}", printed);
-    prop_assert_eq!(same::sim(&read), same::sim(sim), "{}", printed);
+    prop_assert_eq!(content::sim(&read), content::sim(sim), "{}", printed);
     Ok(())
 }
 
@@ -124,19 +124,19 @@ proptest! {
         let printed = print_world(&world);
         prop_assert_eq!(&printed.lost, &Vec::<String>::new());
         let read = read_world("a.wld", &printed.text).0;
-        prop_assert_eq!(same::world(&read), same::world(&world), "{}", printed.text);
+        prop_assert_eq!(content::world(&read), content::world(&world), "{}", printed.text);
         let mut sim = SimSpec::default();
         sim.inline.world = Some(world.clone());
         let toml = print_scene(&sim);
         let read = read_scene("a.scene.toml", &toml).0.inline.world.expect("a world");
-        prop_assert_eq!(same::world(&read), same::world(&world), "{}", toml);
+        prop_assert_eq!(content::world(&read), content::world(&world), "{}", toml);
     }
 
     #[test]
     fn mazes_read_back_as_they_were_printed(text in maze()) {
         let world = read_maze("a.maz", &text).0;
         let printed = print_maze(&world).expect("a maze");
-        prop_assert_eq!(same::world(&read_maze("a.maz", &printed).0), same::world(&world), "{}", printed);
+        prop_assert_eq!(content::world(&read_maze("a.maz", &printed).0), content::world(&world), "{}", printed);
     }
 
     #[test]
@@ -149,11 +149,11 @@ proptest! {
         // The missing floor is the only expected diagnostic.
         let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, toml);
-        prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(&robi), "{}", toml);
+        prop_assert_eq!(content::robi(&read.inline.robot_types[0].0), content::robi(&robi), "{}", toml);
         let printed = print_robi(&robi);
         let mut read = read_robi("a.robi", &printed.text).0;
         read_companion("a.toml", &print_companion(&robi), &mut read);
-        prop_assert!(!printed.lost.is_empty() || same::robi(&read) == same::robi(&robi), "{}", printed.text);
+        prop_assert!(!printed.lost.is_empty() || content::robi(&read) == content::robi(&robi), "{}", printed.text);
     }
 
     #[test]
@@ -166,7 +166,7 @@ proptest! {
         prop_assert!(robi.links.len() == 3 && robi.ranges.len() >= 4);
         let toml = print_scene(&sim);
         let read = read_scene("a.scene.toml", &toml).0;
-        prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(robi), "{}", toml);
+        prop_assert_eq!(content::robi(&read.inline.robot_types[0].0), content::robi(robi), "{}", toml);
         // The same keys as a companion beside a robi.
         let printed = print_robi(robi);
         let companion = print_companion(robi);
@@ -174,7 +174,7 @@ proptest! {
         let said = read_companion("a.toml", &companion, &mut read);
         prop_assert_eq!(said, vec![], "{}", companion);
         prop_assert_eq!(&read.links.len(), &robi.links.len());
-        let (read, robi) = (same::robi(&read), same::robi(robi));
+        let (read, robi) = (content::robi(&read), content::robi(robi));
         prop_assert_eq!((read.links, read.ranges, read.lidar, read.surface, read.psds),
             (robi.links, robi.ranges, robi.lidar, robi.surface, robi.psds), "{}", companion);
     }
@@ -202,7 +202,7 @@ proptest! {
         let (sim, said) = read_scene("a.scene.toml", &text);
         prop_assert_eq!(said, vec![], "{}", text);
         let printed = print_scene(&sim);
-        prop_assert_eq!(same::sim(&read_scene("a.scene.toml", &printed).0), same::sim(&sim), "{}", printed);
+        prop_assert_eq!(content::sim(&read_scene("a.scene.toml", &printed).0), content::sim(&sim), "{}", printed);
         let robi = &sim.inline.robot_types[0].0;
         let camera = robi.camera.as_ref().expect("a camera");
         prop_assert_eq!((camera.samples, matches!(camera.lens, Lens::Pinhole { .. })), (samples, fov.is_some()));
@@ -211,7 +211,7 @@ proptest! {
         let text = format!("[camera]\n{}\n", keys.join("\n"));
         prop_assert_eq!(read_companion("a.toml", &text, &mut read), vec![], "{}", text);
         let expected = CameraSpec { span: sim_core::spec::Span::default(), ..camera.clone() };
-        prop_assert_eq!(same::robi(&read).camera, Some(expected), "{}", text);
+        prop_assert_eq!(content::robi(&read).camera, Some(expected), "{}", text);
     }
 
     #[test]
@@ -339,7 +339,7 @@ proptest! {
         let object = read_esobj("a.esObj", &text).0;
         let printed = print_esobj(&object);
         let read = read_esobj("a.esObj", &printed.text).0;
-        prop_assert!(!printed.lost.is_empty() || same::object(&read) == same::object(&object), "{}", printed.text);
+        prop_assert!(!printed.lost.is_empty() || content::object(&read) == content::object(&object), "{}", printed.text);
     }
 
     #[test]
@@ -372,7 +372,7 @@ proptest! {
             let program = format!("{id}.c");
             prop_assert_eq!((robot.id.0, robot.program_name()), (id, program.as_str()));
         }
-        prop_assert_eq!(same::scene(&shuffled.scene), same::scene(&straight.scene));
+        prop_assert_eq!(content::scene(&shuffled.scene), content::scene(&straight.scene));
     }
 
     #[test]

@@ -34,7 +34,7 @@ use crate::executive::spawn::roster_of;
 use crate::launch::{Error, Observers, Scene};
 use crate::record::report::{Input, write_atomically};
 use crate::record::{RecordError, Recorded, Sink, TraceReader};
-use crate::scenery::Newcomer;
+use crate::scenery::SpawnedEntity;
 use crate::window::recording::recording;
 use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
 
@@ -122,14 +122,14 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
             Action::AddRobot { kind, x_m, y_m, .. } => {
                 let robi = roster.robot_types.find(kind)?;
                 let id = RobotId::from_index(robots.len());
-                scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
+                scenery.add(SpawnedEntity::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
                 robots.push(RobotInput { id, robi, program: String::new(), position, has_colours: false });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
                 let kind = roster.object_types.find(kind)?;
                 let id = ObjectId::from_index(objects.len());
-                scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
+                scenery.add(SpawnedEntity::Object(id, Arc::clone(&kind)));
                 objects.push(ObjectInput { id, kind, position: DVec2::new(*x_m, *y_m) });
             }
             _ => {}

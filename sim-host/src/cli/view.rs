@@ -12,7 +12,7 @@ use anyhow::{Context as _, ensure};
 use clap::Args;
 use parking_lot::Mutex;
 use sim_core::time::Time;
-use sim_format::scene_as_it_stands;
+use sim_format::print_current_scene;
 use sim_view::page::Page;
 use sim_view::protocol::{Build, RunState, Seed};
 use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Window, random_token};
@@ -278,7 +278,7 @@ impl Session {
             "scene.toml",
             Download::new("application/toml", move || {
                 let BodyPoses { robots, objects } = of_scene.lock().body_poses().clone();
-                let text = scene_as_it_stands(&file, &DiskFiles::of_environment(), &robots, &objects);
+                let text = print_current_scene(&file, &DiskFiles::of_environment(), &robots, &objects);
                 text.map(String::into_bytes).map_err(|diagnostics| {
                     let words = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
                     words.collect::<Vec<_>>().join("\n")

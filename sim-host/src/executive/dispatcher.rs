@@ -428,7 +428,7 @@ impl Dispatcher {
 
     /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.concerned(&self.touched, &mut Members(run));
+        let active = environment.affected_robots(&self.touched, &mut Members(run));
         self.touched.clear();
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         save_files(&mut robots);

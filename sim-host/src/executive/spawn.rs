@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::noise::Radio;
+use sim_core::noise::RadioNoise;
 use sim_core::simulation::{FactoryError, Placeable, RobotFactory, Roster};
 use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
@@ -26,7 +26,7 @@ use crate::robios::ground_truth::EntityNumbers;
 use crate::robios::key::Press;
 use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
-use crate::scenery::{LazyScenery, Newcomer};
+use crate::scenery::{LazyScenery, SpawnedEntity};
 
 /// Options for a run's robots, besides the scene.
 pub struct RobotOptions {
@@ -71,7 +71,7 @@ pub struct NewRobot {
     /// The robot itself.
     pub robot: Robot,
     /// Noise model of its radio messages.
-    pub heard: Radio,
+    pub heard: RadioNoise,
     /// Its program, loaded, and the prepared program of which that is a copy; `None` for a robot without a program.
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
@@ -110,7 +110,8 @@ impl Spawner {
         let programs = self.programs.clone();
         let made =
             scene.robots.iter().zip(&programs).map(|(spec, program)| self.make(spec, program.as_ref(), Time::ZERO));
-        let (mut robots, heard): (Vec<Robot>, Vec<Radio>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let (mut robots, heard): (Vec<Robot>, Vec<RadioNoise>) =
+            made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), heard)?;
         Ok((world, robots))
     }
@@ -142,7 +143,7 @@ impl Spawner {
     /// Registers a robot that was added to the run.
     pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
         self.entity_numbers.spawned.push(Placeable::Robot(spec.id));
-        self.options.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
+        self.options.scenery.add(SpawnedEntity::Robot(spec.id, Arc::clone(&spec.robi)));
         self.roster.keep_robot(spec);
         self.programs.push(program);
     }
@@ -150,7 +151,7 @@ impl Spawner {
     /// Registers a movable object that was added to the run.
     pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
         self.entity_numbers.spawned.push(Placeable::Object(id));
-        self.options.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
+        self.options.scenery.add(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
         self.roster.keep_object(spec);
     }
 
@@ -160,7 +161,7 @@ impl Spawner {
         spec: &RobotSpec,
         program: Option<&Arc<Prepared>>,
         since: Time,
-    ) -> Result<(Robot, Radio), FactoryError> {
+    ) -> Result<(Robot, RadioNoise), FactoryError> {
         let (mut state, heard) = self.factory.robot(spec, since)?;
         let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
         let presses = self.options.keys.iter().filter(is_meant);

@@ -7,7 +7,7 @@ use sim_core::ObjectId;
 use sim_core::pose::Pose;
 use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
-use sim_core::world::Presence;
+use sim_core::world::Lifetime;
 
 use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
@@ -70,8 +70,8 @@ impl Finished {
 pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> Report {
     let spawner = ended.run.spawner();
     let world = ended.run.world();
-    let added = |presence: Presence| (presence.since >= Time::ZERO).then(|| presence.since.seconds());
-    let removed = |presence: Presence| (presence.until < Time::NEVER).then(|| presence.until.seconds());
+    let added = |lifetime: Lifetime| (lifetime.since >= Time::ZERO).then(|| lifetime.since.seconds());
+    let removed = |lifetime: Lifetime| (lifetime.until < Time::NEVER).then(|| lifetime.until.seconds());
     let robot = |(spec, end): (&RobotSpec, &RobotEnd)| RobotReport {
         id: spec.id.0,
         name: spec.robi.name.clone(),
@@ -88,16 +88,16 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         touches: end.steps.map(|[_, touches]| touches),
         lcd: end.panel.lines(),
         output_cut_bytes: end.output_cut,
-        added_s: added(world.robot_presence(spec.id)),
-        removed_s: removed(world.robot_presence(spec.id)),
+        added_s: added(world.robot_lifetime(spec.id)),
+        removed_s: removed(world.robot_lifetime(spec.id)),
     };
     let object = |(id, (spec, end)): (u32, (&ObjectSpec, &Pose))| ObjectReport {
         id,
         name: spec.kind.name.clone(),
         start: spec.pose.into(),
         pose: (*end).into(),
-        added_s: added(world.object_presence(ObjectId(id))),
-        removed_s: removed(world.object_presence(ObjectId(id))),
+        added_s: added(world.object_lifetime(ObjectId(id))),
+        removed_s: removed(world.object_lifetime(ObjectId(id))),
     };
     Report {
         schema: REPORT_SCHEMA,

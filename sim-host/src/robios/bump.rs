@@ -11,7 +11,7 @@ use sim_core::time::Time;
 use super::handle::Handles;
 use super::os;
 use super::robot::Robot;
-use sim_core::device::switch::Sensor;
+use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 
 /// State of a robot's bumpers.
@@ -48,7 +48,7 @@ pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let Some(index) = robot.robios.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
     let since = robot.robios.bumpers.since[index];
     robot.robios.bumpers.since[index] = robot.now + Time(1);
-    let is_on = robot.devices.switches.is_on(Sensor::Bumper(index));
+    let is_on = robot.devices.switches.is_on(SensorId::Bumper(index));
     let simulation::Robot { spec, motion, now, .. } = &mut robot.state;
     let first = spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
         let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_width: 0.5 * (spec.to - spec.from) };

@@ -7,7 +7,7 @@ use robios_sys::robios6::hdt_type::HDT_COMPASS;
 use sim_core::unit;
 
 use super::robot::Robot;
-use sim_core::device::switch::Sensor;
+use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 
 /// `COMPASSInit`
@@ -27,7 +27,7 @@ pub fn start(robot: &mut Robot, is_continuous: bool) -> i32 {
 
 /// `COMPASSCheck`
 pub fn check(robot: &mut Robot) -> i32 {
-    let is_on = robot.devices.switches.is_on(Sensor::Compass);
+    let is_on = robot.devices.switches.is_on(SensorId::Compass);
     (robot.state.devices.compass.is_valid(robot.state.now) && is_on).into()
 }
 
@@ -59,7 +59,7 @@ pub fn get(robot: &mut Robot) -> i32 {
 }
 
 fn read(robot: &mut Robot) -> Option<i32> {
-    let is_on = robot.devices.switches.is_on(Sensor::Compass);
+    let is_on = robot.devices.switches.is_on(SensorId::Compass);
     robot.read_compass().filter(|_| is_on).map(whole_degrees)
 }
 

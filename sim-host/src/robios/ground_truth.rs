@@ -88,7 +88,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
         return no_robot(robot, Call::SIMGetRobot, number);
     };
     let now = robot.now;
-    if id != robot.id && !world.is_robot_there(id, now) {
+    if id != robot.id && !world.is_robot_present(id, now) {
         return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
     }
     let pose = if id == robot.id { robot.motion.pose(now) } else { world.robot_pose(id, now) };
@@ -100,7 +100,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
     };
-    if id != robot.id && !world.is_robot_there(id, robot.now) {
+    if id != robot.id && !world.is_robot_present(id, robot.now) {
         return robot.rejected(Call::SIMSetRobot, |_| is_gone("robot", number));
     }
     let pose = pose(to);
@@ -116,7 +116,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
     let pose = match robot.robios.entity_numbers.object(number) {
-        Some(NumberedObject::Movable(object)) if !world.is_object_there(object, robot.now) => {
+        Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
             return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
         }
         Some(NumberedObject::Movable(object)) => world.object_pose(object, robot.now),
@@ -129,7 +129,7 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
 /// `SIMSetObject`: places the object at the slot's end.
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     match robot.robios.entity_numbers.object(number) {
-        Some(NumberedObject::Movable(object)) if !world.is_object_there(object, robot.now) => {
+        Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
             robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
         }
         Some(NumberedObject::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),

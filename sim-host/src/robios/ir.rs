@@ -11,19 +11,23 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::robot::Robot;
-use sim_core::device::range::Sight;
-use sim_core::device::switch::Sensor;
+use sim_core::device::range::SensorView;
+use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 
 /// Pose of each infrared sensor in the world at time `at`, and the distance to the surface that it sees.
-pub fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
+pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
     let world_from_robot = robot.motion.pose(at);
     let sight = |infrared: &InfraredSpec| {
         let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
         let beam = Beam { mount, range: infrared.range };
         let world_from_sensor =
             Pose3::from_planar(&world_from_robot.compose(&mount.robot_from_sensor), infrared.position.z);
-        Sight { world_from_sensor, reach: beam.range, distance: beam.distance(world, robot.id, &world_from_robot, at) }
+        SensorView {
+            world_from_sensor,
+            reach: beam.range,
+            distance: beam.distance(world, robot.id, &world_from_robot, at),
+        }
     };
     robot.spec.infrareds.iter().map(sight).collect()
 }
@@ -52,7 +56,7 @@ pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     };
     let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
     let beam = Beam { mount, range: infrared.range };
-    let is_on = robot.devices.switches.is_on(Sensor::Infrared(index));
+    let is_on = robot.devices.switches.is_on(SensorId::Infrared(index));
     let value =
         i32::from(is_on && beam.is_interrupted(world, robot.id, &robot.state.motion.pose(robot.now), robot.state.now));
     let device = robot.robios.table.name(HDT_IR, index);

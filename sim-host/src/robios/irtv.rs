@@ -10,7 +10,7 @@ use robios_sys::robios7::{
     IRTV_LEFT, IRTV_OK, IRTV_POWER, IRTV_RED, IRTV_RIGHT, IRTV_UP, IRTV_YELLOW,
 };
 use robios_sys::{Out, Robios6Call as Call};
-use sim_core::device::key::{REMOTE_KEYS, Touch};
+use sim_core::device::key::{REMOTE_KEYS, UserInput};
 use sim_core::time::Time;
 
 use super::caller::Poll;
@@ -119,7 +119,7 @@ pub fn get_7(robot: &mut Robot) -> Poll<i32> {
 pub fn read_7(robot: &mut Robot) -> i32 {
     let Some(touch) = robot.state.devices.remote.take_any(robot.state.now) else { return 0 };
     robot.record(Event::Key { key: &touch.to_string() });
-    if let Touch::Remote(key) = touch { KEYS[usize::from(key)] } else { 0 }
+    if let UserInput::Remote(key) = touch { KEYS[usize::from(key)] } else { 0 }
 }
 
 /// `IRTVFlush` of RoBIOS-7

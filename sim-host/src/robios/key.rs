@@ -9,7 +9,7 @@ use robios_sys::robios7::{
 };
 use robios_sys::{Out, Robios6Call as Call, Robios7Call};
 use sim_core::RobotId;
-use sim_core::device::key::{Touch, UnknownKey};
+use sim_core::device::key::{UnknownKey, UserInput};
 use sim_core::time::Time;
 
 use super::caller::Poll;
@@ -65,7 +65,7 @@ pub struct Press {
     /// Virtual time of the press.
     pub at: Time,
     /// Key or pixel that is pressed.
-    pub touch: Touch,
+    pub touch: UserInput,
 }
 
 /// Error in a script of key presses.
@@ -203,9 +203,9 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
     while let Some(touch) = robot.state.devices.keys.take_any(robot.state.now) {
         let size = robot.screen().size().map(i32::from);
         let place = match touch {
-            Touch::Key(number) => robot.screen().middle_of_key(usize::from(number) - 1),
-            Touch::Place(place) => place,
-            Touch::Remote(_) => continue,
+            UserInput::Key(number) => robot.screen().middle_of_key(usize::from(number) - 1),
+            UserInput::Touch(place) => place,
+            UserInput::Remote(_) => continue,
         };
         if place.iter().zip(size).all(|(pixel, end)| (0..end).contains(pixel)) {
             robot.record(Event::Key { key: &touch.to_string() });
@@ -217,14 +217,14 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
 }
 
 /// Code of the key or list line under a touch, if any. The display of RoBIOS 6 is not touch-sensitive.
-fn key_under(touch: Touch, screen: &Option<Box<Screen>>) -> Option<i32> {
+fn key_under(touch: UserInput, screen: &Option<Box<Screen>>) -> Option<i32> {
     let code = match (touch, screen) {
-        (Touch::Key(number), _) => KEYS[usize::from(number) - 1].1,
-        (Touch::Place(place), Some(screen)) => match screen.key_at(place) {
+        (UserInput::Key(number), _) => KEYS[usize::from(number) - 1].1,
+        (UserInput::Touch(place), Some(screen)) => match screen.key_at(place) {
             Some(index) => KEYS[index].1,
             None => screen.list_key_at(place),
         },
-        (Touch::Place(_), None) | (Touch::Remote(_), _) => 0,
+        (UserInput::Touch(_), None) | (UserInput::Remote(_), _) => 0,
     };
     (code != 0).then_some(code)
 }
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn scripts() {
         let touch = |robot: Option<u32>, at, touch| Press { robot: robot.map(RobotId), at: Time(at), touch };
-        let press = |robot, at, key| touch(robot, at, Touch::Key(key));
+        let press = |robot, at, key| touch(robot, at, UserInput::Key(key));
         assert_eq!(
             parse_script("2.5:KEY1, r2:4:key4 ,3 : 0.000001:KEY2,"),
             Ok(vec![press(None, 2_500_000, 1), press(Some(2), 4_000_000, 4), press(Some(3), 1, 2)])
@@ -256,8 +256,8 @@ mod tests {
         assert_eq!(
             parse_script("1:TOUCH(120,40),r2:3: touch( 0 , 65535 ) ,4:KEY4"),
             Ok(vec![
-                touch(None, 1_000_000, Touch::Place([120, 40])),
-                touch(Some(2), 3_000_000, Touch::Place([0, 65_535])),
+                touch(None, 1_000_000, UserInput::Touch([120, 40])),
+                touch(Some(2), 3_000_000, UserInput::Touch([0, 65_535])),
                 press(None, 4_000_000, 4)
             ])
         );

@@ -149,7 +149,7 @@ pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy
         return has_no(robot, call, "leg", number, legs);
     };
     let [dx, dy, dz] = [dx_mm, dy_mm, dz_mm].map(metres);
-    let command = LegCommand::Correct { leg: index, shift: DVec2::new(dx, dy), lift: dz };
+    let command = LegCommand::ShiftFoothold { leg: index, shift: DVec2::new(dx, dy), lift: dz };
     let accepted = robot.state.motion.command_legs(robot.state.now, command);
     if accepted.is_ok() {
         robot.record(Event::LegCorrection { leg: &leg.name, dx_m: dx, dy_m: dy, dz_m: dz });

@@ -19,7 +19,7 @@ use super::unit7::radians;
 use crate::record::frame::StoredScan;
 use sim_core::device::Devices;
 use sim_core::device::range::Scanner;
-use sim_core::device::switch::Sensor;
+use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 use sim_core::simulation;
 
@@ -66,7 +66,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
     let scanner = scanner.get_or_insert_with(as_described);
     let (world_from_scanner, mut metres) = ranges.scan(scanner, servos, motion, world, *now);
-    if !switches.is_on(Sensor::Lidar) {
+    if !switches.is_on(SensorId::Lidar) {
         metres.fill(None);
     }
     let numbers: Vec<i32> = metres.iter().map(|metres| mm_from_distance(*metres)).collect();

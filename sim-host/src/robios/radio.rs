@@ -80,7 +80,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
 /// Returns true for the broadcast address, and for the address of another robot as far as is known.
 fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
     let is_own = robot.radio_member().is_some_and(|member| member.address == address);
-    let is_number = address > 0 && world.is_robot_there(RobotId(address), robot.now);
+    let is_number = address > 0 && world.is_robot_present(RobotId(address), robot.now);
     let is_on = || world.radio().members().iter().any(|member| member.address == address);
     address == BROADCAST as u32 || !is_own && (is_number || is_on())
 }

@@ -10,7 +10,7 @@ use robios_sys::robios6::{
 use robios_sys::{Out, OutBytes, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::build;
-use sim_core::device::key::Touch;
+use sim_core::device::key::UserInput;
 use sim_core::drive::Motion;
 use sim_core::pose::Pose;
 use sim_core::simulation;
@@ -80,8 +80,8 @@ impl Bench {
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let robios = Robios::new(&spec);
         let mut state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
-        state.devices.press(Time(2_500_000), Touch::Key(1));
-        state.devices.press(Time(3_000_000), Touch::Key(3));
+        state.devices.press(Time(2_500_000), UserInput::Key(1));
+        state.devices.press(Time(3_000_000), UserInput::Key(3));
         let robot = Robot::new(state, robios, "test".to_owned());
         Self { robot, world }
     }
@@ -388,7 +388,7 @@ fn keys_are_waited_for() {
 #[test]
 fn waiting_for_one_key_forgets_the_others() {
     let mut bench = Bench::rover();
-    bench.robot.devices.press(Time(2_700_000), Touch::Key(2));
+    bench.robot.devices.press(Time(2_700_000), UserInput::Key(2));
     bench.at_ms(2_600);
     let key2 = (Time(2_700_000), WaitReason::Key("KEY2".to_owned()));
     assert_eq!(wait_of(key::wait(&mut bench.robot, KEY2)), key2, "KEY1 has been pressed before");

@@ -17,7 +17,7 @@ use crate::robios::lidar;
 use crate::robios::panel::PanelRef;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
-use sim_core::device::switch::Sensor;
+use sim_core::device::switch::SensorId;
 
 /// Least time between two pictures of one camera.
 const CAMERA_PERIOD: Duration = Duration::from_millis(100);
@@ -42,7 +42,7 @@ impl Details {
             from_m: from.to_array(),
             points_m: points.iter().map(DVec3::to_array).collect(),
         };
-        let is_scanning = robot.devices.switches.is_on(Sensor::Lidar);
+        let is_scanning = robot.devices.switches.is_on(SensorId::Lidar);
         let scan = lidar::points(&mut robot, world, at).filter(|_| is_scanning).map(points);
         let panel = panel.unwrap_or_else(|| robot.robios.panel());
         let (lcd, lcd_text) = (self.display(id, panel), panel.lines());
@@ -84,7 +84,7 @@ impl Details {
         let at = world.slot_start();
         let view = robot.camera_view(at, None).ok()?;
         let scenery = scenery.get();
-        let still = scenery.still(world, at);
+        let still = scenery.pose_at(world, at);
         let seen = self.renderer.colour(&still, &view, Some(robot.id), robot.camera_samples());
         Some(picture(seen.size(), seen.pixels().as_flattened()))
     }

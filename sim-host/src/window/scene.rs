@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::build;
-use sim_core::camera::{self, Label, Place, Scenery};
+use sim_core::camera::{self, Attachment, Label, Scenery};
 use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
@@ -64,7 +64,7 @@ impl SceneInput<'_> {
     /// The scene in the page's protocol.
     pub fn scene(&self) -> protocol::Scene {
         let mut surfaces = Surfaces::default();
-        let parts = self.scenery.parts().iter().filter(|part| self.has(part.place));
+        let parts = self.scenery.parts().iter().filter(|part| self.has(part.attachment));
         let parts = parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: place(part) }).collect();
         let ground = self.scenery.ground().map(|ground| ground_of(ground, &mut surfaces));
         let camera::Light { towards, ambient, fill, diffuse, shadows } = *self.scenery.light();
@@ -87,13 +87,13 @@ impl SceneInput<'_> {
         }
     }
 
-    fn has(&self, place: Place) -> bool {
-        match place {
-            Place::Fixed(_) => true,
+    fn has(&self, attachment: Attachment) -> bool {
+        match attachment {
+            Attachment::Fixed(_) => true,
             // The protocol has no parts that move relative to their body.
-            Place::Leg(..) => false,
-            Place::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
-            Place::Object(id) => self.objects.iter().any(|object| object.id == id),
+            Attachment::Leg(..) => false,
+            Attachment::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
+            Attachment::Object(id) => self.objects.iter().any(|object| object.id == id),
         }
     }
 
@@ -119,10 +119,10 @@ pub fn title(spec: &SceneSpec) -> String {
 }
 
 fn place(part: &camera::Part) -> protocol::Place {
-    match part.place {
-        Place::Robot(RobotId(robot)) | Place::Leg(RobotId(robot), _) => protocol::Place::Robot { robot },
-        Place::Object(ObjectId(object)) => protocol::Place::Object { object },
-        Place::Fixed(pose) => {
+    match part.attachment {
+        Attachment::Robot(RobotId(robot)) | Attachment::Leg(RobotId(robot), _) => protocol::Place::Robot { robot },
+        Attachment::Object(ObjectId(object)) => protocol::Place::Object { object },
+        Attachment::Fixed(pose) => {
             let what = match part.label {
                 Label::Wall(_) => "wall",
                 Label::Ground => "terrain",

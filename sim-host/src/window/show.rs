@@ -8,7 +8,7 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_format::Standing;
+use sim_format::LiveEntity;
 use sim_view::protocol::{AddableTypes, Detail, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
@@ -67,9 +67,9 @@ pub struct ShowParts {
 #[derive(Clone, Debug, Default)]
 pub struct BodyPoses {
     /// Robots in the order of their numbers.
-    pub robots: Vec<Standing>,
+    pub robots: Vec<LiveEntity>,
     /// Objects in the order of their numbers.
-    pub objects: Vec<Standing>,
+    pub objects: Vec<LiveEntity>,
 }
 
 /// State of a run when it is shown.
@@ -208,8 +208,8 @@ impl Show {
 impl BodySet {
     fn of(world: &World) -> Self {
         let at = world.slot_start();
-        let robots = (0..world.robot_count()).map(RobotId::from_index).filter(|id| world.is_robot_there(*id, at));
-        let objects = (0..world.object_count()).map(ObjectId::from_index).filter(|id| world.is_object_there(*id, at));
+        let robots = (0..world.robot_count()).map(RobotId::from_index).filter(|id| world.is_robot_present(*id, at));
+        let objects = (0..world.object_count()).map(ObjectId::from_index).filter(|id| world.is_object_present(*id, at));
         Self { robots: robots.collect(), objects: objects.collect() }
     }
 }
@@ -225,11 +225,11 @@ fn body_poses(run: &Run, world: &World) -> BodyPoses {
     let (BodySet { robots, objects }, at) = (BodySet::of(world), world.slot_start());
     let robot = |id: &RobotId| {
         let (kind, pose) = (spawner.roster().robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
-        Standing { number: id.0, kind, pose }
+        LiveEntity { number: id.0, kind, pose }
     };
     let object = |id: &ObjectId| {
         let (kind, pose) = (spawner.roster().objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
-        Standing { number: id.0, kind, pose }
+        LiveEntity { number: id.0, kind, pose }
     };
     BodyPoses { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }
 }

@@ -11,8 +11,8 @@ use crate::executive::program_status::waits_now;
 use crate::executive::run::Run;
 use crate::robios::ir;
 use crate::robios::robot::{Ending, Robot};
-use sim_core::device::range::Sight;
-use sim_core::device::switch::Sensor;
+use sim_core::device::range::SensorView;
+use sim_core::device::switch::SensorId;
 
 /// Most beams of a snapshot; beams of the robots that pages look at come first.
 const MOST_BEAMS: usize = 600;
@@ -68,28 +68,28 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
     let mut beams = Vec::new();
     for id in ids {
         let mut robot = run.robot(id);
-        let sights = sights(&mut robot, world, at);
-        if beams.len() + sights.len() > MOST_BEAMS {
+        let views = views(&mut robot, world, at);
+        if beams.len() + views.len() > MOST_BEAMS {
             break;
         }
-        beams.extend(sights.iter().map(|(sensor, sight)| beam(id, *sensor, sight)));
+        beams.extend(views.iter().map(|(sensor, sight)| beam(id, *sensor, sight)));
     }
     beams
 }
 
 /// Sights of the robot's range sensors, then of its infrared sensors, each with its index in this list, which is also its index
 /// in the robot's list of sensors; sensors that are switched off are left out.
-fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, Sight)> {
+fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
     let simulation::Robot { devices, motion, .. } = &mut robot.state;
-    let ranges = devices.ranges.sights(&devices.servos, motion, world, at);
-    let kinds = (0..ranges.len()).map(Sensor::Range);
-    let infrareds = ir::sights(robot, world, at);
-    let kinds: Vec<Sensor> = kinds.chain((0..infrareds.len()).map(Sensor::Infrared)).collect();
+    let ranges = devices.ranges.views(&devices.servos, motion, world, at);
+    let kinds = (0..ranges.len()).map(SensorId::Range);
+    let infrareds = ir::views(robot, world, at);
+    let kinds: Vec<SensorId> = kinds.chain((0..infrareds.len()).map(SensorId::Infrared)).collect();
     let all = (0..).zip(ranges.into_iter().chain(infrareds)).zip(kinds);
     all.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(sight, _)| sight).collect()
 }
 
-fn beam(RobotId(robot): RobotId, sensor: u32, sight: &Sight) -> Beam {
+fn beam(RobotId(robot): RobotId, sensor: u32, sight: &SensorView) -> Beam {
     let from = sight.world_from_sensor.position;
     let to = from + sight.world_from_sensor.forward() * sight.distance.unwrap_or(sight.reach);
     Beam { robot, sensor, from_m: from.to_array(), to_m: to.to_array(), is_hit: sight.distance.is_some() }

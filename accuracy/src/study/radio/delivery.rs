@@ -1,7 +1,7 @@
 //! Share of messages that arrive intact.
 
 use sim_core::math::{exp, ln_1p};
-use sim_core::noise::Radio;
+use sim_core::noise::RadioNoise;
 use sim_core::radio::{Address, Medium};
 use sim_core::time::Time;
 
@@ -20,7 +20,7 @@ pub fn measure(effort: Effort) -> Part {
     let mut points = Vec::new();
     for bytes in LENGTHS {
         for bit_error_rate in RATES {
-            let errors = Radio { bit_error_rate, packet_loss: PACKET_LOSS };
+            let errors = RadioNoise { bit_error_rate, packet_loss: PACKET_LOSS };
             let mut intact = 0;
             let time_ns = nanoseconds(effort.of(5), COUNT, || intact = through_channel(errors, bytes));
             let point = point(errors, bytes, intact);
@@ -29,7 +29,7 @@ pub fn measure(effort: Effort) -> Part {
         }
     }
     for bit_error_rate in [1e-6, 1e-4, 1e-2] {
-        let errors = Radio { bit_error_rate, packet_loss: PACKET_LOSS };
+        let errors = RadioNoise { bit_error_rate, packet_loss: PACKET_LOSS };
         let mut intact = 0;
         let time_ns = nanoseconds(effort.of(5), COUNT, || intact = bit_by_bit(errors, BYTES));
         let method = format!("{BYTES} bytes, bit by bit");
@@ -38,7 +38,7 @@ pub fn measure(effort: Effort) -> Part {
     let curve = |bytes: usize| {
         let x = |step: i32| NONE * ten_to(f64::from(step) / 20.0);
         let points = (0..=100).map(|step| {
-            let errors = Radio { bit_error_rate: x(step), packet_loss: PACKET_LOSS };
+            let errors = RadioNoise { bit_error_rate: x(step), packet_loss: PACKET_LOSS };
             (x(step), expected(errors, bytes))
         });
         (length(bytes), points.collect())
@@ -55,18 +55,18 @@ fn length(bytes: usize) -> String {
 }
 
 /// Expected share of intact messages: (1 - P_p) (1 - P_b)^(8 n).
-fn expected(errors: Radio, bytes: usize) -> f64 {
+fn expected(errors: RadioNoise, bytes: usize) -> f64 {
     (1.0 - errors.packet_loss) * exp(8.0 * bytes as f64 * ln_1p(-errors.bit_error_rate))
 }
 
-fn point(errors: Radio, bytes: usize, intact: usize) -> Point {
+fn point(errors: RadioNoise, bytes: usize, intact: usize) -> Point {
     let (measured, expected) = (intact as f64 / COUNT as f64, expected(errors, bytes));
     let half = SIGMAS * (expected * (1.0 - expected) / COUNT as f64).sqrt();
     Point { x: errors.bit_error_rate.max(NONE), measured, half, expected }
 }
 
 /// Number of the [`COUNT`] messages that the channel delivers intact.
-fn through_channel(errors: Radio, bytes: usize) -> usize {
+fn through_channel(errors: RadioNoise, bytes: usize) -> usize {
     let mut channel = channel(Medium::Free, errors, 1);
     let payload = vec![0x55; bytes];
     let mut intact = 0;
@@ -81,7 +81,7 @@ fn through_channel(errors: Radio, bytes: usize) -> usize {
 }
 
 /// Number of intact messages without a channel, with one random number per bit.
-fn bit_by_bit(errors: Radio, bytes: usize) -> usize {
+fn bit_by_bit(errors: RadioNoise, bytes: usize) -> usize {
     let payload = vec![0x55; bytes];
     let is_intact = |sequence: &u64| {
         let mut stream = stream(1, *sequence);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use sim_core::math::exp;
-use sim_core::noise::Radio;
-use sim_core::radio::{Address, Delivery, Medium, Sending, air_time};
+use sim_core::noise::RadioNoise;
+use sim_core::radio::{Address, Delivery, Medium, SentMessage, air_time};
 use sim_core::time::Time;
 
 use super::*;
@@ -86,7 +86,7 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
 
 /// Messages at random instants with offered load `load` (messages in the air time of one). In a token ring each goes from a random
 /// one of `stations` to the next, else from the robots from 2 on in turn to robot 1.
-pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Sending> {
+pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<SentMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;
     let mut at = 1.0;
@@ -98,15 +98,15 @@ pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Se
             Medium::TokenRing => (1 + draw, 1 + (1 + draw) % stations, None),
             Medium::Free | Medium::Aloha => (2 + sequence as u32 % stations, 1, Some(sent)),
         };
-        Sending { begins, ..sending(from, sequence, Address::One(to), vec![0; BYTES], sent) }
+        SentMessage { begins, ..sending(from, sequence, Address::One(to), vec![0; BYTES], sent) }
     };
     (1..=count as u64).map(message).collect()
 }
 
 /// Sends `traffic` through a channel on which the stations up to `members` listen. Returns the time of sending and the delivery of
 /// each message, in the order of sending.
-pub fn exchange(medium: Medium, members: u32, slot: Time, traffic: &[Sending]) -> Vec<(Time, Delivery)> {
-    let mut channel = channel(medium, Radio::default(), members);
+pub fn exchange(medium: Medium, members: u32, slot: Time, traffic: &[SentMessage]) -> Vec<(Time, Delivery)> {
+    let mut channel = channel(medium, RadioNoise::default(), members);
     let mut fates = BTreeMap::new();
     let mut messages = traffic.iter().peekable();
     let mut slot_end = slot;

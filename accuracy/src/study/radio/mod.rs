@@ -12,8 +12,8 @@ mod stop_and_wait;
 
 use sim_core::RobotId;
 use sim_core::math::{exp, ln};
-use sim_core::noise::{Purpose, Radio, Stream};
-use sim_core::radio::{Address, Channel, Medium, Member, Model, Sending};
+use sim_core::noise::{Purpose, RadioNoise, Stream};
+use sim_core::radio::{Address, Channel, Medium, RadioModel, SentMessage, StationInfo};
 use sim_core::time::Time;
 
 use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
@@ -107,18 +107,28 @@ fn row(method: &str, setting: String, point: &Point, time_ns: f64) -> Row {
 }
 
 /// Channel on which the robots from 1 to `members` are switched on, all with the same errors.
-fn channel(medium: Medium, errors: Radio, members: u32) -> Channel {
-    let model = Model { medium, baud: BAUD, ..Model::default() };
+fn channel(medium: Medium, errors: RadioNoise, members: u32) -> Channel {
+    let model = RadioModel { medium, baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; members as usize]);
     for robot in 1..=members {
-        channel.set_member(RobotId(robot), Some(Member { robot: RobotId(robot), address: robot, baud: BAUD }));
+        channel.set_member(RobotId(robot), Some(StationInfo { robot: RobotId(robot), address: robot, baud: BAUD }));
     }
     channel
 }
 
-fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> Sending {
+fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> SentMessage {
     let out_of_reach = Vec::new();
-    Sending { from: RobotId(from), address: from, sequence, to, payload, sent, begins: None, baud: BAUD, out_of_reach }
+    SentMessage {
+        from: RobotId(from),
+        address: from,
+        sequence,
+        to,
+        payload,
+        sent,
+        begins: None,
+        baud: BAUD,
+        out_of_reach,
+    }
 }
 
 /// `0`, `0.3`, `1e-4`.

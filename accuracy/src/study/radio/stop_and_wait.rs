@@ -2,8 +2,8 @@
 
 use sim_core::RobotId;
 use sim_core::math::{exp, ln_1p};
-use sim_core::noise::Radio;
-use sim_core::radio::{Address, Channel, Model, Station, air_time};
+use sim_core::noise::RadioNoise;
+use sim_core::radio::{Address, Channel, RadioModel, Station, air_time};
 use sim_core::time::Time;
 
 use super::*;
@@ -20,7 +20,7 @@ const SLOTS: [(Time, &str); 3] =
 
 /// Throughput against P_p.
 pub fn against_loss(effort: Effort) -> Part {
-    let errors = |packet_loss| Radio { packet_loss, bit_error_rate: 0.0 };
+    let errors = |packet_loss| RadioNoise { packet_loss, bit_error_rate: 0.0 };
     let steps: Vec<f64> = (0..=80).map(|step| f64::from(step) / 100.0).collect();
     let title = "Stop and wait: messages of 35 bytes brought over, against lost packets";
     let labels = ["packet loss P_p", "messages a second"];
@@ -29,7 +29,7 @@ pub fn against_loss(effort: Effort) -> Part {
 
 /// Throughput against P_b.
 pub fn against_bit_errors(effort: Effort) -> Part {
-    let errors = |bit_error_rate| Radio { packet_loss: 0.0, bit_error_rate };
+    let errors = |bit_error_rate| RadioNoise { packet_loss: 0.0, bit_error_rate };
     let steps: Vec<f64> = (0..=70).map(|step| 1e-6 * ten_to(f64::from(step) / 20.0)).collect();
     let title = "Stop and wait: messages of 35 bytes brought over, against wrong bits";
     let labels = ["bit error rate P_b", "messages a second"];
@@ -43,7 +43,7 @@ fn measure(
     symbol: &str,
     settings: &[f64],
     steps: &[f64],
-    errors: impl Fn(f64) -> Radio,
+    errors: impl Fn(f64) -> RadioNoise,
 ) -> Part {
     let (mut rows, mut points, mut curves) = (Vec::new(), Vec::new(), Vec::new());
     for (slot, slot_name) in SLOTS {
@@ -88,8 +88,8 @@ fn patience(slot: Time) -> Time {
 ///
 /// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
 /// one timeout.
-fn share(errors: Radio) -> (f64, f64) {
-    let Radio { bit_error_rate, packet_loss } = errors;
+fn share(errors: RadioNoise) -> (f64, f64) {
+    let RadioNoise { bit_error_rate, packet_loss } = errors;
     let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
     let (round_trips, deviation) = (1.0 + 2.0 * (1.0 - p) / p, 2.0 * (1.0 - p).sqrt() / p);
     let share = 1.0 / round_trips;
@@ -98,8 +98,8 @@ fn share(errors: Radio) -> (f64, f64) {
 
 /// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by
 /// a checksum that misses nothing.
-fn bring_over(errors: Radio, slot: Time) -> f64 {
-    let model = Model { baud: BAUD, ..Model::default() };
+fn bring_over(errors: RadioNoise, slot: Time) -> f64 {
+    let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);
     let mut stations = [1, 2].map(|robot| Station::new(RobotId(robot), &model));
     for (station, address) in stations.iter_mut().zip([1, 2]) {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::camera::{Floor, Ground, Label, Light, Part, Place, Scenery, Sky, Spot};
+use crate::camera::{Attachment, Floor, Ground, Label, Light, Part, Scenery, Sky, Spot};
 use crate::math;
 use crate::pose::Pose3;
 use crate::scene::{Mesh, Segment, Texture};
@@ -23,7 +23,7 @@ use crate::spec::{
 use crate::{ObjectId, RobotId};
 pub use body::{ROBOT_COLOURS, wheel_places};
 use sketch::Sketch;
-pub use visuals::{Newcomer, NoMeshes, Visuals};
+pub use visuals::{NoMeshes, SpawnedEntity, Visuals};
 
 /// Default colour of walls, red, green, blue: nearly white, distinct from floor and sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
@@ -48,7 +48,7 @@ pub trait MeshSource {
 
 /// Cache of meshes by type of robot or object. The keys are addresses, so the entries keep their types alive.
 #[derive(Clone, Debug, Default)]
-struct Looks {
+struct MeshCache {
     of_objects: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
     /// By robot type, the mesh that its file names, if any.
     of_robots: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
@@ -58,10 +58,10 @@ struct Looks {
     legs: BTreeMap<usize, Vec<Arc<Mesh>>>,
 }
 
-impl Looks {
+impl MeshCache {
     /// Visible part of a movable object of this type.
     fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
-        Part { mesh: self.of_type(kind, reader), label: Label::Object(id), place: Place::Object(id) }
+        Part { mesh: self.of_type(kind, reader), label: Label::Object(id), attachment: Attachment::Object(id) }
     }
 
     fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
@@ -79,7 +79,7 @@ impl Looks {
             let new = || body::looks(robi, ROBOT_COLOURS[colour]);
             Arc::clone(self.bodies.entry((address, colour)).or_insert_with(new))
         });
-        Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
+        Part { mesh, label: Label::Robot(id), attachment: Attachment::Robot(id) }
     }
 
     /// Visible parts of the legs of a robot of this type; empty for a wheeled robot.
@@ -88,7 +88,7 @@ impl Looks {
         let part = |(number, mesh): (usize, &Arc<Mesh>)| Part {
             mesh: Arc::clone(mesh),
             label: Label::Robot(id),
-            place: Place::Leg(id, number),
+            attachment: Attachment::Leg(id, number),
         };
         meshes.iter().enumerate().map(part).collect()
     }
@@ -99,16 +99,16 @@ impl Looks {
 /// Meshes and textures come from `reader`. An object without a mesh is shown by its
 /// colliders; a robot without one gets a body with wheels, lamps and a nose, in a colour chosen by its id.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
-    scenery_with(scene, &mut Looks::default(), reader)
+    scenery_with(scene, &mut MeshCache::default(), reader)
 }
 
 /// As [`scenery`], with a cache of meshes that later additions can share.
-fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Scenery {
+fn scenery_with(scene: &SceneSpec, looks: &mut MeshCache, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());
     let ground = terrain.is_none().then(|| ground(scene, reader));
-    let fixed = |mesh, label| Part { mesh, label, place: Place::Fixed(Pose3::IDENTITY) };
+    let fixed = |mesh, label| Part { mesh, label, attachment: Attachment::Fixed(Pose3::IDENTITY) };
     parts.extend(terrain.map(|mesh| fixed(mesh, Label::Ground)));
     parts.extend(parts_of_objects(scene, looks, reader));
     parts.extend(scene.robots.iter().map(|robot| looks.robot(robot.id, &robot.robi, reader)));
@@ -156,15 +156,15 @@ fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
         let [a, b] = [line.a, line.b];
         sketch.panel([a.extend(0.0), b.extend(0.0), b.extend(wall.height), a.extend(wall.height)], paint);
     }
-    Part { mesh: sketch.finish(), label: Label::Wall(number), place: Place::Fixed(Pose3::IDENTITY) }
+    Part { mesh: sketch.finish(), label: Label::Wall(number), attachment: Attachment::Fixed(Pose3::IDENTITY) }
 }
 
-fn parts_of_objects(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Vec<Part> {
+fn parts_of_objects(scene: &SceneSpec, looks: &mut MeshCache, reader: &mut dyn MeshSource) -> Vec<Part> {
     let mut movable = 0;
     let part = |(number, object): (u32, &ObjectSpec)| {
         if object.kind.is_fixed {
-            let place = Place::Fixed(Pose3::from_planar(&object.pose, 0.0));
-            return Part { mesh: looks.of_type(&object.kind, reader), label: Label::Fixed(number), place };
+            let attachment = Attachment::Fixed(Pose3::from_planar(&object.pose, 0.0));
+            return Part { mesh: looks.of_type(&object.kind, reader), label: Label::Fixed(number), attachment };
         }
         movable += 1;
         looks.object(ObjectId(movable), &object.kind, reader)

@@ -11,7 +11,7 @@ use crate::scene::{Material, Mesh, Texture, Triangle};
 use crate::spec::{Axis, Collider};
 
 /// Number of sides of a round solid. The outline of a circle of radius r is off by 0.43 % of r at most, half of it
-/// outwards and half inwards (see [`outer`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
+/// outwards and half inwards (see [`circumradius`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
 pub const SIDES: u32 = 24;
 
 /// Mesh builder.
@@ -42,13 +42,13 @@ struct Ring {
 }
 
 /// Circumradius of the regular polygon that deviates from the circle of radius 1 equally outwards and inwards.
-pub fn outer(sides: u32) -> f64 {
+pub fn circumradius(sides: u32) -> f64 {
     2.0 / (1.0 + math::cos(PI / f64::from(sides)))
 }
 
 /// Corners, counter-clockwise, of the regular polygon about the origin that approximates a circle.
 pub fn circle(radius: f64, sides: u32) -> Vec<DVec2> {
-    let radius = radius * outer(sides);
+    let radius = radius * circumradius(sides);
     (0..sides).map(|side| radius * direction(TAU * f64::from(side) / f64::from(sides))).collect()
 }
 
@@ -162,8 +162,8 @@ impl Sketch {
         let ring = |angle: f64, shift: f64| {
             // Exact at the poles, so that the faces beyond them have no area.
             let normal = if angle.abs() < 0.25 * TAU { direction(angle) } else { DVec2::Y * angle.signum() };
-            let place = radius * outer(SIDES) * normal;
-            // `revolve` applies `outer` to the radius itself.
+            let place = radius * circumradius(SIDES) * normal;
+            // `revolve` applies `circumradius` to the radius itself.
             Ring { radius: radius * normal.x, z: place.y + shift, normal }
         };
         let half = SIDES / 4;

@@ -40,13 +40,13 @@ fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u
     let pose = View::looking(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
     let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), []);
-    Camera::default().colour(&scenery.still(&world, Time::ZERO), &view, None, 1)
+    Camera::default().colour(&scenery.pose_at(&world, Time::ZERO), &view, None, 1)
 }
 
 /// Scenery with a single mesh.
 fn alone(mesh: Arc<Mesh>) -> Scenery {
-    let place = Place::Fixed(Pose3::IDENTITY);
-    let part = Part { mesh, label: Label::Fixed(0), place };
+    let attachment = Attachment::Fixed(Pose3::IDENTITY);
+    let part = Part { mesh, label: Label::Fixed(0), attachment };
     let white = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     Scenery::new(vec![part], None, white, Sky { horizon: [0; 3], zenith: [0; 3] })
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Looks, MeshSource, scenery_with};
+use super::{MeshCache, MeshSource, scenery_with};
 use crate::camera::Scenery;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{ObjectType, RobiSpec, SceneSpec, WorldSpec};
@@ -13,7 +13,7 @@ use crate::{ObjectId, RobotId};
 #[derive(Clone, Debug)]
 pub struct Visuals {
     scenery: Arc<Scenery>,
-    looks: Looks,
+    looks: MeshCache,
 }
 
 /// A mesh source without meshes and images: objects appear as their colliders.
@@ -22,7 +22,7 @@ pub struct NoMeshes;
 
 /// An entity spawned during a run.
 #[derive(Clone, Debug)]
-pub enum Newcomer {
+pub enum SpawnedEntity {
     /// A robot.
     Robot(RobotId, Arc<RobiSpec>),
     /// A movable object.
@@ -32,13 +32,13 @@ pub enum Newcomer {
 impl Visuals {
     /// The scenery of `scene`, with meshes and images from `reader`.
     pub fn new(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Self {
-        let mut looks = Looks::default();
+        let mut looks = MeshCache::default();
         Self { scenery: Arc::new(scenery_with(scene, &mut looks, reader)), looks }
     }
 
     /// Wraps an existing scenery.
     pub fn of(scenery: Scenery) -> Self {
-        Self { scenery: Arc::new(scenery), looks: Looks::default() }
+        Self { scenery: Arc::new(scenery), looks: MeshCache::default() }
     }
 
     /// The current scenery.
@@ -47,15 +47,15 @@ impl Visuals {
     }
 
     /// Adds spawned entities to the scenery; the meshes of new types come from `reader`.
-    pub fn add(&mut self, newcomers: impl IntoIterator<Item = Newcomer>, reader: &mut dyn MeshSource) {
+    pub fn add(&mut self, entities: impl IntoIterator<Item = SpawnedEntity>, reader: &mut dyn MeshSource) {
         let mut parts = Vec::new();
-        for newcomer in newcomers {
-            match newcomer {
-                Newcomer::Robot(id, robi) => {
+        for entity in entities {
+            match entity {
+                SpawnedEntity::Robot(id, robi) => {
                     parts.push(self.looks.robot(id, &robi, reader));
                     parts.extend(self.looks.legs(id, &robi));
                 }
-                Newcomer::Object(id, kind) => parts.push(self.looks.object(id, &kind, reader)),
+                SpawnedEntity::Object(id, kind) => parts.push(self.looks.object(id, &kind, reader)),
             }
         }
         if !parts.is_empty() {

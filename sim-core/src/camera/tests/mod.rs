@@ -120,7 +120,11 @@ fn heap(seed: u64) -> Scenery {
         let at = point(random, 3.0) + DVec3::Z;
         let pose = if number % 3 == 0 { pose(random, at) } else { Pose3::from_angles(at, 0.0, 0.0, 0.3 * at.x) };
         let label = if number == 0 { Label::Robot(RobotId(1)) } else { Label::Fixed(number) };
-        parts.push(Part { mesh: cuboid(random, half, number % 4 == 0, materials), label, place: Place::Fixed(pose) });
+        parts.push(Part {
+            mesh: cuboid(random, half, number % 4 == 0, materials),
+            label,
+            attachment: Attachment::Fixed(pose),
+        });
     }
     let loose = (0..40).map(|_| [(); 3].map(|()| point(random, 4.0)));
     let positions: Vec<DVec3> = loose.flatten().collect();
@@ -135,7 +139,7 @@ fn heap(seed: u64) -> Scenery {
         triangles: triangles.collect(),
         materials: (0..5).map(|number| material(number, [1.0; 3])).collect(),
     };
-    parts.push(Part { mesh: Arc::new(mesh), label: Label::Wall(0), place: Place::Fixed(Pose3::IDENTITY) });
+    parts.push(Part { mesh: Arc::new(mesh), label: Label::Wall(0), attachment: Attachment::Fixed(Pose3::IDENTITY) });
     let spot = |_| Spot {
         centre: point(random, 4.0).truncate(),
         radius: random.between(0.05, 0.6),
@@ -181,14 +185,14 @@ fn pictures_are_those_of_every_face_on_every_pixel() {
     let (mut compared, mut differing, mut off) = (0_u32, 0_u32, 0_u32);
     for seed in 0..6 {
         let scenery = heap(seed);
-        let still = scenery.still(&world, Time::ZERO);
+        let posed = scenery.pose_at(&world, Time::ZERO);
         let mut random = Random::new(100 + seed);
         for lens in LENSES {
             let view = view(&mut random, lens, [83, 61]);
             let by = (seed % 2 == 0).then_some(RobotId(1));
-            let slow = reference::render(&still, &view, by);
-            let colour = camera.colour(&still, &view, by, 1);
-            let depth = camera.depth(&still, &view, by);
+            let slow = reference::render(&posed, &view, by);
+            let colour = camera.colour(&posed, &view, by, 1);
+            let depth = camera.depth(&posed, &view, by);
             for row in 0..61 {
                 for column in 0..83 {
                     let expected = slow.colour.pixel(column, row);
@@ -238,14 +242,14 @@ fn every_processor_gives_the_same_bits() {
     let world = world();
     for seed in 10..14 {
         let scenery = heap(seed);
-        let still = scenery.still(&world, Time::ZERO);
+        let posed = scenery.pose_at(&world, Time::ZERO);
         let mut random = Random::new(seed);
         for lens in LENSES {
             let view = view(&mut random, lens, [70, 45]);
             let pictures = levels().into_iter().map(|level| {
                 let mut camera = Camera::at_level(level);
-                let fine = camera.colour(&still, &view, None, 2);
-                (camera.colour(&still, &view, None, 1), fine, camera.depth(&still, &view, None))
+                let fine = camera.colour(&posed, &view, None, 2);
+                (camera.colour(&posed, &view, None, 1), fine, camera.depth(&posed, &view, None))
             });
             let pictures: Vec<_> = pictures.collect();
             assert!(pictures.iter().all(|picture| *picture == pictures[0]), "{lens:?}");
@@ -256,10 +260,10 @@ fn every_processor_gives_the_same_bits() {
 #[test]
 fn a_closed_surface_has_no_holes() {
     let world = world();
-    let part = Part { mesh: ball(12), label: Label::Wall(0), place: Place::Fixed(Pose3::IDENTITY) };
+    let part = Part { mesh: ball(12), label: Label::Wall(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     let light = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     let scenery = Scenery::new(vec![part], None, light, Sky { horizon: [0; 3], zenith: [0; 3] });
-    let still = scenery.still(&world, Time::ZERO);
+    let posed = scenery.pose_at(&world, Time::ZERO);
     let mut random = Random::new(5);
     let mut camera = Camera::default();
     for number in 0..3000 {
@@ -276,16 +280,16 @@ fn a_closed_surface_has_no_holes() {
         };
         let lens = LENSES[number as usize % 3];
         let view = View::new(pose, lens, [32, 32]).expect("a view");
-        let labels = camera.labels(&still, &view, None);
+        let labels = camera.labels(&posed, &view, None);
         assert!(labels.pixels().iter().all(|label| *label == Label::Wall(0)), "{number}: {pose:?} {lens:?}");
     }
 }
 
 /// The colour sampled in one lane.
 #[inline(always)]
-fn sampled<S: Simd>(simd: S, pyramid: &Pyramid, place: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
+fn sampled<S: Simd>(simd: S, mip_map: &MipMap, place: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
     let all = |value: f64| S::f32s::splat(simd, value as f32);
-    let found = pyramid.sample(simd, 1 << 3, [all(place.x), all(place.y)], axes.map(|axis| [all(axis.x), all(axis.y)]));
+    let found = mip_map.sample(simd, 1 << 3, [all(place.x), all(place.y)], axes.map(|axis| [all(axis.x), all(axis.y)]));
     found.map(|channel| f64::from(channel.as_slice()[3]))
 }
 
@@ -295,7 +299,7 @@ fn images_are_filtered_as_defined() {
     for (width, height) in [(16, 16), (7, 30), (1, 1), (64, 5), (33, 2)] {
         let image = image(&mut random, width, height, false);
         for wrap in [Wrap::Repeat, Wrap::Clamp] {
-            let pyramid = texture::Pyramid::new(&image, wrap);
+            let mip_map = texture::MipMap::new(&image, wrap);
             for _ in 0..300 {
                 let size = random.between(-4.0, 1.0);
                 let length = math::exp(size * std::f64::consts::LN_10);
@@ -304,7 +308,7 @@ fn images_are_filtered_as_defined() {
                 let expected = reference::filtered(&image, wrap, DVec2::new(place.x, 1.0 - place.y), changes);
                 let texels = DVec2::new(f64::from(width), f64::from(height));
                 let axes = changes.map(|change| change * texels * DVec2::new(1.0, -1.0));
-                let found = dispatch!(Level::new(), simd => sampled(simd, &pyramid, place, axes));
+                let found = dispatch!(Level::new(), simd => sampled(simd, &mip_map, place, axes));
                 for channel in 0..4 {
                     assert!(
                         (found[channel] - expected[channel]).abs() < 0.05,

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use crate::RobotId;
-use crate::camera::texture::{Pyramid, Wrap};
-use crate::camera::{Label, Picture, Still, View};
+use crate::camera::texture::{MipMap, Wrap};
+use crate::camera::{Label, Picture, PosedScenery, View};
 use crate::math;
 use crate::pose::Pose3;
 use crate::scene::Texture;
@@ -35,7 +35,7 @@ struct Meeting {
 /// Relative margin by which a face must be nearer to cover an earlier one: of coplanar faces, the first is seen.
 const COPLANAR: f64 = 1e-7;
 
-pub fn render(still: &Still, view: &View, by: Option<RobotId>) -> Reference {
+pub fn render(posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Reference {
     let [width, height] = view.size();
     let (mut shown, mut depth, mut colour) = (Vec::new(), Vec::new(), Vec::new());
     for row in 0..height {
@@ -48,10 +48,10 @@ pub fn render(still: &Still, view: &View, by: Option<RobotId>) -> Reference {
                 continue;
             };
             let eye = view.world_from_camera().position;
-            let meeting = meet(still, eye, ray.normalize_or_zero(), by);
+            let meeting = meet(posed, eye, ray.normalize_or_zero(), by);
             shown.push(meeting.shown);
             depth.push(meeting.distance);
-            colour.push(colour_of(still, view, at, ray, &meeting));
+            colour.push(colour_of(posed, view, at, ray, &meeting));
         }
     }
     Reference {
@@ -66,21 +66,21 @@ fn direction(view: &View, at: DVec2) -> Option<DVec3> {
     view.ray(at).map(|ray| view.world_from_camera().rotation * ray)
 }
 
-fn corners(still: &Still, part: usize, triangle: usize) -> [DVec3; 3] {
-    let mesh = &still.scenery().parts()[part].mesh;
-    mesh.corners(&mesh.triangles[triangle]).map(|corner| pose(still, part).transform_point(corner))
+fn corners(posed: &PosedScenery, part: usize, triangle: usize) -> [DVec3; 3] {
+    let mesh = &posed.scenery().parts()[part].mesh;
+    mesh.corners(&mesh.triangles[triangle]).map(|corner| pose(posed, part).transform_point(corner))
 }
 
-fn pose(still: &Still, part: usize) -> Pose3 {
-    still.poses()[part].expect("only of parts that are there")
+fn pose(posed: &PosedScenery, part: usize) -> Pose3 {
+    posed.poses()[part].expect("only of parts that are there")
 }
 
-fn meet(still: &Still, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
+fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
     let mut best = Meeting { shown: Shown::Sky, distance: f64::INFINITY, shares: [0.0; 3] };
-    if still.scenery().ground().is_some() && eye.z > 0.0 && ray.z < 0.0 {
+    if posed.scenery().ground().is_some() && eye.z > 0.0 && ray.z < 0.0 {
         best = Meeting { shown: Shown::Ground, distance: eye.z / -ray.z, ..best };
     }
-    for (number, part, _) in still.parts() {
+    for (number, part, _) in posed.parts() {
         if by.is_some_and(|by| part.label == Label::Robot(by)) {
             continue;
         }
@@ -88,7 +88,7 @@ fn meet(still: &Still, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
             if part.mesh.material(triangle).opacity < 0.5 {
                 continue;
             }
-            let corners = corners(still, number, place);
+            let corners = corners(posed, number, place);
             if let Some((distance, shares)) = on_plane(corners, eye, ray)
                 && shares.iter().all(|share| *share >= 0.0)
                 && distance < best.distance * (1.0 - COPLANAR)
@@ -109,8 +109,8 @@ fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64;
     (distance > 0.0 && distance.is_finite()).then(|| (distance, [share(b, c), share(c, a), share(a, b)]))
 }
 
-fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meeting) -> [f64; 3] {
-    let scenery = still.scenery();
+fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: &Meeting) -> [f64; 3] {
+    let scenery = posed.scenery();
     let eye = view.world_from_camera().position;
     // Points on the surface half a pixel to the sides, extrapolated from the change of the ray.
     let neighbours = |step: DVec2| {
@@ -147,7 +147,7 @@ fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meetin
                     colour = over(spot.colour.map(f64::from), colour);
                 }
             }
-            lit(still, colour, DVec3::Z, (point.extend(0.0), meeting.shown))
+            lit(posed, colour, DVec3::Z, (point.extend(0.0), meeting.shown))
         }
         Shown::Face(number, triangle) => {
             let part = &scenery.parts()[number];
@@ -155,7 +155,7 @@ fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meetin
             let triangle = &part.mesh.triangles[own];
             let material = part.mesh.material(triangle);
             let plain = material.colour.map(|share| 255.0 * f64::from(share.clamp(0.0, 1.0)));
-            let corners = corners(still, number, own);
+            let corners = corners(posed, number, own);
             let colour = match (&material.texture, triangle.uv) {
                 (Some(image), Some(uv)) => {
                     let at = |ray: DVec3| {
@@ -173,34 +173,34 @@ fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meetin
             };
             let [a, b, c] = corners;
             let flat = (b - a).cross(c - a).normalize_or_zero();
-            let turned = |normal: glam::Vec3| pose(still, number).rotation * normal.as_dvec3();
+            let turned = |normal: glam::Vec3| pose(posed, number).rotation * normal.as_dvec3();
             let normal = triangle.normals.map_or(flat, |normals| {
                 (0..3).map(|corner| turned(normals[corner]) * meeting.shares[corner]).sum::<DVec3>().normalize_or(flat)
             });
             let place = eye + ray.normalize_or_zero() * meeting.distance;
-            lit(still, colour, if flat.dot(ray) < 0.0 { normal } else { -normal }, (place, meeting.shown))
+            lit(posed, colour, if flat.dot(ray) < 0.0 { normal } else { -normal }, (place, meeting.shown))
         }
     }
 }
 
 /// Returns true if no face but `own` lies between the sun and a place.
-fn is_in_sun(still: &Still, place: DVec3, own: Shown) -> bool {
-    let light = still.scenery().light();
+fn is_in_sun(posed: &PosedScenery, place: DVec3, own: Shown) -> bool {
+    let light = posed.scenery().light();
     let covers = |number: usize, triangle: usize| {
         own != Shown::Face(number, triangle)
-            && on_plane(corners(still, number, triangle), place, light.towards)
+            && on_plane(corners(posed, number, triangle), place, light.towards)
                 .is_some_and(|(distance, shares)| distance > 1e-6 && shares.iter().all(|share| *share >= 0.0))
     };
     let of_part = |(number, part, _): (usize, &crate::camera::Part, &Pose3)| {
         let is_seen = |triangle: usize| part.mesh.material(&part.mesh.triangles[triangle]).opacity >= 0.5;
         (0..part.mesh.triangles.len()).any(|triangle| is_seen(triangle) && covers(number, triangle))
     };
-    !light.shadows || !still.parts().any(of_part)
+    !light.shadows || !posed.parts().any(of_part)
 }
 
-fn lit(still: &Still, colour: [f64; 3], normal: DVec3, (place, own): (DVec3, Shown)) -> [f64; 3] {
-    let light = still.scenery().light();
-    let sun = if is_in_sun(still, place, own) { light.diffuse } else { 0.0 };
+fn lit(posed: &PosedScenery, colour: [f64; 3], normal: DVec3, (place, own): (DVec3, Shown)) -> [f64; 3] {
+    let light = posed.scenery().light();
+    let sun = if is_in_sun(posed, place, own) { light.diffuse } else { 0.0 };
     let opposite = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
     let share =
         light.ambient + light.fill * 0.5 * (1.0 + normal.dot(opposite)) + sun * normal.dot(light.towards).max(0.0);
@@ -212,13 +212,13 @@ fn over([red, green, blue, opacity]: [f64; 4], under: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|channel| under[channel] + opacity / 255.0 * (upper[channel] - under[channel]))
 }
 
-/// The filter of [`Pyramid`], implemented from its definition.
+/// The filter of [`MipMap`], implemented from its definition.
 pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> [f64; 4] {
     let (width, height) = image.size();
     let texels = DVec2::new(f64::from(width), f64::from(height));
     let [a, b] = changes.map(|change| (change * texels).length());
     let (long, short, axis) = if a >= b { (a, b, changes[0]) } else { (b, a, changes[1]) };
-    let n = (long / (3.0 * short).max(1.0)).clamp(1.0, f64::from(Pyramid::PROBES));
+    let n = (long / (3.0 * short).max(1.0)).clamp(1.0, f64::from(MipMap::PROBES));
     let apart = (1.0 - 1.0 / n) / 2.0;
     let levels = smaller(image);
     let level = (math::ln(long / n) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);

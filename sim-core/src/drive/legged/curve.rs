@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use super::{
-    glide::smooth,
     leg::{Foot, Leg},
+    smooth::smooth,
 };
 use crate::math;
 
@@ -69,7 +69,7 @@ pub(super) fn natural_pitch(phase: f64) -> f64 {
 
 /// Stride, hip height and swing path of a leg of given lengths that follows the natural angles.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Natural {
+pub(super) struct NaturalGait {
     /// Length of a stride, m.
     pub stride: f64,
     /// Distance of the foothold ahead of the hip in the middle of stance, m.
@@ -80,7 +80,7 @@ pub(super) struct Natural {
     way: [DVec2; INTERVALS + 1],
 }
 
-impl Natural {
+impl NaturalGait {
     /// `None` for a leg without a foot.
     pub fn new(leg: &Leg) -> Option<Self> {
         let foot = leg.foot?;
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_stride_is_that_of_people() {
-        let natural = Natural::new(&leg()).expect("it has a foot");
+        let natural = NaturalGait::new(&leg()).expect("it has a foot");
         // The hip is 0.52 of a person's height above the floor, a stride about 0.8 of it.
         assert!((1.3..1.5).contains(&natural.stride), "{}", natural.stride);
         let heights: Vec<f64> = (0..500).map(|index| natural.height(f64::from(index) / 500.0)).collect();
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_way_through_the_air_begins_and_ends_on_the_ground() {
-        let natural = Natural::new(&leg()).expect("it has a foot");
+        let natural = NaturalGait::new(&leg()).expect("it has a foot");
         assert!(natural.way(0.0).length() < 1e-12 && (natural.way(1.0) - DVec2::X).length() < 1e-12);
         let highest = (0..100).map(|index| natural.way(f64::from(index) / 100.0).y).fold(0.0, f64::max);
         assert!((0.02..0.3).contains(&highest), "{highest}");

@@ -13,7 +13,7 @@ const BARE_RADII: f64 = 3.0;
 
 /// A part of a legged robot whose contacts are reported; legs are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Touching {
+pub enum BodyPart {
     /// The body: an upright cylinder of the robot's diameter above its underside.
     Body,
     /// The thigh of a leg.
@@ -26,7 +26,7 @@ pub enum Touching {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limb {
     /// The part.
-    pub part: Touching,
+    pub part: BodyPart,
     /// Capsule in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
     pub capsule: Capsule,
     /// Length at its lower end that may be near the ground because a foot stands there, m; 0 for a thigh.
@@ -60,12 +60,12 @@ impl Legs {
             let capsule = |upper, lower| Capsule { ends: [upper, lower], radius: self.radius };
             let lower = shank.transform_point(DVec3::new(0.0, 0.0, -leg.shank));
             limbs.push(Limb {
-                part: Touching::Thigh(number),
+                part: BodyPart::Thigh(number),
                 capsule: capsule(thigh.position, shank.position),
                 bare: 0.0,
             });
             let bare = BARE_RADII * self.radius;
-            limbs.push(Limb { part: Touching::Shank(number), capsule: capsule(shank.position, lower), bare });
+            limbs.push(Limb { part: BodyPart::Shank(number), capsule: capsule(shank.position, lower), bare });
             first += leg.link_count();
         }
         limbs

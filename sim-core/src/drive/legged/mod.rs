@@ -6,19 +6,19 @@
 
 mod curve;
 mod gait;
-mod glide;
 mod leg;
 mod limb;
+mod smooth;
 mod walk;
 
 use glam::{DVec2, DVec3};
 
 use crate::{math, pose::Link, time::Time};
-use curve::Natural;
+use curve::NaturalGait;
 pub use curve::natural_angles;
 pub use gait::Gait;
 pub use leg::{Foot, Joints, Leg, Sole};
-pub use limb::{Limb, Touching};
+pub use limb::{BodyPart, Limb};
 pub(in crate::drive) use walk::{Course, Plan, Walk};
 
 /// Greatest speed of a natural gait, as a multiple of the source's speed. Our choice.
@@ -47,7 +47,7 @@ pub enum LegCommand {
     /// Set the height to which a foot is lifted above the higher of its two footholds, m.
     StepHeight(f64),
     /// Shift the footholds of a leg, from the next decision instant until another such command.
-    Correct {
+    ShiftFoothold {
         /// The leg, counted from 0.
         leg: usize,
         /// Shift of the foothold in the robot's frame (x forward, y left), m.
@@ -155,7 +155,7 @@ impl Legs {
 
     /// Speed at which a natural gait matches its source, m/s; `None` for another gait or legs without feet.
     pub fn natural_speed(&self, gait: &Gait) -> Option<f64> {
-        let natural = Natural::new(self.legs.first()?).filter(|_| gait.is_natural)?;
+        let natural = NaturalGait::new(self.legs.first()?).filter(|_| gait.is_natural)?;
         Some(natural.stride / gait.period.seconds())
     }
 

@@ -11,10 +11,10 @@ use glam::{DVec2, DVec3};
 
 use super::{
     FootState, Footfall, LegCommand, LegCommandError, Legs, Stance,
-    curve::{HEEL_OFF, Natural, TOE_OFF, natural_pitch},
+    curve::{HEEL_OFF, NaturalGait, TOE_OFF, natural_pitch},
     gait::{Clock, GRID, Gait},
-    glide::{Glide, share, smooth},
     leg::{Foot, LOWEST_HIP, Leg, Sole},
+    smooth::{SmoothValue, share, smooth},
 };
 use crate::{
     drive::{HISTORY, Piece},
@@ -85,7 +85,7 @@ impl Course {
 
 /// Commanded settings of the legs.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::drive) struct LegOrders {
+pub(in crate::drive) struct LegSettings {
     pub gait: usize,
     pub step_height: f64,
     /// By leg, the shift of the next foothold in the robot's frame and the additional lift.
@@ -98,9 +98,9 @@ pub(in crate::drive) struct Walk {
     legs: Arc<Legs>,
     ground: Arc<Ground>,
     /// By leg, its natural gait; `None` for a leg without a foot.
-    natural: Vec<Option<Natural>>,
+    natural: Vec<Option<NaturalGait>>,
     /// Settings with their start times, in ascending order; the first holds since the start of all times.
-    orders: VecDeque<(Time, LegOrders)>,
+    orders: VecDeque<(Time, LegSettings)>,
     /// Number of commands that changed the settings.
     revision: u64,
     /// Final decisions, for instants before the present slot.
@@ -145,21 +145,21 @@ struct Step {
 struct Steps {
     until: Time,
     /// Clocks, each with the scale of the gait's natural bob of the body; the last clock is current.
-    clocks: Vec<(Clock, Glide)>,
+    clocks: Vec<(Clock, SmoothValue)>,
     is_walking: bool,
     feet: Vec<VecDeque<Step>>,
 }
 
 /// Inputs of the decisions other than the motion.
-struct Around<'a> {
+struct DecisionInputs<'a> {
     legs: &'a Legs,
     ground: &'a Ground,
-    natural: &'a [Option<Natural>],
-    orders: &'a VecDeque<(Time, LegOrders)>,
+    natural: &'a [Option<NaturalGait>],
+    orders: &'a VecDeque<(Time, LegSettings)>,
 }
 
 /// State of the robot just before a decision instant.
-struct Present {
+struct BodyState {
     at: Time,
     pose: Pose,
     twist: Twist,
@@ -167,12 +167,12 @@ struct Present {
 
 impl Walk {
     pub fn new(legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
-        let orders = LegOrders {
+        let orders = LegSettings {
             gait: 0,
             step_height: legs.step_height,
             corrections: vec![(DVec2::ZERO, 0.0); legs.legs.len()],
         };
-        let natural = legs.legs.iter().map(Natural::new).collect();
+        let natural = legs.legs.iter().map(NaturalGait::new).collect();
         let never = Time(i64::MIN);
         let firm =
             Steps { until: never, clocks: Vec::new(), is_walking: false, feet: vec![VecDeque::new(); legs.legs.len()] };
@@ -196,7 +196,7 @@ impl Walk {
         &self.ground
     }
 
-    pub fn orders_at(&self, at: Time) -> &LegOrders {
+    pub fn orders_at(&self, at: Time) -> &LegSettings {
         orders_at(&self.orders, at)
     }
 
@@ -213,7 +213,7 @@ impl Walk {
                 orders.step_height =
                     if (0.0..=most).contains(&height) { height } else { return Err(LegCommandError::Length) };
             }
-            LegCommand::Correct { leg, shift, lift } => {
+            LegCommand::ShiftFoothold { leg, shift, lift } => {
                 let legs = self.legs.legs.len();
                 let reach = self.legs.legs.get(leg).ok_or(LegCommandError::NoLeg { legs })?.reach();
                 if !(shift.length() <= reach && (0.0..=reach).contains(&lift)) {
@@ -283,8 +283,8 @@ impl Walk {
         if steps.until < at {
             let courses = plan.courses(steps.until, at);
             let Self { legs, ground, natural, orders, .. } = self;
-            let around = Around { legs, ground, natural, orders };
-            steps.extend(&around, &courses, at);
+            let inputs = DecisionInputs { legs, ground, natural, orders };
+            steps.extend(&inputs, &courses, at);
         }
         if is_firm {
             self.firm = steps;
@@ -294,7 +294,7 @@ impl Walk {
     }
 }
 
-fn orders_at(orders: &VecDeque<(Time, LegOrders)>, at: Time) -> &LegOrders {
+fn orders_at(orders: &VecDeque<(Time, LegSettings)>, at: Time) -> &LegSettings {
     let known = orders.iter().rev().find(|(since, _)| *since <= at).or(orders.front());
     known.map(|(_, orders)| orders).expect("a walk has orders")
 }
@@ -302,23 +302,23 @@ fn orders_at(orders: &VecDeque<(Time, LegOrders)>, at: Time) -> &LegOrders {
 impl Steps {
     /// Makes all decisions after `until` up to `to`. `courses` are the motion's pieces from the one in force just
     /// before `until`.
-    fn extend(&mut self, around: &Around, courses: &[Course], to: Time) {
+    fn extend(&mut self, inputs: &DecisionInputs, courses: &[Course], to: Time) {
         loop {
             let opening =
                 courses.iter().find(|course| course.start() > self.until).filter(|course| course.start() <= to);
-            let order = around.orders.iter().find(|(since, _)| *since > self.until).filter(|(since, _)| *since <= to);
+            let order = inputs.orders.iter().find(|(since, _)| *since > self.until).filter(|(since, _)| *since <= to);
             let tick = self.clock().map(|clock| clock.next_after(self.until)).map(|index| (index, self.instant(index)));
             let tick = tick.filter(|(_, instant)| *instant <= to);
             let first = [opening.map(Course::start), order.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
             let Some(at) = first.into_iter().flatten().min() else { break };
             if let Some((index, _)) = tick.filter(|(_, instant)| *instant == at) {
-                self.tick(around, &present(courses, at), index);
+                self.tick(inputs, &present(courses, at), index);
             }
             if order.is_some_and(|(since, _)| *since == at) {
-                self.change_gait(around, at);
+                self.change_gait(inputs, at);
             }
             if let Some(course) = opening.filter(|course| course.start() == at) {
-                self.open(around, course);
+                self.open(inputs, course);
             }
             self.until = at;
         }
@@ -335,23 +335,23 @@ impl Steps {
     }
 
     /// Handles the start of a piece of motion.
-    fn open(&mut self, around: &Around, course: &Course) {
+    fn open(&mut self, inputs: &DecisionInputs, course: &Course) {
         let at = course.start();
         if course.is_placed || self.feet.iter().all(VecDeque::is_empty) {
-            self.place(around, at, &course.pose(at));
+            self.place(inputs, at, &course.pose(at));
         }
         if !self.is_walking && !course.twist(at).is_zero() {
-            let index = orders_at(around.orders, at).gait;
-            self.clocks.push((Clock::starting(at, &around.legs.gaits[index], index), Glide::default()));
+            let index = orders_at(inputs.orders, at).gait;
+            self.clocks.push((Clock::starting(at, &inputs.legs.gaits[index], index), SmoothValue::default()));
             self.is_walking = true;
         }
     }
 
     /// Puts all feet at their places.
-    fn place(&mut self, around: &Around, at: Time, pose: &Pose) {
-        for (leg, steps) in around.legs.legs.iter().zip(&mut self.feet) {
+    fn place(&mut self, inputs: &DecisionInputs, at: Time, pose: &Pose) {
+        for (leg, steps) in inputs.legs.legs.iter().zip(&mut self.feet) {
             let place = pose.transform_point(leg.hip.truncate());
-            let from = Foothold { point: place.extend(around.ground.height(place)), heading: pose.heading.remainder() };
+            let from = Foothold { point: place.extend(inputs.ground.height(place)), heading: pose.heading.remainder() };
             let goals = vec![(at, from, 0.0)];
             let (roll, stand) = (Time::ZERO, Time::ZERO);
             let (heel_off, lift_off, touch_down) = (at, at, at);
@@ -372,48 +372,55 @@ impl Steps {
         self.is_walking = false;
     }
 
-    fn change_gait(&mut self, around: &Around, at: Time) {
-        let index = orders_at(around.orders, at).gait;
+    fn change_gait(&mut self, inputs: &DecisionInputs, at: Time) {
+        let index = orders_at(inputs.orders, at).gait;
         let Some(clock) = self.clock().copied().filter(|clock| clock.gait != index) else { return };
-        let gait = &around.legs.gaits[index];
+        let gait = &inputs.legs.gaits[index];
         let (_, level) = self.clocks.last_mut().expect("it walks");
         let goal = level.goal();
         level.aim(at, Time(gait.period.0 / 2), 0.0);
-        let mut level = Glide::default();
+        let mut level = SmoothValue::default();
         level.aim(at, Time(gait.period.0 / 2), goal);
         self.clocks.push((clock.changed(at, gait, index), level));
     }
 
     /// Handles a decision instant.
-    fn tick(&mut self, around: &Around, present: &Present, index: i64) {
+    fn tick(&mut self, inputs: &DecisionInputs, present: &BodyState, index: i64) {
         let Some(clock) = self.clock().copied() else { return };
         let is_moving = !present.twist.is_zero();
         let mut is_settled = !is_moving;
-        for number in 0..around.legs.legs.len() {
-            if around.legs.legs[number].wheel.is_none() {
-                is_settled &= self.tick_foot(around, present, &clock, index, number);
+        for number in 0..inputs.legs.legs.len() {
+            if inputs.legs.legs[number].wheel.is_none() {
+                is_settled &= self.tick_foot(inputs, present, &clock, index, number);
             }
         }
-        self.follow_speed(around, present);
+        self.follow_speed(inputs, present);
         if is_settled && self.clocks.iter().all(|(_, level)| level.goal() == 0.0 && level.is_still(present.at)) {
             self.is_walking = false;
         }
     }
 
     /// Handles a decision instant for one foot; returns true if the foot stands at its place.
-    fn tick_foot(&mut self, around: &Around, present: &Present, clock: &Clock, index: i64, number: usize) -> bool {
+    fn tick_foot(
+        &mut self,
+        inputs: &DecisionInputs,
+        present: &BodyState,
+        clock: &Clock,
+        index: i64,
+        number: usize,
+    ) -> bool {
         let at = present.at;
-        let leg = &around.legs.legs[number];
-        let gait = &around.legs.gaits[clock.gait];
+        let leg = &inputs.legs.legs[number];
+        let gait = &inputs.legs.gaits[clock.gait];
         let is_moving = !present.twist.is_zero();
         let soon = (clock.instant(index + 2) - at).seconds();
         let last = self.feet[number].back().expect("a foot stands somewhere");
         if at <= last.lift_off && last.heel_off < at {
             // The foot rolls off, and its goal is still open; the roll-off is cut short if the leg would not reach.
-            let is_cut = at < last.lift_off && self.is_left_behind(around, number, present, soon);
+            let is_cut = at < last.lift_off && self.is_out_of_reach_soon(inputs, number, present, soon);
             let touch_down = if is_cut { at + (last.touch_down - last.lift_off) } else { last.touch_down };
-            let goal = self.goal(around, present, number, clock, touch_down);
-            let apex = apex(around, at, number, &last.from, &goal);
+            let goal = self.goal(inputs, present, number, clock, touch_down);
+            let apex = apex(inputs, at, number, &last.from, &goal);
             let step = self.feet[number].back_mut().expect("it rolls");
             if is_cut {
                 (step.lift_off, step.touch_down) = (at, touch_down);
@@ -424,9 +431,9 @@ impl Steps {
         if at < last.touch_down {
             let (left, whole) = ((last.touch_down - at).seconds(), (last.touch_down - last.lift_off).seconds());
             if left > KEPT * whole {
-                let goal = self.goal(around, present, number, clock, last.touch_down);
-                let goal = last.turnable(goal, MOST_TURNED * around.legs.excursion() * left / whole, around.ground);
-                let apex = apex(around, at, number, &last.from, &goal);
+                let goal = self.goal(inputs, present, number, clock, last.touch_down);
+                let goal = last.limited_goal(goal, MOST_TURNED * inputs.legs.excursion() * left / whole, inputs.ground);
+                let apex = apex(inputs, at, number, &last.from, &goal);
                 self.feet[number].back_mut().expect("it is in the air").turn_to(at, goal, apex);
             }
             return false;
@@ -435,7 +442,7 @@ impl Steps {
         let is_displaced = is_away(&from, leg, &present.pose, AT_PLACE);
         let slot = gait.slot(number);
         let until_slot = (slot - index).rem_euclid(GRID);
-        let level = self.level(around, present, gait, number);
+        let level = self.level(inputs, present, gait, number);
         let from_pitch = last.pitch(at, leg);
         let step = |heel_off, lift_off: Time, period| {
             let touch_down = lift_off + gait.swing(period);
@@ -446,12 +453,12 @@ impl Steps {
         let is_lifted = if until_slot == 0 {
             is_moving || is_displaced
         } else {
-            is_moving && self.is_left_behind(around, number, present, soon)
+            is_moving && self.is_out_of_reach_soon(inputs, number, present, soon)
         };
         if is_lifted {
             let mut step = step(at, at, clock.period_at(index));
-            let goal = self.goal(around, present, number, clock, step.touch_down);
-            step.goals = vec![(at, goal, apex(around, at, number, &from, &goal))];
+            let goal = self.goal(inputs, present, number, clock, step.touch_down);
+            step.goals = vec![(at, goal, apex(inputs, at, number, &from, &goal))];
             self.feet[number].push_back(step);
         } else if level > 0.0 && until_slot == gait.rolling() && from_pitch == 0.0 {
             let slot = index + until_slot;
@@ -463,19 +470,19 @@ impl Steps {
     }
 
     /// Scale of the natural curves for a leg: its forward speed over that of the source.
-    fn level(&self, around: &Around, present: &Present, gait: &Gait, number: usize) -> f64 {
-        let Some(natural) = around.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
+    fn level(&self, inputs: &DecisionInputs, present: &BodyState, gait: &Gait, number: usize) -> f64 {
+        let Some(natural) = inputs.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
         let Twist { vx, omega, .. } = present.twist;
-        let speed = vx - omega * around.legs.legs[number].hip.y;
+        let speed = vx - omega * inputs.legs.legs[number].hip.y;
         (speed * gait.period.seconds() / natural.stride).clamp(0.0, MOST_LEVEL)
     }
 
     /// Adapts the bob of the body to its speed.
-    fn follow_speed(&mut self, around: &Around, present: &Present) {
+    fn follow_speed(&mut self, inputs: &DecisionInputs, present: &BodyState) {
         let Some((clock, level)) = self.clocks.last() else { return };
-        let gait = &around.legs.gaits[clock.gait];
-        let count = around.legs.legs.len();
-        let goal = (0..count).map(|leg| self.level(around, present, gait, leg)).sum::<f64>() / count as f64;
+        let gait = &inputs.legs.gaits[clock.gait];
+        let count = inputs.legs.legs.len();
+        let goal = (0..count).map(|leg| self.level(inputs, present, gait, leg)).sum::<f64>() / count as f64;
         let span = Time(gait.period.0 / 2);
         if (goal - level.goal()).abs() > SAME_LEVEL || goal == 0.0 && level.goal() != 0.0 {
             self.clocks.last_mut().expect("it walks").1.aim(present.at, span, goal);
@@ -483,10 +490,10 @@ impl Steps {
     }
 
     /// Returns true if a standing foot reaches the limit of its leg's reach or turn within `soon` seconds.
-    fn is_left_behind(&self, around: &Around, number: usize, present: &Present, soon: f64) -> bool {
-        let leg = &around.legs.legs[number];
+    fn is_out_of_reach_soon(&self, inputs: &DecisionInputs, number: usize, present: &BodyState, soon: f64) -> bool {
+        let leg = &inputs.legs.legs[number];
         let foot = step_at(&self.feet[number], present.at).foot(present.at, leg, None);
-        let lowest = self.base(present.at, around.legs) + LOWEST_HIP * leg.hip.z;
+        let lowest = self.base(present.at, inputs.legs) + LOWEST_HIP * leg.hip.z;
         let state = |pose: &Pose| {
             let (to_point, yaw) = hip_to_point(leg, &foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
@@ -499,14 +506,21 @@ impl Steps {
     }
 
     /// Goal of a foot: its place under the body in the middle of its stance, extrapolated with the present twist.
-    fn goal(&self, around: &Around, present: &Present, number: usize, clock: &Clock, touch_down: Time) -> Foothold {
-        let leg = &around.legs.legs[number];
-        let (shift, _) = orders_at(around.orders, present.at).corrections[number];
-        let gait = &around.legs.gaits[clock.gait];
+    fn goal(
+        &self,
+        inputs: &DecisionInputs,
+        present: &BodyState,
+        number: usize,
+        clock: &Clock,
+        touch_down: Time,
+    ) -> Foothold {
+        let leg = &inputs.legs.legs[number];
+        let (shift, _) = orders_at(inputs.orders, present.at).corrections[number];
+        let gait = &inputs.legs.gaits[clock.gait];
         let slot = gait.slot(number);
         // In a natural gait, the middle of the stance is not under the hip.
-        let ahead = around.natural[number].as_ref().map_or(0.0, |natural| natural.ahead);
-        let shift = shift + DVec2::new(ahead * self.level(around, present, gait, number), 0.0);
+        let ahead = inputs.natural[number].as_ref().map_or(0.0, |natural| natural.ahead);
+        let shift = shift + DVec2::new(ahead * self.level(inputs, present, gait, number), 0.0);
         let seconds = (touch_down - present.at).seconds();
         let stands = (clock.next_slot(touch_down, slot) - touch_down).seconds();
         let then = |seconds| present.pose.moved(present.twist.scaled(seconds));
@@ -514,20 +528,20 @@ impl Steps {
         let place = leg.hip.truncate();
         let nearest = at_touch_down.transform_point(place);
         let wanted = at_middle.transform_point(place + shift) - nearest;
-        let wanted = wanted.clamp_length_max(around.legs.excursion());
-        let base = self.base(present.at, around.legs);
+        let wanted = wanted.clamp_length_max(inputs.legs.excursion());
+        let base = self.base(present.at, inputs.legs);
         let tallest = TALLEST_STEP * leg.hip.z;
         let heading = at_middle.heading.remainder();
         // Moves towards the body until the step is neither too high nor too deep.
         for tried in 0..=TRIED_PLACES {
             let place = nearest + wanted * (1.0 - f64::from(tried) / f64::from(TRIED_PLACES));
-            let height = around.ground.height(place);
+            let height = inputs.ground.height(place);
             if (height - base).abs() <= tallest {
                 return Foothold { point: place.extend(height), heading };
             }
         }
         let place = nearest + wanted;
-        let height = around.ground.height(place).clamp(base - tallest, base + tallest);
+        let height = inputs.ground.height(place).clamp(base - tallest, base + tallest);
         Foothold { point: place.extend(height), heading }
     }
 
@@ -540,9 +554,9 @@ impl Steps {
     }
 
     /// Contribution of natural walking to the height of the body at `at`.
-    fn bob(&self, legs: &Legs, natural: &[Option<Natural>], at: Time) -> f64 {
+    fn bob(&self, legs: &Legs, natural: &[Option<NaturalGait>], at: Time) -> f64 {
         let Some((leg, Some(natural))) = legs.legs.first().zip(natural.first()) else { return 0.0 };
-        let of_clock = |(clock, level): &(Clock, Glide)| {
+        let of_clock = |(clock, level): &(Clock, SmoothValue)| {
             let level = level.at(at);
             if clock.opened > at || level == 0.0 {
                 return 0.0;
@@ -582,13 +596,13 @@ impl Steps {
         });
     }
 
-    fn stance(&self, legs: &Legs, natural: &[Option<Natural>], ground: &Ground, at: Time, pose: &Pose) -> Stance {
+    fn stance(&self, legs: &Legs, natural: &[Option<NaturalGait>], ground: &Ground, at: Time, pose: &Pose) -> Stance {
         let rolling = |leg: &Leg| {
             let place = pose.transform_point(leg.hip.truncate());
             let point = place.extend(ground.height(place));
             FootState { point, sole: Sole::default(), heading: pose.heading.remainder(), is_down: true }
         };
-        let foot = |((leg, steps), natural): ((&Leg, &VecDeque<Step>), &Option<Natural>)| match leg.wheel {
+        let foot = |((leg, steps), natural): ((&Leg, &VecDeque<Step>), &Option<NaturalGait>)| match leg.wheel {
             Some(_) => rolling(leg),
             None => step_at(steps, at).foot(at, leg, natural.as_ref()),
         };
@@ -655,7 +669,7 @@ impl Step {
     }
 
     /// The foothold nearest to `goal` that is at most `most` metres from the last goal.
-    fn turnable(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
+    fn limited_goal(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
         let turn = (goal.point - last.point).truncate();
         if turn.length() <= most {
@@ -694,7 +708,7 @@ impl Step {
         if self.heel_off < self.lift_off { self.rolled(self.lift_off) } else { self.from_pitch }
     }
 
-    fn foot(&self, at: Time, leg: &Leg, natural: Option<&Natural>) -> FootState {
+    fn foot(&self, at: Time, leg: &Leg, natural: Option<&NaturalGait>) -> FootState {
         let pitch = self.pitch(at, leg);
         let shape = leg.foot.unwrap_or(Foot { heel: 0.0, toe: 0.0, height: 0.0 });
         // Contact with heel, toe or the whole sole.
@@ -753,34 +767,34 @@ fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
 }
 
 /// State of the robot just before `at`.
-fn present(courses: &[Course], at: Time) -> Present {
+fn present(courses: &[Course], at: Time) -> BodyState {
     let before = courses.iter().rev().find(|course| course.start() < at).or(courses.first());
     let course = before.expect("a motion has a piece");
-    Present { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }
+    BodyState { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }
 }
 
 /// Clearance height of a swing: highest ground in between, plus step height and lift.
-fn apex(around: &Around, at: Time, leg: usize, from: &Foothold, goal: &Foothold) -> f64 {
-    let orders = orders_at(around.orders, at);
+fn apex(inputs: &DecisionInputs, at: Time, leg: usize, from: &Foothold, goal: &Foothold) -> f64 {
+    let orders = orders_at(inputs.orders, at);
     let between = |index: i32| {
         let part = f64::from(index) / f64::from(ASKED_PLACES);
-        around.ground.height(from.point.truncate().lerp(goal.point.truncate(), part))
+        inputs.ground.height(from.point.truncate().lerp(goal.point.truncate(), part))
     };
     let (_, lift) = orders.corrections[leg];
     let highest = (1..ASKED_PLACES).map(between).fold(from.point.z.max(goal.point.z), f64::max);
     // A foot passes through ground that is higher than the leg can step over.
-    let most = from.point.z.max(goal.point.z) + TALLEST_STEP * around.legs.legs[leg].hip.z;
+    let most = from.point.z.max(goal.point.z) + TALLEST_STEP * inputs.legs.legs[leg].hip.z;
     highest.min(most) + orders.step_height + lift
 }
 
 /// Returns true if a foot is away from its place by more than a tolerance, m and rad.
 fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool {
     let place = pose.transform_point(leg.hip.truncate());
-    (foothold.point.truncate() - place).length() > tolerance || twisted(foothold, pose).abs() > tolerance
+    (foothold.point.truncate() - place).length() > tolerance || foot_yaw(foothold, pose).abs() > tolerance
 }
 
 /// Angle from the body to the foot.
-fn twisted(foothold: &Foothold, pose: &Pose) -> f64 {
+fn foot_yaw(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
 }
 

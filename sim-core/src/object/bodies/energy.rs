@@ -9,14 +9,14 @@ use super::Velocity;
 
 /// A body in an island of touching bodies.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Member {
+pub(super) struct IslandBody {
     pub mass: f64,
     pub inertia: f64,
     pub centre: DVec2,
     pub velocity: Velocity,
 }
 
-impl Member {
+impl IslandBody {
     pub fn energy(&self) -> f64 {
         0.5 * (self.mass * self.velocity.linear.length_squared()
             + self.inertia * self.velocity.omega * self.velocity.omega)
@@ -24,21 +24,21 @@ impl Member {
 }
 
 /// Scales the velocities of an island so that its energy is at most `limit`; `is_held` if it touches an immovable body.
-pub(super) fn limit(members: &mut [Member], limit: f64, is_held: bool) {
-    let energy: f64 = members.iter().map(Member::energy).sum();
+pub(super) fn limit(members: &mut [IslandBody], limit: f64, is_held: bool) {
+    let energy: f64 = members.iter().map(IslandBody::energy).sum();
     if energy <= limit {
         return;
     }
     let common = if is_held { Rigid::default() } else { Rigid::of(members) };
     let (mut shared, mut relative) = (0.0, 0.0);
     for member in members.iter() {
-        let rigid = Member { velocity: common.at(member.centre), ..*member };
+        let rigid = IslandBody { velocity: common.at(member.centre), ..*member };
         let rest = Velocity {
             linear: member.velocity.linear - rigid.velocity.linear,
             omega: member.velocity.omega - rigid.velocity.omega,
         };
         shared += rigid.energy();
-        relative += Member { velocity: rest, ..*member }.energy();
+        relative += IslandBody { velocity: rest, ..*member }.energy();
     }
     let factor = if relative > 0.0 { ((limit - shared).max(0.0) / relative).sqrt().min(1.0) } else { 0.0 };
     // The common motion can exceed the limit only by rounding, or because the arms changed during the step.
@@ -63,7 +63,7 @@ struct Rigid {
 
 impl Rigid {
     /// Rigid motion with the total momentum and angular momentum of `members`.
-    fn of(members: &[Member]) -> Self {
+    fn of(members: &[IslandBody]) -> Self {
         let mass: f64 = members.iter().map(|member| member.mass).sum();
         let centre = members.iter().map(|member| member.centre * member.mass).sum::<DVec2>() / mass;
         let velocity = members.iter().map(|member| member.velocity.linear * member.mass).sum::<DVec2>() / mass;
@@ -85,8 +85,8 @@ impl Rigid {
 mod tests {
     use super::*;
 
-    fn pair() -> [Member; 2] {
-        let member = |x: f64, vx: f64, omega: f64| Member {
+    fn pair() -> [IslandBody; 2] {
+        let member = |x: f64, vx: f64, omega: f64| IslandBody {
             mass: 1.0 + x,
             inertia: 0.1,
             centre: DVec2::new(x, 0.3 * x),
@@ -95,11 +95,11 @@ mod tests {
         [member(0.0, 1.0, 2.0), member(1.0, -0.5, -1.0)]
     }
 
-    fn sums(members: &[Member]) -> (DVec2, f64, f64) {
+    fn sums(members: &[IslandBody]) -> (DVec2, f64, f64) {
         let momentum = members.iter().map(|m| m.velocity.linear * m.mass).sum();
         let angular =
             members.iter().map(|m| m.inertia * m.velocity.omega + m.mass * m.centre.perp_dot(m.velocity.linear)).sum();
-        (momentum, angular, members.iter().map(Member::energy).sum())
+        (momentum, angular, members.iter().map(IslandBody::energy).sum())
     }
 
     #[test]

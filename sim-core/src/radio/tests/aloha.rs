@@ -4,8 +4,8 @@ use super::*;
 use crate::math::{exp, ln};
 use crate::noise::{Purpose, Stream};
 
-const ALOHA: Model =
-    Model { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
+const ALOHA: RadioModel =
+    RadioModel { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 
 /// Share of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval. Messages begin at
 /// random, on average `g` in the duration of one, each from another robot.
@@ -66,7 +66,7 @@ fn the_length_of_a_slot_changes_no_collision() {
 fn a_hidden_terminal_disturbs_only_where_it_is_heard() {
     let mut channel = channel(ALOHA, Vec::new(), 4);
     let far = |robot: u32| (RobotId(robot), Loss::Range);
-    let message = |from, to, at, out_of_reach| Sending {
+    let message = |from, to, at, out_of_reach| SentMessage {
         out_of_reach,
         ..sending(from, 1, Address::One(to), b"hello".to_vec(), Time(at))
     };
@@ -84,16 +84,16 @@ fn who_sends_hears_nothing_meanwhile() {
         let mut channel = channel(ALOHA, Vec::new(), 3);
         let air = air_time(5, BAUD);
         // 2 sends to 3 and reaches no other robot: the message from 1 to 2 is lost only because 2 itself is sending.
-        let own = Sending {
+        let own = SentMessage {
             out_of_reach: vec![(RobotId(1), Loss::Sight)],
             ..sending(2, 1, Address::One(3), b"12345".to_vec(), Time(10_000))
         };
-        let other = Sending {
+        let other = SentMessage {
             out_of_reach: vec![(RobotId(3), Loss::Sight)],
             ..sending(1, 1, Address::One(2), b"12345".to_vec(), Time(10_000 + begins * air.0))
         };
-        let later = Sending { sent: Time(other.sent.0 + begins.signum()), ..other };
-        let later = Sending { begins: Some(later.sent), ..later };
+        let later = SentMessage { sent: Time(other.sent.0 + begins.signum()), ..other };
+        let later = SentMessage { begins: Some(later.sent), ..later };
         let fates = channel.exchange(Time::from_millis(50), vec![own, later]);
         assert!(fates.iter().any(|fate| fate.to == RobotId(3) && fate.outcome.is_ok()), "3 hears 2 alone");
         fates.into_iter().find(|fate| fate.to == RobotId(2)).expect("it is meant").outcome.map(|_| ())
@@ -117,7 +117,7 @@ fn what_only_touches_does_not_overlap() {
 /// A message that ended before another was decided still collides with it.
 #[test]
 fn collisions_are_remembered_across_slots() {
-    let model = Model { latency: Time::from_millis(500), ..ALOHA };
+    let model = RadioModel { latency: Time::from_millis(500), ..ALOHA };
     let mut channel = channel(model, Vec::new(), 1);
     let slot = |index: i64| Time(1_000 * index);
     let mut outcomes = Vec::new();

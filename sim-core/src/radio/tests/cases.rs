@@ -11,7 +11,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(model: Model) -> Self {
+    fn new(model: RadioModel) -> Self {
         let stations = [1, 2].map(|robot| {
             let mut station = Station::new(RobotId(robot), &model);
             station.switch_on(robot, model.baud);
@@ -66,7 +66,8 @@ fn the_time_on_the_air_is_that_of_its_bits() {
 fn a_day_on_the_air_and_hours_of_latency_take_a_slot_each() {
     for medium in MEDIA {
         for slot in [Time(1_000), Time::from_millis(50), Time::from_millis(10_000)] {
-            let model = Model { medium, baud: 1, latency: Time::from_millis(3 * 3_600_000), ..Model::default() };
+            let model =
+                RadioModel { medium, baud: 1, latency: Time::from_millis(3 * 3_600_000), ..RadioModel::default() };
             let mut pair = Pair::new(model);
             pair.end_slot(slot);
             let sent = slot + Time(17);
@@ -84,7 +85,7 @@ fn a_day_on_the_air_and_hours_of_latency_take_a_slot_each() {
 fn the_end_of_time_is_never_reached() {
     for medium in MEDIA {
         let late = Time(i64::MAX - 1_000);
-        let mut pair = Pair::new(Model { medium, latency: Time::NEVER, ..Model::default() });
+        let mut pair = Pair::new(RadioModel { medium, latency: Time::NEVER, ..RadioModel::default() });
         pair.end_slot(Time(i64::MAX - 2_000));
         pair.send(late, b"too late");
         let mut fates = pair.end_slot(Time::NEVER - Time(1));
@@ -100,14 +101,14 @@ fn the_end_of_time_is_never_reached() {
 fn what_has_not_begun_when_its_station_is_switched_off_is_never_sent() {
     let slot = Time::from_millis(50);
     for medium in MEDIA {
-        let mut pair = Pair::new(Model { medium, ..Model::default() });
+        let mut pair = Pair::new(RadioModel { medium, ..RadioModel::default() });
         pair.end_slot(slot);
         // Long before the token arrives, 4 frames after the slot's end.
         for _ in 0..3 {
             pair.send(slot, &[0; 100]);
         }
         pair.stations[0].switch_off(slot + Time(1));
-        pair.stations[0].switch_on(1, Model::default().baud);
+        pair.stations[0].switch_on(1, RadioModel::default().baud);
         pair.send(slot + Time(20), b"again");
         let fates = pair.end_slot(slot + slot);
         let all: Vec<_> = {
@@ -127,7 +128,7 @@ fn what_has_not_begun_when_its_station_is_switched_off_is_never_sent() {
 fn a_free_medium_sends_what_it_has_taken_and_aloha_stops() {
     for (medium, second) in [(Medium::Free, Ok(())), (Medium::Aloha, Err(Loss::Unsent))] {
         let slot = Time::from_millis(1);
-        let mut pair = Pair::new(Model { medium, ..Model::default() });
+        let mut pair = Pair::new(RadioModel { medium, ..RadioModel::default() });
         // 9.3 ms each.
         pair.send(Time::ZERO, &[0; 100]);
         pair.send(Time::ZERO, &[0; 100]);
@@ -148,7 +149,7 @@ fn a_free_medium_sends_what_it_has_taken_and_aloha_stops() {
 #[test]
 fn who_is_switched_off_hears_nothing_of_what_was_on_its_way() {
     let slot = Time::from_millis(50);
-    let mut pair = Pair::new(Model { latency: Time::from_millis(100), ..Model::default() });
+    let mut pair = Pair::new(RadioModel { latency: Time::from_millis(100), ..RadioModel::default() });
     pair.send(Time::ZERO, b"one");
     pair.end_slot(slot).into_iter().for_each(|fate| pair.stations[1].deliver(fate));
     let off = pair.stations[1].switch_off(Time::from_millis(60));
@@ -164,7 +165,7 @@ fn who_is_switched_off_hears_nothing_of_what_was_on_its_way() {
 
 #[test]
 fn a_buffer_that_is_full_takes_nothing_more() {
-    let mut pair = Pair::new(Model::default());
+    let mut pair = Pair::new(RadioModel::default());
     let mut station = pair.stations[1].clone();
     let delivery = |sequence: u64, bytes: usize| Delivery {
         to: RobotId(2),
@@ -183,7 +184,7 @@ fn a_buffer_that_is_full_takes_nothing_more() {
     assert_eq!(outcomes(&settled), [(1, Ok(())), (2, full), (3, Ok(())), (4, full)]);
     assert_eq!(station.waiting(), 2);
     // Likewise for the outgoing buffer, which has room again as transmissions end.
-    let baud = Model::default().baud;
+    let baud = RadioModel::default().baud;
     pair.send(Time::ZERO, &[0; BUFFER]);
     let end = air_time(BUFFER, baud);
     assert_eq!(pair.stations[0].send(end - Time(1), Address::All, &[], Vec::new()).err(), Some(Full));
@@ -193,7 +194,7 @@ fn a_buffer_that_is_full_takes_nothing_more() {
 #[test]
 fn all_at_one_instant_are_in_the_order_of_their_senders() {
     for medium in [Medium::Free, Medium::TokenRing] {
-        let mut channel = channel(Model { medium, ..Model::default() }, Vec::new(), 50);
+        let mut channel = channel(RadioModel { medium, ..RadioModel::default() }, Vec::new(), 50);
         channel.exchange(Time(1), Vec::new());
         let own = |from| sending(from, 1, Address::All, vec![0; 4], Time(1));
         let fates = channel.exchange(Time::from_millis(10_000), (1..=50).rev().map(own).collect());
@@ -205,8 +206,8 @@ fn all_at_one_instant_are_in_the_order_of_their_senders() {
 
 #[test]
 fn messages_of_one_address_go_to_all_who_have_it() {
-    let mut channel = channel(Model::default(), Vec::new(), 4);
-    let member = |robot, address, baud| Some(Member { robot: RobotId(robot), address, baud });
+    let mut channel = channel(RadioModel::default(), Vec::new(), 4);
+    let member = |robot, address, baud| Some(StationInfo { robot: RobotId(robot), address, baud });
     channel.set_member(RobotId(2), member(2, 7, BAUD));
     channel.set_member(RobotId(4), member(4, 7, 9_600));
     channel.set_member(RobotId(3), None);

@@ -17,8 +17,8 @@ struct Sample {
 }
 
 /// Sends `count` messages of zeros from robot 2 to robot 1.
-fn sample(errors: Radio, count: usize) -> Sample {
-    let mut channel = channel(Model::default(), vec![errors], 2);
+fn sample(errors: RadioNoise, count: usize) -> Sample {
+    let mut channel = channel(RadioModel::default(), vec![errors], 2);
     let mut messages = Vec::new();
     let mut lost = 0;
     for batch in 0..count.div_ceil(1000) {
@@ -105,7 +105,7 @@ const LEAST: f64 = 0.001;
 #[test]
 fn a_million_messages_have_the_rates_that_are_set() {
     for (bit_error_rate, packet_loss) in [(0.0, 0.2), (1e-4, 0.01), (1e-3, 0.001), (0.02, 0.5), (0.5, 0.9)] {
-        let Sample { messages, lost } = sample(Radio { bit_error_rate, packet_loss }, MILLION);
+        let Sample { messages, lost } = sample(RadioNoise { bit_error_rate, packet_loss }, MILLION);
         let p = binomial(lost, MILLION as u64, packet_loss);
         assert!(p > LEAST, "{lost} lost at {packet_loss}: {p}");
         let wrong = messages.iter().map(|wrong| wrong.len() as u64).sum();
@@ -117,7 +117,7 @@ fn a_million_messages_have_the_rates_that_are_set() {
 #[test]
 fn errors_are_uniform_and_independent() {
     for (p, count) in [(0.001, MILLION), (0.01, 200_000), (0.3, 10_000)] {
-        let Sample { messages, .. } = sample(Radio { bit_error_rate: p, packet_loss: 0.1 }, count);
+        let Sample { messages, .. } = sample(RadioNoise { bit_error_rate: p, packet_loss: 0.1 }, count);
         for (what, value) in verdicts(&messages, p) {
             assert!(value > LEAST, "{what} at {p}: {value}");
         }
@@ -189,8 +189,8 @@ fn the_same_tests_catch_biased_generators() {
 #[test]
 fn receivers_senders_and_messages_draw_independently() {
     const COUNT: u64 = 20_000;
-    let errors = Radio { bit_error_rate: 0.01, packet_loss: 0.3 };
-    let mut channel = channel(Model::default(), vec![errors; 4], 4);
+    let errors = RadioNoise { bit_error_rate: 0.01, packet_loss: 0.3 };
+    let mut channel = channel(RadioModel::default(), vec![errors; 4], 4);
     let mut heard = vec![[None; 5]; COUNT as usize];
     for message in 0..COUNT {
         // Robots 1 and 2 send to all: 3 and 4 receive both, with the same message numbers.

@@ -8,11 +8,11 @@ mod ring;
 mod schedules;
 
 use super::*;
-use crate::noise::Radio;
+use crate::noise::RadioNoise;
 
 /// A message from robot `from`, whose address is its own number.
-fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> Sending {
-    Sending {
+fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> SentMessage {
+    SentMessage {
         from: RobotId(from),
         address: from,
         sequence,
@@ -28,10 +28,11 @@ fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) 
 const BAUD: u32 = 115_200;
 
 /// A channel with the members 1 to `members`, each with its number as its address.
-fn channel(model: Model, errors: Vec<Radio>, members: u32) -> Channel {
+fn channel(model: RadioModel, errors: Vec<RadioNoise>, members: u32) -> Channel {
     let mut channel = Channel::new(model, 42, errors);
     for robot in 1..=members {
-        channel.set_member(RobotId(robot), Some(Member { robot: RobotId(robot), address: robot, baud: model.baud }));
+        channel
+            .set_member(RobotId(robot), Some(StationInfo { robot: RobotId(robot), address: robot, baud: model.baud }));
     }
     channel
 }

@@ -25,11 +25,11 @@ pub enum Deed {
 /// A run as a list of operations with times and robots.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    pub model: Model,
+    pub model: RadioModel,
     pub slot: Time,
     pub seed: u64,
     /// Noise model of each robot.
-    pub errors: Vec<Radio>,
+    pub errors: Vec<RadioNoise>,
     /// Robots that each robot cannot reach.
     pub out_of_reach: Vec<Vec<(RobotId, Loss)>>,
     /// In order of time; operations of one robot are at different instants.
@@ -247,7 +247,7 @@ impl Oracle<'_> {
             frame = Self::duration(self.sent[message].payload.len(), self.sent[message].baud);
         }
         let (next, _) = self.ring[(place + 1) % self.ring.len()];
-        let Radio { bit_error_rate, packet_loss } = self.schedule.errors[next.index()];
+        let RadioNoise { bit_error_rate, packet_loss } = self.schedule.errors[next.index()];
         let mut risk = 0.0;
         if self.ring.len() > 1 {
             risk -= if packet_loss > 0.0 { ln_1p(-packet_loss) } else { 0.0 };

@@ -4,12 +4,12 @@ use accuracy::statistics::binomial;
 
 use super::*;
 
-const RING: Model =
-    Model { medium: Medium::TokenRing, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
+const RING: RadioModel =
+    RadioModel { medium: Medium::TokenRing, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 const SLOT: Time = Time::from_millis(50);
 
 /// A ring of `members` stations, formed at the end of the first slot.
-fn ring(errors: Vec<Radio>, members: u32) -> Channel {
+fn ring(errors: Vec<RadioNoise>, members: u32) -> Channel {
     let mut channel = channel(RING, errors, members);
     assert_eq!(channel.exchange(SLOT, Vec::new()), []);
     channel
@@ -24,12 +24,12 @@ fn start(members: i64) -> Time {
     SLOT + Time((SILENCE + members) * frame().0)
 }
 
-fn waiting(from: u32, sequence: u64, to: Address, bytes: usize, sent: Time) -> Sending {
-    Sending { begins: None, ..sending(from, sequence, to, vec![0; bytes], sent) }
+fn waiting(from: u32, sequence: u64, to: Address, bytes: usize, sent: Time) -> SentMessage {
+    SentMessage { begins: None, ..sending(from, sequence, to, vec![0; bytes], sent) }
 }
 
 /// Each of `count` robots has `each` messages of its own length from the start; returns (sender, begin, end) in order.
-fn saturated(errors: Radio, count: u32, each: u64) -> Vec<(u32, Time, Time)> {
+fn saturated(errors: RadioNoise, count: u32, each: u64) -> Vec<(u32, Time, Time)> {
     let mut channel = ring(vec![errors; count as usize], count);
     let messages = (1..=count).flat_map(|from| (1..=each).map(move |sequence| (from, sequence)));
     let bytes = |from: u32| 3 * from as usize;
@@ -51,7 +51,7 @@ fn saturated(errors: Radio, count: u32, each: u64) -> Vec<(u32, Time, Time)> {
 
 #[test]
 fn one_at_a_time_sends_and_all_in_turn() {
-    let sent = saturated(Radio::default(), 7, 30);
+    let sent = saturated(RadioNoise::default(), 7, 30);
     assert_eq!(sent[0].1, start(7));
     for (place, pair) in sent.windows(2).enumerate() {
         assert_eq!(pair[0].0, place as u32 % 7 + 1, "in the order of their numbers");
@@ -62,7 +62,7 @@ fn one_at_a_time_sends_and_all_in_turn() {
 #[test]
 fn a_lost_token_is_made_anew_and_nobody_starves() {
     for (bit_error_rate, packet_loss) in [(0.0, 0.2), (0.01, 0.0), (0.001, 0.9), (0.0, 1.0), (1.0, 0.0)] {
-        let radio = Radio { bit_error_rate, packet_loss };
+        let radio = RadioNoise { bit_error_rate, packet_loss };
         let sent = saturated(radio, 5, 400);
         let mut lost = 0;
         for (place, pair) in sent.windows(2).enumerate() {
@@ -98,7 +98,7 @@ fn an_idle_ring_costs_nothing_and_is_where_it_must_be() {
 #[test]
 fn an_idle_ring_loses_its_token_as_often_however_it_is_asked() {
     let begin = |packet_loss: f64, step: Time| {
-        let mut channel = ring(vec![Radio { bit_error_rate: 1e-5, packet_loss }; 3], 3);
+        let mut channel = ring(vec![RadioNoise { bit_error_rate: 1e-5, packet_loss }; 3], 3);
         let end = Time::from_millis(600_000);
         let mut time = SLOT;
         while time + step < end {
@@ -153,7 +153,7 @@ fn a_ring_that_all_have_left_begins_anew() {
     channel.set_member(RobotId(1), None);
     channel.set_member(RobotId(2), None);
     assert_eq!(channel.exchange(Time::from_millis(100), Vec::new()), []);
-    let member = |robot| Some(Member { robot: RobotId(robot), address: robot, baud: BAUD });
+    let member = |robot| Some(StationInfo { robot: RobotId(robot), address: robot, baud: BAUD });
     channel.set_member(RobotId(2), member(2));
     assert_eq!(channel.exchange(Time::from_millis(1_000), Vec::new()), []);
     let fates =
@@ -166,11 +166,11 @@ fn a_ring_that_all_have_left_begins_anew() {
 fn the_speed_of_each_is_that_of_its_frames() {
     let mut channel = Channel::new(RING, 1, Vec::new());
     for (robot, baud) in [(1, 9_600), (2, 115_200)] {
-        channel.set_member(RobotId(robot), Some(Member { robot: RobotId(robot), address: robot, baud }));
+        channel.set_member(RobotId(robot), Some(StationInfo { robot: RobotId(robot), address: robot, baud }));
     }
     channel.exchange(SLOT, Vec::new());
     let start = SLOT + Time((SILENCE + 2) * air_time(0, 9_600).0);
-    let of = |from, baud| Sending { baud, ..waiting(from, 1, Address::All, 10, start) };
+    let of = |from, baud| SentMessage { baud, ..waiting(from, 1, Address::All, 10, start) };
     let fates = channel.exchange(Time::from_millis(1_000), vec![of(1, 9_600), of(2, 115_200)]);
     let first = start + air_time(10, 9_600);
     assert_eq!(fates.iter().map(|fate| fate.arrives).collect::<Vec<_>>(), [first + air_time(10, 115_200), first]);

@@ -78,7 +78,7 @@ fn schedule(seed: u64) -> Schedule {
     let slot = Time([1, 1 + random.below(20) as i64, 1 + random.below(100) as i64, 1000][random.below(4)]);
     let rate = [0.0, 0.0, 0.3, 1.0];
     let is_noisy = random.chance(0.5);
-    let error = |random: &mut Random| Radio {
+    let error = |random: &mut Random| RadioNoise {
         bit_error_rate: if is_noisy && random.chance(0.2) { 1.0 } else { 0.0 },
         packet_loss: if is_noisy { rate[random.below(4)] } else { 0.0 },
     };
@@ -124,7 +124,7 @@ fn schedule(seed: u64) -> Schedule {
         }
     }
     deeds.sort_by_key(|(at, robot, _)| (*at, *robot));
-    let model = Model { medium, latency: Time(latency), baud: BAUDS[0], ..Model::default() };
+    let model = RadioModel { medium, latency: Time(latency), baud: BAUDS[0], ..RadioModel::default() };
     Schedule { model, slot, seed, errors, out_of_reach, deeds, end: Time(end) }
 }
 
@@ -238,7 +238,7 @@ fn a_listener_more_changes_nothing_for_others() {
     for seed in (0..3_000).filter(|seed| schedule(*seed).model.medium != Medium::TokenRing) {
         let mut schedule = schedule(seed);
         let before = run(&schedule, PLAIN);
-        schedule.errors.push(Radio { bit_error_rate: 0.2, packet_loss: 0.5 });
+        schedule.errors.push(RadioNoise { bit_error_rate: 0.2, packet_loss: 0.5 });
         schedule.out_of_reach.push(Vec::new());
         let listener = RobotId::from_index(schedule.errors.len() - 1);
         schedule.deeds.insert(0, (Time::ZERO, listener, Deed::On { address: 99, baud: BAUDS[0] }));

@@ -9,72 +9,72 @@ const BINS: usize = 32;
 
 /// A binary tree over boxes, with single boxes as leaves.
 pub(super) struct Binary {
-    forks: Vec<Fork>,
+    subtrees: Vec<Subtree>,
     /// Indices of the boxes, ordered so that those below a fork are contiguous.
     order: Vec<usize>,
 }
 
 /// A subtree. Its children come later in the list.
-struct Fork {
+struct Subtree {
     bounds: Box3,
     /// Its boxes in [`Binary::order`].
     range: Range<usize>,
     /// The left child; the right one follows it in the list. `None` for a single box.
     left: Option<usize>,
-    best: Best,
+    best: Collapse,
 }
 
 /// The cheapest way to collapse a subtree.
 #[derive(Default)]
-struct Best {
+struct Collapse {
     /// Expected cost of the subtree as at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
     /// Share of the left subtree in at most 2, 3, ... 8 children; 0 if one child fewer is as good.
     left: [usize; WIDTH - 1],
-    /// As one child, the subtree is cheapest as a block of triangles.
+    /// As one child, the subtree is cheapest as a batch of triangles.
     is_block: bool,
 }
 
 impl Binary {
-    /// The tree over `boxes`, at least one; testing a block costs `block_cost` times as much as testing a node.
-    pub fn new(boxes: &[Box3], block_cost: f32) -> Self {
+    /// The tree over `boxes`, at least one; testing a batch costs `batch_cost` times as much as testing a node.
+    pub fn new(boxes: &[Box3], batch_cost: f32) -> Self {
         let mut order: Vec<usize> = (0..boxes.len()).collect();
-        let mut forks = vec![Fork::new(boxes, &order, 0..boxes.len())];
+        let mut subtrees = vec![Subtree::new(boxes, &order, 0..boxes.len())];
         let mut next = 0;
-        while let Some(Fork { range, .. }) = forks.get(next) {
+        while let Some(Subtree { range, .. }) = subtrees.get(next) {
             let range = range.clone();
             if range.len() > 1 {
                 let middle = range.start + split(boxes, &mut order[range.clone()]);
-                forks[next].left = Some(forks.len());
-                forks.push(Fork::new(boxes, &order, range.start..middle));
-                forks.push(Fork::new(boxes, &order, middle..range.end));
+                subtrees[next].left = Some(subtrees.len());
+                subtrees.push(Subtree::new(boxes, &order, range.start..middle));
+                subtrees.push(Subtree::new(boxes, &order, middle..range.end));
             }
             next += 1;
         }
-        let mut binary = Self { forks, order };
-        for place in (0..binary.forks.len()).rev() {
-            binary.forks[place].best = binary.weighed(place, block_cost);
+        let mut binary = Self { subtrees, order };
+        for place in (0..binary.subtrees.len()).rev() {
+            binary.subtrees[place].best = binary.cheapest_collapse(place, batch_cost);
         }
         binary
     }
 
-    /// Returns true if the subtree is cheapest as a block of triangles.
+    /// Returns true if the subtree is cheapest as a batch of triangles.
     pub fn is_block(&self, root: usize) -> bool {
-        self.forks[root].best.is_block
+        self.subtrees[root].best.is_block
     }
 
     /// Indices of all boxes below a subtree.
     pub fn places(&self, root: usize) -> &[usize] {
-        &self.order[self.forks[root].range.clone()]
+        &self.order[self.subtrees[root].range.clone()]
     }
 
     /// Appends the subtrees that become the children, at most `parts`, of a wide node made of `root`.
     pub fn split(&self, root: usize, parts: usize, into: &mut Vec<usize>) {
-        let Some(left) = self.forks[root].left.filter(|_| parts > 1) else {
+        let Some(left) = self.subtrees[root].left.filter(|_| parts > 1) else {
             into.push(root);
             return;
         };
-        match self.forks[root].best.left[parts - 2] {
+        match self.subtrees[root].best.left[parts - 2] {
             0 => self.split(root, parts - 1, into),
             share => {
                 self.split(left, share, into);
@@ -84,19 +84,20 @@ impl Binary {
     }
 
     /// Source: Ylitie, Karras and Laine 2017, section 3.1.
-    fn weighed(&self, place: usize, block_cost: f32) -> Best {
-        let fork = &self.forks[place];
+    fn cheapest_collapse(&self, place: usize, batch_cost: f32) -> Collapse {
+        let fork = &self.subtrees[place];
         let area = fork.bounds.half_area();
-        let block = area * block_cost;
+        let batch = area * batch_cost;
         let Some(left) = fork.left else {
-            return Best { costs: [block; WIDTH - 1], left: [0; WIDTH - 1], is_block: true };
+            return Collapse { costs: [batch; WIDTH - 1], left: [0; WIDTH - 1], is_block: true };
         };
-        let mut best = Best::default();
+        let mut best = Collapse::default();
         // By the number of parts.
         let mut costs = [f32::INFINITY; WIDTH + 1];
         for (parts, least) in costs.iter_mut().enumerate().skip(2) {
             for share in 1..parts {
-                let cost = self.forks[left].best.costs[share - 1] + self.forks[left + 1].best.costs[parts - share - 1];
+                let cost =
+                    self.subtrees[left].best.costs[share - 1] + self.subtrees[left + 1].best.costs[parts - share - 1];
                 if cost < *least {
                     *least = cost;
                     best.left[parts - 2] = share;
@@ -104,8 +105,8 @@ impl Binary {
             }
         }
         let inner = area + costs[WIDTH];
-        best.is_block = fork.range.len() <= WIDTH && block <= inner;
-        best.costs[0] = if best.is_block { block } else { inner };
+        best.is_block = fork.range.len() <= WIDTH && batch <= inner;
+        best.costs[0] = if best.is_block { batch } else { inner };
         for (parts, &cost) in costs.iter().enumerate().take(WIDTH).skip(2) {
             let fewer = best.costs[parts - 2];
             if fewer <= cost {
@@ -117,10 +118,10 @@ impl Binary {
     }
 }
 
-impl Fork {
+impl Subtree {
     fn new(boxes: &[Box3], order: &[usize], range: Range<usize>) -> Self {
         let bounds = order[range.clone()].iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(boxes[place]));
-        Self { bounds, range, left: None, best: Best::default() }
+        Self { bounds, range, left: None, best: Collapse::default() }
     }
 }
 

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::binary::Binary;
 use super::frame::Frame;
-use super::node::{Block, Box3, Child, Node, PADDING, Tree, WIDTH};
+use super::node::{Box3, Child, Node, PADDING, Tree, TriangleBatch, WIDTH};
 
 /// Maximum depth of a tree.
 pub(super) const DEPTH: usize = 24;
@@ -12,8 +12,8 @@ pub(super) const DEPTH: usize = 24;
 /// Depth from which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
 const BALANCED_FROM: usize = 14;
 
-/// Cost of testing a block relative to a node.
-const BLOCK_COST: f32 = 1.0;
+/// Cost of testing a batch relative to a node.
+const BATCH_COST: f32 = 1.0;
 
 /// The tree over the `triangles` whose numbers are in `met`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
@@ -23,7 +23,7 @@ pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree
         .collect();
     let boxes: Vec<Box3> = seen.iter().map(padded).collect();
     let mut builder = Builder { triangles, numbers: met, seen: &seen, boxes: &boxes, tree: Tree::default() };
-    builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BLOCK_COST), 0, 0).0);
+    builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BATCH_COST), 0, 0).0);
     builder.tree
 }
 
@@ -46,7 +46,7 @@ impl Builder<'_> {
     /// Adds a subtree of the binary tree as one child.
     fn subtree(&mut self, binary: &Binary, root: usize, depth: usize) -> (Child, Box3) {
         if binary.is_block(root) {
-            return self.block(binary.places(root).to_vec());
+            return self.batch(binary.places(root).to_vec());
         }
         if depth >= BALANCED_FROM {
             return self.balanced(binary.places(root).to_vec(), depth);
@@ -61,7 +61,7 @@ impl Builder<'_> {
     /// Adds triangles as one child, split by count alone.
     fn balanced(&mut self, mut places: Vec<usize>, depth: usize) -> (Child, Box3) {
         if places.len() <= WIDTH {
-            return self.block(places);
+            return self.batch(places);
         }
         let bounds = self.bounds(&places);
         let size = bounds.high - bounds.low;
@@ -84,21 +84,21 @@ impl Builder<'_> {
         places.iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(self.boxes[place]))
     }
 
-    fn block(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
+    fn batch(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
         places.sort_unstable();
-        let mut block = Block::EMPTY;
+        let mut batch = TriangleBatch::EMPTY;
         for (lane, &place) in places.iter().enumerate() {
             let number = self.numbers[place];
-            block.numbers[lane] = number;
-            block.corners[lane] = self.triangles[number as usize];
+            batch.numbers[lane] = number;
+            batch.corners[lane] = self.triangles[number as usize];
             for (number, corner) in self.seen[place].iter().enumerate() {
                 for axis in 0..3 {
-                    block.seen[axis][number][lane] = corner[axis];
+                    batch.seen[axis][number][lane] = corner[axis];
                 }
             }
         }
-        self.tree.blocks.push(block);
-        (Child::block(self.tree.blocks.len() - 1), self.bounds(&places))
+        self.tree.batches.push(batch);
+        (Child::batch(self.tree.batches.len() - 1), self.bounds(&places))
     }
 
     /// Adds an empty node at this depth; that of the root is 0.

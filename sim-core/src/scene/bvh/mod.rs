@@ -105,8 +105,8 @@ impl MeshIndex {
         let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
         walk::nearest(self.level, &self.tree, frame, &mut ray);
         let nearest = ray.nearest()?;
-        let (block, lane) = nearest.place;
-        let normal = normal(&self.tree.blocks[block].corners[lane], direction);
+        let (batch, lane) = nearest.place;
+        let normal = normal(&self.tree.batches[batch].corners[lane], direction);
         Some(MeshHit { distance: (entry.distance + nearest.distance).min(range), triangle: nearest.triangle, normal })
     }
 }

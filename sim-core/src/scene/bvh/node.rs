@@ -1,8 +1,8 @@
-//! Nodes and blocks of the tree.
+//! Nodes and batches of the tree.
 
 use glam::{DVec3, Vec3};
 
-/// Children per node, and triangles per block.
+/// Children per node, and triangles per batch.
 pub(super) const WIDTH: usize = 8;
 
 /// Margin of the boxes around their triangles on all sides, in tree units: 24 units of rounding of 1.
@@ -17,7 +17,7 @@ pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
-    pub blocks: Vec<Block>,
+    pub batches: Vec<TriangleBatch>,
     /// `None` for an empty tree.
     pub root: Option<Child>,
     /// Number of nodes on the longest path from the root.
@@ -33,32 +33,32 @@ pub(super) struct Node {
     pub children: [Child; WIDTH],
 }
 
-/// Reference to a node or block: its index in [`Tree::nodes`] or, with the highest bit set, in [`Tree::blocks`].
+/// Reference to a node or batch: its index in [`Tree::nodes`] or, with the highest bit set, in [`Tree::batches`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Child(pub u32);
 
-const BLOCK: u32 = 1 << 31;
+const BATCH: u32 = 1 << 31;
 
 impl Child {
     pub fn node(place: usize) -> Self {
         Self(u32::try_from(place).expect("fewer than 2^28 triangles"))
     }
 
-    pub fn block(place: usize) -> Self {
-        Self(u32::try_from(place).expect("fewer than 2^28 triangles") | BLOCK)
+    pub fn batch(place: usize) -> Self {
+        Self(u32::try_from(place).expect("fewer than 2^28 triangles") | BATCH)
     }
 
-    /// Index into the tree's blocks; `None` for a node.
+    /// Index into the tree's batches; `None` for a node.
     #[inline(always)]
-    pub fn as_block(self) -> Option<usize> {
-        (self.0 & BLOCK != 0).then_some((self.0 & !BLOCK) as usize)
+    pub fn as_batch(self) -> Option<usize> {
+        (self.0 & BATCH != 0).then_some((self.0 & !BATCH) as usize)
     }
 }
 
 /// Up to eight triangles.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct TriangleBatch {
     /// By axis and corner, in tree coordinates; unused places are NaN, which no ray hits.
     pub seen: [[[f32; WIDTH]; 3]; 3],
     /// Numbers of the triangles.
@@ -67,7 +67,7 @@ pub(super) struct Block {
     pub corners: [[DVec3; 3]; WIDTH],
 }
 
-impl Block {
+impl TriangleBatch {
     pub const EMPTY: Self =
         Self { seen: [[[f32::NAN; WIDTH]; 3]; 3], numbers: [u32::MAX; WIDTH], corners: [[DVec3::NAN; 3]; WIDTH] };
 }

@@ -2,7 +2,7 @@
 
 use super::build::DEPTH;
 use super::frame::Frame;
-use super::node::{Block, Child, Node, Tree, WIDTH};
+use super::node::{Child, Node, Tree, TriangleBatch, WIDTH};
 use super::ray::Ray;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
@@ -108,26 +108,26 @@ impl<S: Simd> Probe<S> {
         (near.into(), near.simd_le(far).to_bitmask() as u32)
     }
 
-    /// One corner of each of a block's triangles in ray coordinates: sheared, so that the ray runs through 0.
+    /// One corner of each of a batch's triangles in ray coordinates: sheared, so that the ray runs through 0.
     #[inline(always)]
-    fn seen(&self, simd: S, block: &Block, corner: usize) -> (f32x8<S>, f32x8<S>) {
+    fn seen(&self, simd: S, batch: &TriangleBatch, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
-        let ahead = f32x8::simd_from(simd, block.seen[last][corner]) - self.origin[2];
-        let x = f32x8::simd_from(simd, block.seen[first][corner]) - self.origin[0] - self.shear[0] * ahead;
-        let y = f32x8::simd_from(simd, block.seen[second][corner]) - self.origin[1] - self.shear[1] * ahead;
+        let ahead = f32x8::simd_from(simd, batch.seen[last][corner]) - self.origin[2];
+        let x = f32x8::simd_from(simd, batch.seen[first][corner]) - self.origin[0] - self.shear[0] * ahead;
+        let y = f32x8::simd_from(simd, batch.seen[second][corner]) - self.origin[1] - self.shear[1] * ahead;
         (x, y)
     }
 
-    /// Bit mask of the triangles of a block that the ray's line may hit.
+    /// Bit mask of the triangles of a batch that the ray's line may hit.
     ///
     /// In units u of rounding of 1: a corner relative to the origin is off by 4.1 u, sheared by 17 u on each axis; with
     /// m, the greatest of those coordinates, at most 4.2, the offset of an edge is off by 4 (17 u) m + 4 m^2 u < 86 u
     /// m, and another 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
     #[inline(always)]
-    fn triangles(&self, simd: S, block: &Block) -> u32 {
-        let (ax, ay) = self.seen(simd, block, 0);
-        let (bx, by) = self.seen(simd, block, 1);
-        let (cx, cy) = self.seen(simd, block, 2);
+    fn triangles(&self, simd: S, batch: &TriangleBatch) -> u32 {
+        let (ax, ay) = self.seen(simd, batch, 0);
+        let (bx, by) = self.seen(simd, batch, 1);
+        let (cx, cy) = self.seen(simd, batch, 2);
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
@@ -161,13 +161,13 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
     let mut count = 0;
     let mut child = root;
     loop {
-        if let Some(place) = child.as_block() {
-            let block = &tree.blocks[place];
-            let mut met = probe.triangles(simd, block);
+        if let Some(place) = child.as_batch() {
+            let batch = &tree.batches[place];
+            let mut met = probe.triangles(simd, batch);
             if met != 0 {
                 while met != 0 {
                     let lane = met.trailing_zeros() as usize % WIDTH;
-                    ray.test(&block.corners[lane], block.numbers[lane], (place, lane));
+                    ray.test(&batch.corners[lane], batch.numbers[lane], (place, lane));
                     met &= met - 1;
                 }
                 farthest = bound(ray.distance(), frame);

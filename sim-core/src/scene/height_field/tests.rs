@@ -1,7 +1,7 @@
 use super::*;
 use crate::RobotId;
 use crate::noise::{Purpose, Stream};
-use crate::scene::{Block, MeshIndex, Stairs, Steps, Way};
+use crate::scene::{Block, MeshIndex, Stairs, StairsDirection, Steps};
 
 /// A hilly field on an uneven grid in which some coordinates occur twice.
 pub(super) fn rough(seed: u64) -> HeightField {
@@ -152,7 +152,7 @@ fn what_is_no_field_is_an_error() {
 fn stairs_meet_level_rays_step_by_step() {
     let stairs = Stairs {
         from: DVec2::new(1.0, 1.0),
-        way: Way::East,
+        way: StairsDirection::East,
         count: 5,
         rise: 0.1,
         depth: 0.3,

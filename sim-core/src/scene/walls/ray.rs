@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::super::{Segment, grid::ROUNDING};
-use super::{Hit, WallId};
+use super::{WallHit, WallId};
 
 /// A ray prepared for tests against walls.
 #[derive(Clone, Copy)]
@@ -11,9 +11,9 @@ pub(super) struct Ray {
     pub origin: DVec2,
     pub direction: DVec2,
     /// Upper bound of the distance at which the ray touches a point of a wall.
-    pub doubt: f64,
+    pub rounding_error: f64,
     /// Upper bound of the product of a wall's length and the distance within which an origin counts as on the wall.
-    pub doubt_area: f64,
+    pub area_rounding_error: f64,
 }
 
 /// An end of a wall in the ray's coordinates.
@@ -38,7 +38,10 @@ impl Ray {
     pub fn distance(self, segment: &Segment) -> f64 {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
         let area = a.ahead * b.side - b.ahead * a.side;
-        if (a.side.abs() <= self.doubt) | (b.side.abs() <= self.doubt) | (area.abs() <= self.doubt_area) {
+        if (a.side.abs() <= self.rounding_error)
+            | (b.side.abs() <= self.rounding_error)
+            | (area.abs() <= self.area_rounding_error)
+        {
             self.touching(segment, a, b)
         } else if a.side * b.side > 0.0 {
             -1.0
@@ -51,8 +54,8 @@ impl Ray {
     #[cold]
     #[inline(never)]
     fn touching(self, segment: &Segment, a: End, b: End) -> f64 {
-        let is_left = (a.side > self.doubt) & (b.side > self.doubt);
-        let is_right = (a.side < -self.doubt) & (b.side < -self.doubt);
+        let is_left = (a.side > self.rounding_error) & (b.side > self.rounding_error);
+        let is_right = (a.side < -self.rounding_error) & (b.side < -self.rounding_error);
         if is_left | is_right {
             return -1.0;
         }
@@ -103,7 +106,7 @@ impl Nearest {
         }
     }
 
-    pub fn hit(self) -> Option<Hit> {
-        (self.wall != NO_WALL).then_some(Hit { distance: self.distance, wall: self.wall })
+    pub fn hit(self) -> Option<WallHit> {
+        (self.wall != NO_WALL).then_some(WallHit { distance: self.distance, wall: self.wall })
     }
 }

@@ -34,23 +34,23 @@ fn world() -> World {
     World::new(walls(), Time::from_millis(10), []).with_space(Space { fixed, ..Space::default() })
 }
 
-fn touched(ends: [[f64; 3]; 2], radius: f64) -> Vec<Thing> {
+fn capsule_contacts(ends: [[f64; 3]; 2], radius: f64) -> Vec<Thing> {
     things(&world(), &Capsule { ends: ends.map(DVec3::from), radius })
 }
 
 /// Contacts of a capsule; checks that each point of contact lies within the capsule.
 fn things(world: &World, capsule: &Capsule) -> Vec<Thing> {
-    let touched = world.touched(RobotId(1), capsule, Time::ZERO);
-    for (thing, point) in &touched {
+    let contacts = world.capsule_contacts(RobotId(1), capsule, Time::ZERO);
+    for (thing, point) in &contacts {
         let distance = crate::scene::distance::segment_to_segment(capsule.ends, [*point; 2]);
         assert!(distance <= capsule.radius + 1e-12, "{thing:?} is touched at {point}, {distance} m off");
     }
-    touched.into_iter().map(|(thing, _)| thing).collect()
+    contacts.into_iter().map(|(thing, _)| thing).collect()
 }
 
 #[test]
 fn walls_are_touched_up_to_their_heights() {
-    let upright = |y: f64, z: f64| touched([[1.0, y, z], [1.0, y, z + 0.5]], 0.05);
+    let upright = |y: f64, z: f64| capsule_contacts([[1.0, y, z], [1.0, y, z + 0.5]], 0.05);
     assert_eq!(upright(0.951, 0.1), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(0.949, 0.1), []);
     assert_eq!(upright(1.0, 0.349), [Thing::Wall(WallId(0))]);
@@ -60,8 +60,8 @@ fn walls_are_touched_up_to_their_heights() {
     assert_eq!(upright(1.0 - aside + 1e-6, 0.3 + aside), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0 - aside - 1e-6, 0.3 + aside), []);
     // Through the wall, and through a wall of unlimited height far up.
-    assert_eq!(touched([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
-    assert_eq!(touched([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
+    assert_eq!(capsule_contacts([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
+    assert_eq!(capsule_contacts([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn bodies_are_touched_as_brute_force_finds() {
         let capsule = Capsule { ends: [point(), point()], radius: 0.08 };
         // Sampled along the axis; neighbouring points are at most 7 mm apart.
         let distance = |number: u32| {
-            let (pose, figure) = &world.stage.space.fixed[number as usize];
+            let (pose, figure) = &world.indexed_space.space.fixed[number as usize];
             let mut least = f64::INFINITY;
             for step in 0..=500 {
                 let point = capsule.ends[0].lerp(capsule.ends[1], f64::from(step) / 500.0);
@@ -156,9 +156,9 @@ fn walker(position: DVec2, ground: Ground) -> Motion {
         .with_legs(Arc::new(legs), Arc::new(ground))
 }
 
-fn closeness(position: [f64; 2], ground: Ground) -> Closeness {
+fn leg_clearance(position: [f64; 2], ground: Ground) -> LegClearance {
     let mut motion = walker(position.into(), ground);
-    world().closeness(&mut motion, Time::ZERO, 0.5).expect("legs")
+    world().leg_clearance(&mut motion, Time::ZERO, 0.5).expect("legs")
 }
 
 fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
@@ -170,30 +170,30 @@ fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
 
 #[test]
 fn legs_that_stand_on_the_floor_touch_nothing() {
-    let standing = closeness([8.0, -8.0], Ground::Flat);
-    assert_eq!(standing.touches, []);
+    let standing = leg_clearance([8.0, -8.0], Ground::Flat);
+    assert_eq!(standing.contacts, []);
     // The shanks count down to 90 mm above their tips, and are 30 mm thick; they stand nearly upright.
     assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
     let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
-    assert_eq!(world().closeness(&mut gliding, Time::ZERO, 0.5), None);
+    assert_eq!(world().leg_clearance(&mut gliding, Time::ZERO, 0.5), None);
 }
 
 #[test]
 fn parts_touch_the_ground_and_what_stands_on_it() {
-    let parts = |position, ground| -> Vec<(Touching, Thing)> {
-        closeness(position, ground).touches.iter().map(|touch| (touch.part, touch.thing)).collect()
+    let parts = |position, ground| -> Vec<(BodyPart, Thing)> {
+        leg_clearance(position, ground).contacts.iter().map(|touch| (touch.part, touch.thing)).collect()
     };
     // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high stands between knees and shanks of the left leg.
     let beside = |from: f64, to: f64, height| block([8.0 + from, -7.85], [8.0 + to, -7.75], height);
     assert_eq!(parts([8.0, -8.0], beside(0.25, 0.4, 0.6)), []);
-    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(Touching::Shank(0), Thing::Floor)]);
-    let high = [(Touching::Thigh(0), Thing::Floor), (Touching::Shank(0), Thing::Floor)];
+    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(BodyPart::Shank(0), Thing::Floor)]);
+    let high = [(BodyPart::Thigh(0), Thing::Floor), (BodyPart::Shank(0), Thing::Floor)];
     assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.6)), high);
     // A block under the body only, higher than its underside.
     let under = block([7.95, -8.05], [8.05, -7.95], 0.71);
-    assert_eq!(parts([8.0, -8.0], under), [(Touching::Body, Thing::Floor)]);
-    let low = closeness([8.0, -8.0], block([7.95, -8.05], [8.05, -7.95], 0.66));
-    assert!(low.touches.is_empty() && (low.clearance - 0.04).abs() < 1e-9, "{low:?}");
+    assert_eq!(parts([8.0, -8.0], under), [(BodyPart::Body, Thing::Floor)]);
+    let low = leg_clearance([8.0, -8.0], block([7.95, -8.05], [8.05, -7.95], 0.66));
+    assert!(low.contacts.is_empty() && (low.clearance - 0.04).abs() < 1e-9, "{low:?}");
     // The left leg stands in a wall that is 0.3 m high.
-    assert_eq!(parts([1.0, 0.8], Ground::Flat), [(Touching::Shank(0), Thing::Wall(WallId(0)))]);
+    assert_eq!(parts([1.0, 0.8], Ground::Flat), [(BodyPart::Shank(0), Thing::Wall(WallId(0)))]);
 }

@@ -102,22 +102,22 @@ impl Shot<'_> {
             ShotCamera::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
         };
         let scenery = ran.finished.scenery.get();
-        let still = scenery.still(&world, time);
+        let posed = scenery.pose_at(&world, time);
         let mut renderer = Camera::default();
         let size = view.size();
         let file = match self.content {
             Content::Colour { samples } => {
                 let own = by.map_or(SAMPLES, |id| run.robot(id).camera_samples());
-                let mut picture = renderer.colour(&still, &view, by, samples.unwrap_or(own));
+                let mut picture = renderer.colour(&posed, &view, by, samples.unwrap_or(own));
                 if let Some(id) = by {
                     let camera = &run.robot(id).devices.camera;
                     camera.develop(camera.number_at(time), &mut picture);
                 }
                 Pixels::Colour(picture.pixels().as_flattened()).png(size)
             }
-            Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&still, &view, by))).png(size),
+            Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&posed, &view, by))).png(size),
             Content::Labels => {
-                let labels = renderer.labels(&still, &view, by);
+                let labels = renderer.labels(&posed, &view, by);
                 let entity_numbers = crate::robios::ground_truth::EntityNumbers::of(&ran.finished.scene);
                 Pixels::Labels(&camera::numbers_of_labels(&labels, &entity_numbers)).png(size)
             }

@@ -12,7 +12,7 @@ const CLUSTER: usize = 64;
 
 /// The visible faces of a mesh, in their order.
 #[derive(Clone, Debug)]
-pub struct Shape {
+pub struct RenderMesh {
     pub bounds: Sphere,
     pub clusters: Vec<Cluster>,
     /// Corners by cluster, each once per cluster.
@@ -48,7 +48,7 @@ pub struct ShapeFace {
     pub corners: [u8; 3],
 }
 
-impl Shape {
+impl RenderMesh {
     /// The faces of `mesh` whose materials are visible.
     pub fn new(mesh: &Mesh, is_seen: impl Fn(u32) -> bool) -> Self {
         let seen: Vec<usize> =
@@ -58,7 +58,7 @@ impl Shape {
             let [a, b, c] = mesh.corners(triangle);
             (b - a).cross(c - a).normalize_or_zero()
         };
-        let mut shape = Self {
+        let mut render_mesh = Self {
             normals: mesh.triangles.iter().map(normal).collect(),
             bounds: Sphere::around(&mesh.positions),
             clusters: Vec::new(),
@@ -69,10 +69,10 @@ impl Shape {
         while start < seen.len() {
             let surface = surface_of[start];
             let count = surface_of[start..].iter().take(CLUSTER).take_while(|other| **other == surface).count();
-            shape.add(mesh, &seen[start..start + count], surfaces[surface]);
+            render_mesh.add(mesh, &seen[start..start + count], surfaces[surface]);
             start += count;
         }
-        shape
+        render_mesh
     }
 
     fn add(&mut self, mesh: &Mesh, triangles: &[usize], closed: Option<(DVec3, DVec3)>) {

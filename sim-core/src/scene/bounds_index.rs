@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 use glam::DVec2;
 
 use super::Bounds;
-use super::grid::{Cells, FARTHEST, Grid, doubt, is_ray, rounding_margin};
+use super::grid::{Cells, FARTHEST, Grid, is_ray, rounding_error, rounding_margin};
 
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
 /// It is rebuilt each slot, in time and memory proportional to the number of bodies whatever their size, and reuses its
 /// memory. It holds only keys and bounds: the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
-pub struct Moving<K> {
+pub struct BoundsIndex<K> {
     /// In ascending order of the keys.
     bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
@@ -23,13 +23,13 @@ pub struct Moving<K> {
     cells: Cells<u32>,
 }
 
-impl<K> Default for Moving<K> {
+impl<K> Default for BoundsIndex<K> {
     fn default() -> Self {
         Self { bodies: Vec::new(), grid: None, margin: 0.0, cells: Cells::default() }
     }
 }
 
-impl<K: Copy + Ord> Moving<K> {
+impl<K: Copy + Ord> BoundsIndex<K> {
     /// Replaces all bodies by `bodies`, each with a unique key and its bounds.
     ///
     /// Bounds that are empty or have a NaN coordinate are never found; infinite bounds are clamped to
@@ -49,7 +49,7 @@ impl<K: Copy + Ord> Moving<K> {
         if !self.bodies.is_sorted_by_key(|body| body.0) {
             self.bodies.sort_by_key(|body| body.0);
         }
-        self.lay_out();
+        self.choose_grid();
         let Some(grid) = &self.grid else { return };
         let all_bodies = &self.bodies;
         let places = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 bodies");
@@ -84,10 +84,10 @@ impl<K: Copy + Ord> Moving<K> {
             return;
         }
         let entry_of = |bounds: &Bounds| {
-            let stretch = bounds.grown(2.0 * doubt(origin, bounds)).clip(origin, direction, range);
+            let stretch = bounds.grown(2.0 * rounding_error(origin, bounds)).clip(origin, direction, range);
             stretch.map(|(entry, _)| entry)
         };
-        if 2.0 * doubt(origin, grid.bounds()) < self.margin {
+        if 2.0 * rounding_error(origin, grid.bounds()) < self.margin {
             // Most bodies of a cell lie off the ray's line, which this test finds without a division.
             let aside = direction.perp();
             let is_aside = |bounds: &Bounds| {
@@ -154,7 +154,7 @@ impl<K: Copy + Ord> Moving<K> {
     }
 
     /// Chooses the grid so that an average body overlaps a few cells and there are at most a few cells per body.
-    fn lay_out(&mut self) {
+    fn choose_grid(&mut self) {
         self.grid = None;
         if self.bodies.is_empty() {
             return;
@@ -184,21 +184,21 @@ impl<K: Copy + Ord> Moving<K> {
 mod tests {
     use super::*;
 
-    fn bodies(discs: &[(u32, f64, f64, f64)]) -> Moving<u32> {
+    fn bodies(discs: &[(u32, f64, f64, f64)]) -> BoundsIndex<u32> {
         let list: Vec<_> =
             discs.iter().map(|&(id, x, y, radius)| (id, Bounds::of_disc(DVec2::new(x, y), radius))).collect();
-        let mut moving = Moving::default();
+        let mut moving = BoundsIndex::default();
         moving.rebuild(&list);
         moving
     }
 
-    fn along(moving: &Moving<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
+    fn along(moving: &BoundsIndex<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
         let mut ids = Vec::new();
         moving.along_ray(origin, direction, range, |id| ids.push(id));
         ids
     }
 
-    fn pairs(moving: &Moving<u32>) -> Vec<(u32, u32)> {
+    fn pairs(moving: &BoundsIndex<u32>) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
         moving.pairs(|i, j| pairs.push((i, j)));
         pairs
@@ -224,7 +224,7 @@ mod tests {
     fn bodies_without_end_are_found_and_those_without_a_place_are_not() {
         let everywhere = Bounds { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
         let nowhere = Bounds { min: DVec2::NAN, max: DVec2::NAN };
-        let mut moving = Moving::default();
+        let mut moving = BoundsIndex::default();
         moving.rebuild(&[(1, Bounds::of_disc(DVec2::ONE, 0.1)), (2, everywhere), (3, nowhere), (4, Bounds::EMPTY)]);
         assert_eq!(pairs(&moving), [(1, 2)]);
         assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [2]);

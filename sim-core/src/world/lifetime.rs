@@ -5,27 +5,27 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{Calm, World, objects::Objects, track::Track};
+use super::{Quiescence, World, objects::Objects, track::Track};
 use crate::{
     ObjectId, RobotId,
     contact::{TOUCH, Thing},
     drive::Motion,
     object::{Figure, Properties},
-    pose::{PlaceError, Pose},
+    pose::{PlacementError, Pose},
     scene::{Bounds, WallId},
     time::Time,
 };
 
 /// Lifetime of a body in the world: from `since`, inclusive, to `until`, exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Presence {
+pub struct Lifetime {
     /// First instant of the body.
     pub since: Time,
     /// First instant without the body; [`Time::NEVER`] while it is present.
     pub until: Time,
 }
 
-impl Presence {
+impl Lifetime {
     /// Lifetime of a body that was there at the start and has not been removed.
     pub const ALWAYS: Self = Self::since(Time(i64::MIN));
 
@@ -35,7 +35,7 @@ impl Presence {
     }
 
     /// Returns true if the body is present at `at`.
-    pub fn holds(&self, at: Time) -> bool {
+    pub fn contains(&self, at: Time) -> bool {
         self.since <= at && at < self.until
     }
 }
@@ -51,12 +51,12 @@ impl World {
     pub fn add_robot(&mut self, motion: &mut Motion, figure: Option<Arc<Figure>>) {
         assert_eq!(motion.id().index(), self.tracks.len(), "ids of robots go on after the last");
         if let Some(figure) = figure {
-            Arc::make_mut(&mut self.stage).add_robot(figure, self.tracks.iter().map(Track::radius));
+            Arc::make_mut(&mut self.indexed_space).add_robot(figure, self.tracks.iter().map(Track::radius));
         }
         let (now, end) = (self.now, self.slot_end());
-        self.tracks.push(Track::new(motion, Presence::since(now), (now, end)));
-        self.hold(motion, now);
-        self.calm = Calm::default();
+        self.tracks.push(Track::new(motion, Lifetime::since(now), (now, end)));
+        self.publish_stance(motion, now);
+        self.quiescence = Quiescence::default();
         self.refresh_index();
     }
 
@@ -67,14 +67,14 @@ impl World {
     /// If there is no such robot.
     pub fn remove_robot(&mut self, robot: RobotId) {
         let track = &mut self.tracks[robot.index()];
-        if track.presence.until < Time::NEVER {
+        if track.lifetime.until < Time::NEVER {
             return;
         }
         track.end(self.now);
         if let Some(objects) = &mut self.objects {
             objects.remove_robot(robot);
         }
-        self.calm = Calm::default();
+        self.quiescence = Quiescence::default();
         self.refresh_index();
     }
 
@@ -83,7 +83,7 @@ impl World {
     /// wall or a body it is pushed out.
     ///
     /// # Errors
-    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
     ///
     /// # Panics
     /// In a build without the feature `objects`.
@@ -92,18 +92,18 @@ impl World {
         properties: Arc<Properties>,
         world_from_object: Pose,
         figure: Option<Arc<Figure>>,
-    ) -> Result<ObjectId, PlaceError> {
-        world_from_object.check_place()?;
+    ) -> Result<ObjectId, PlacementError> {
+        world_from_object.check_placement()?;
         let (walls, now, end) = (&self.walls, self.now, self.slot_end());
         let objects = self.objects.get_or_insert_with(|| Box::new(Objects::new(walls, [])));
         if let Some(figure) = figure {
             let known = (0..objects.len()).map(|index| objects.properties(ObjectId::from_index(index)));
-            Arc::make_mut(&mut self.stage).add_object(figure, known);
+            Arc::make_mut(&mut self.indexed_space).add_object(figure, known);
         }
         objects.skip_to(now);
         let object = objects.add(properties, world_from_object, now);
         objects.publish(now, end);
-        self.calm = Calm::default();
+        self.quiescence = Quiescence::default();
         Ok(object)
     }
 
@@ -125,26 +125,26 @@ impl World {
     ///
     /// # Panics
     /// If there never was such a robot.
-    pub fn robot_presence(&self, robot: RobotId) -> Presence {
-        self.tracks[robot.index()].presence
+    pub fn robot_lifetime(&self, robot: RobotId) -> Lifetime {
+        self.tracks[robot.index()].lifetime
     }
 
     /// Lifetime of a movable object in the world.
     ///
     /// # Panics
     /// If there never was such an object.
-    pub fn object_presence(&self, object: ObjectId) -> Presence {
-        self.objects().presence(object)
+    pub fn object_lifetime(&self, object: ObjectId) -> Lifetime {
+        self.objects().lifetime(object)
     }
 
     /// Returns true if a robot with this id is present at `at`.
-    pub fn is_robot_there(&self, robot: RobotId, at: Time) -> bool {
-        self.tracks.get(robot.index()).is_some_and(|track| track.presence.holds(at))
+    pub fn is_robot_present(&self, robot: RobotId, at: Time) -> bool {
+        self.tracks.get(robot.index()).is_some_and(|track| track.lifetime.contains(at))
     }
 
     /// Returns true if a movable object with this id is present at `at`.
-    pub fn is_object_there(&self, object: ObjectId, at: Time) -> bool {
-        object.index() < self.object_count() && self.object_presence(object).holds(at)
+    pub fn is_object_present(&self, object: ObjectId, at: Time) -> bool {
+        object.index() < self.object_count() && self.object_lifetime(object).contains(at)
     }
 
     /// The first obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present
@@ -160,7 +160,7 @@ impl World {
         });
         let robots = (0..self.tracks.len()).map(RobotId::from_index);
         let robot = || {
-            let mut there = robots.filter(|robot| self.is_robot_there(*robot, self.now));
+            let mut there = robots.filter(|robot| self.is_robot_present(*robot, self.now));
             there.find(|robot| {
                 let body = self.body(*robot, self.now);
                 (body.centre - centre).length() < body.radius + inner
@@ -172,10 +172,13 @@ impl World {
 
     /// A side of the thick wall or fixed body that contains `point`.
     fn surrounding(&self, point: DVec2) -> Option<WallId> {
-        let space = &self.stage.space;
-        let blocks = space.blocks.iter().map(|block| block.wall.0..block.wall.0 + 4);
+        let space = &self.indexed_space.space;
+        let thick_walls = space.thick_walls.iter().map(|block| block.wall.0..block.wall.0 + 4);
         let outlines = space.outlines.map(|first| first.0..self.walls.len() as u32);
-        blocks.chain(outlines).find(|walls| self.winds_around(walls.clone(), point)).map(|walls| WallId(walls.start))
+        thick_walls
+            .chain(outlines)
+            .find(|walls| self.winds_around(walls.clone(), point))
+            .map(|walls| WallId(walls.start))
     }
 
     /// Returns true if the closed outlines, all of one orientation, wind around `point`.

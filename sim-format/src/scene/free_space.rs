@@ -17,7 +17,7 @@ const TRIES: u32 = 2000;
 const MIN_CELL: f64 = 0.01;
 
 /// Walls of a world and discs that must not overlap.
-pub(crate) struct Room {
+pub(crate) struct FreeSpace {
     walls: Walls,
     thickness: Vec<f64>,
     thickest: f64,
@@ -27,7 +27,7 @@ pub(crate) struct Room {
     discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
 }
 
-impl Room {
+impl FreeSpace {
     /// Free space of `world`, for discs with a radius of at most `widest`.
     pub(crate) fn new(world: &WorldSpec, widest: f64) -> Self {
         let thickness: Vec<f64> = world.walls.iter().map(|wall| wall.thickness).collect();

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 /// Names and numbers seen so far, with their lines.
 #[derive(Debug, Default)]
-pub(super) struct Given {
+pub(super) struct UsedNames {
     names: BTreeMap<String, u32>,
     ids: BTreeMap<i32, u32>,
 }
 
-impl Given {
+impl UsedNames {
     /// Line that used this name or this number before.
     pub(super) fn line_of(&self, name: &str, id: Option<i32>) -> Option<u32> {
         let by_name = self.names.get(name);

@@ -12,21 +12,21 @@ use super::super::{
 };
 use super::WallId;
 
-/// Number of walls in a block.
+/// Number of walls in a batch.
 const WIDTH: usize = 4;
 
 /// The walls of each cell of a grid. Lengths are in cells, counted from half a cell outside the grid's lower left
 /// corner: a position rounded to whole numbers is a cell index, from 1 on; a ring of sentinel cells around the grid
 /// ends every walk.
 #[derive(Clone, Debug)]
-pub(super) struct Blocks {
+pub(super) struct WallBatches {
     corner: DVec2,
     per_cell: f64,
     columns: usize,
     rows: usize,
-    /// Index of the first block of each cell, sentinel ring included.
+    /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
-    blocks: Vec<Block>,
+    batches: Vec<WallBatch>,
     /// Bound of the `f32` error, which with the [margin](super::Walls) of the walls allows for 16 units of rounding of
     /// the farthest coordinate. A wall's end is off by 1 (its coordinate) + 1 (the direction) + 1 (the product) on each
     /// axis, 1 for their sum and 1 for the ray's own position; for a grid of 3 by 3 cells, ring included, 5 are left
@@ -36,26 +36,26 @@ pub(super) struct Blocks {
 
 /// Up to four walls of a cell, coordinate by coordinate; unused places are NaN and compare as false.
 #[derive(Clone, Debug)]
-struct Block {
+struct WallBatch {
     ax: Vec4,
     ay: Vec4,
     bx: Vec4,
     by: Vec4,
     walls: [u32; WIDTH],
-    /// Index of the cell's next block, or [`OUTSIDE`].
+    /// Index of the cell's next batch, or [`OUTSIDE`].
     next: u32,
 }
 
-/// Index of the sentinel block of the ring, which ends walks and lists.
+/// Index of the sentinel batch of the ring, which ends walks and lists.
 const OUTSIDE: u32 = 0;
 
-/// Index of the shared block of all cells without walls.
+/// Index of the shared batch of all cells without walls.
 const NOTHING: u32 = 1;
 
 const NO_WALL: u32 = u32::MAX;
 
-const EMPTY: Block =
-    Block { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
+const EMPTY: WallBatch =
+    WallBatch { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
 
 /// Added to a position in cells, it leaves the nearest whole number in the lowest bits.
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
@@ -63,29 +63,29 @@ const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
 /// Prevents 0 times infinity from giving NaN; too small to change any result.
 const ANY: f64 = 1e-300;
 
-impl Blocks {
+impl WallBatches {
     /// The walls whose numbers `cells` holds for each cell of `grid`.
     pub fn new(grid: &Grid, cells: &Cells<u32>, segments: &[Segment]) -> Self {
         let per_cell = 1.0 / grid.cell();
         let corner = grid.bounds().min - DVec2::splat(0.5 * grid.cell());
         let (columns, rows) = (grid.columns() + 2, grid.rows() + 2);
         let mut first = vec![OUTSIDE; columns * rows];
-        let mut blocks = vec![EMPTY; 2];
+        let mut batches = vec![EMPTY; 2];
         for row in 0..grid.rows() {
             for column in 0..grid.columns() {
                 let place = &mut first[(row + 1) * columns + column + 1];
                 let walls = cells.of(grid.index(column, row));
-                *place = if walls.is_empty() { NOTHING } else { blocks.len() as u32 };
-                blocks.extend(walls.chunks(WIDTH).map(|few| Block::new(few, segments, corner, per_cell)));
+                *place = if walls.is_empty() { NOTHING } else { batches.len() as u32 };
+                batches.extend(walls.chunks(WIDTH).map(|few| WallBatch::new(few, segments, corner, per_cell)));
                 let count = walls.len().div_ceil(WIDTH);
-                let start = blocks.len() - count;
-                for (next, block) in (start + 1..).zip(&mut blocks[start..]).take(count.saturating_sub(1)) {
-                    block.next = next as u32;
+                let start = batches.len() - count;
+                for (next, batch) in (start + 1..).zip(&mut batches[start..]).take(count.saturating_sub(1)) {
+                    batch.next = next as u32;
                 }
             }
         }
         let slack = (columns + rows) as f32 / (1 << 20) as f32;
-        Self { corner, per_cell, columns, rows, first, blocks, slack }
+        Self { corner, per_cell, columns, rows, first, batches, slack }
     }
 
     /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately by distance; a
@@ -127,17 +127,17 @@ impl Blocks {
             }
             let mut next = first;
             loop {
-                let block = &self.blocks[next as usize];
-                let mut met = probe.may_meet(block, end);
+                let batch = &self.batches[next as usize];
+                let mut met = probe.may_hit(batch, end);
                 if met != 0 {
                     while met != 0 {
-                        let wall = block.walls[met.trailing_zeros() as usize % WIDTH];
+                        let wall = batch.walls[met.trailing_zeros() as usize % WIDTH];
                         limit = cells_to(test(WallId(wall)));
                         met &= met - 1;
                     }
                     end = probe.end(limit);
                 }
-                next = block.next;
+                next = batch.next;
                 if next == OUTSIDE {
                     break;
                 }
@@ -161,9 +161,9 @@ impl Blocks {
             for column in columns.clone() {
                 let mut next = self.first[(row + 1) * self.columns + column + 1];
                 while next != OUTSIDE {
-                    let block = &self.blocks[next as usize];
-                    walls.extend(block.walls.iter().filter(|&&wall| wall != NO_WALL).map(|&wall| WallId(wall)));
-                    next = block.next;
+                    let batch = &self.batches[next as usize];
+                    walls.extend(batch.walls.iter().filter(|&&wall| wall != NO_WALL).map(|&wall| WallId(wall)));
+                    next = batch.next;
                 }
             }
         }
@@ -182,16 +182,16 @@ fn step(stride: usize, direction: f64) -> usize {
     if direction.is_sign_negative() { stride.wrapping_neg() } else { stride }
 }
 
-impl Block {
+impl WallBatch {
     fn new(walls: &[u32], segments: &[Segment], corner: DVec2, per_cell: f64) -> Self {
-        let mut block = EMPTY;
+        let mut batch = EMPTY;
         for (place, &wall) in walls.iter().enumerate() {
             let [a, b] = [segments[wall as usize].a, segments[wall as usize].b].map(|end| (end - corner) * per_cell);
-            (block.ax[place], block.ay[place]) = (a.x as f32, a.y as f32);
-            (block.bx[place], block.by[place]) = (b.x as f32, b.y as f32);
-            block.walls[place] = wall;
+            (batch.ax[place], batch.ay[place]) = (a.x as f32, a.y as f32);
+            (batch.bx[place], batch.by[place]) = (b.x as f32, b.y as f32);
+            batch.walls[place] = wall;
         }
-        block
+        batch
     }
 }
 
@@ -233,10 +233,10 @@ impl Probe {
     /// Bit mask of the walls with ends on both sides of the ray, or on it, that are neither behind its start nor beyond
     /// its end.
     #[inline(always)]
-    fn may_meet(&self, block: &Block, end: Vec4) -> u32 {
+    fn may_hit(&self, batch: &WallBatch, end: Vec4) -> u32 {
         let Self { x, y, .. } = *self;
-        let (a_side, b_side) = (x * block.ay - y * block.ax, x * block.by - y * block.bx);
-        let (a_ahead, b_ahead) = (x * block.ax + y * block.ay, x * block.bx + y * block.by);
+        let (a_side, b_side) = (x * batch.ay - y * batch.ax, x * batch.by - y * batch.bx);
+        let (a_ahead, b_ahead) = (x * batch.ax + y * batch.ay, x * batch.bx + y * batch.by);
         let crosses = a_side.min(b_side).cmple(self.left) & a_side.max(b_side).cmpge(self.right);
         let is_ahead = a_ahead.max(b_ahead).cmpge(self.behind) & a_ahead.min(b_ahead).cmple(end);
         (crosses & is_ahead).bitmask()

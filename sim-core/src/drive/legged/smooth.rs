@@ -16,12 +16,12 @@ pub(super) fn share(at: Time, start: Time, span: Time) -> f64 {
 /// A number as a function of time: a sum of smooth steps, so that a new target keeps its slope and curvature
 /// continuous.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Glide {
+pub(super) struct SmoothValue {
     base: f64,
     steps: Vec<(Time, Time, f64)>,
 }
 
-impl Glide {
+impl SmoothValue {
     pub fn at(&self, at: Time) -> f64 {
         self.steps.iter().fold(self.base, |sum, (start, span, by)| sum + by * smooth(share(at, *start, *span)))
     }
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_glide_comes_to_its_goal_and_forgets_without_a_trace() {
-        let mut glide = Glide::default();
+        let mut glide = SmoothValue::default();
         glide.aim(Time(0), Time(100), 0.3);
         glide.aim(Time(50), Time(100), 0.1);
         assert_eq!(glide.at(Time(0)), 0.0);

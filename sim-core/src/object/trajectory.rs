@@ -5,7 +5,7 @@ use crate::{pose::Pose, scene::Bounds, time::Time};
 
 /// Published trajectory of an object from an instant on: straight, with constant decelerations until it rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drift {
+pub struct ObjectTrajectory {
     /// Start of the trajectory.
     pub since: Time,
     /// State at the start.
@@ -16,7 +16,7 @@ pub struct Drift {
     slowing: f64,
 }
 
-impl Drift {
+impl ObjectTrajectory {
     /// The trajectory of an object with this state at `since`.
     pub fn new(since: Time, state: State, properties: &Properties) -> Self {
         let velocity = Velocity { linear: state.velocity, omega: state.omega };
