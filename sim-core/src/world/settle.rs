@@ -356,7 +356,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     /// The motion of a body `t` seconds after the start of the slot, and until when it stays the same.
     fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
         let passages = self.passages(robot);
-        let since = |passage: &Passage| (passage.start - self.start).seconds();
+        let since = |passage: &Passage| (passage.start - self.start).seconds() + passage.begin;
         let place = passages.iter().rposition(|passage| since(passage) <= t).unwrap_or(0);
         let passage = &passages[place];
         let until = passages.get(place + 1).map_or(f64::INFINITY, since);

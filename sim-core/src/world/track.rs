@@ -90,7 +90,11 @@ impl Track {
         }
         self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
-        if self.revision == motion.revision() && passages.len() == 1 && last.passages.len() == 1 {
+        if self.revision == motion.revision()
+            && passages.len() == 1
+            && last.passages.len() == 1
+            && passages[0].since() == last.passages[0].since()
+        {
             // The same plan with a later end: its past is unchanged.
             self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
