@@ -12,6 +12,7 @@ pub mod camera;
 pub mod course;
 pub mod oracle;
 pub mod room;
+pub mod slide;
 pub mod statistics;
 pub mod study;
 pub mod touch;
