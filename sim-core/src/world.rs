@@ -329,11 +329,9 @@ impl World {
             .iter()
             .enumerate()
             .take_while(|(index, passage)| *index == 0 || passage.since() < self.slot_end());
-        in_slot.map(|(_, passage)| Stretch {
-            start: passage.since(),
-            from: passage.pose(passage.since()),
-            twist: passage.twist(),
-            after: passage.after,
+        in_slot.map(|(_, passage)| {
+            let (start, from, twist, after) = passage.stretch(self.now, self.slot_end());
+            Stretch { start, from, twist, after }
         })
     }
 

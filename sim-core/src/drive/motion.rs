@@ -84,16 +84,28 @@ impl Passage {
         if self.begin == 0.0 { self.start } else { self.start + Time::from_seconds_ceil(self.begin) }
     }
 
-    /// Its constant twist; of one that slides the one at its beginning.
-    pub fn twist(&self) -> Twist {
-        match self.path.pace {
-            Pace::Even => self.path.twist,
-            Pace::Led { omega, .. } => {
-                let ahead = self.heading.turned(omega * self.begin).direction();
-                let velocity = DVec2::new(ahead.x, -ahead.y).rotate(self.path.velocity(0.0));
-                Twist { vx: velocity.x, vy: velocity.y, omega }
-            }
+    /// A stretch of constant twist: its start, the pose then, the twist and how long it lasts, s. It is the passage from its beginning on;
+    /// where that slides along a wall, what leads between its poses at `from` and `to`.
+    pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
+        if self.path.pace == Pace::Even {
+            let start = self.since();
+            return (start, self.pose(start), self.path.twist, self.after);
         }
+        let start = from.max(self.since());
+        let to = to.min(self.until).max(start + Time(1));
+        let pose = self.pose(start);
+        let chord = pose.inverse_transform_point(self.centre(to));
+        let after = (self.elapsed(to) - self.elapsed(start)).max(1e-6);
+        let angle = self.path.omega() * after;
+        // The circle through both places: the inverse of `Pose::moved`.
+        let (s, c) = (math::sinc(angle), math::cosc(angle));
+        let whole = (s * s + c * c) * after;
+        let twist = Twist {
+            vx: (chord.x * s + chord.y * c) / whole,
+            vy: (chord.y * s - chord.x * c) / whole,
+            omega: self.path.omega(),
+        };
+        (start, pose, twist, after)
     }
 
     pub fn centre(&self, at: Time) -> DVec2 {
@@ -797,6 +809,30 @@ impl Motion {
         DriveEnd::After(stage.piece.start)
     }
 
+    /// Whether the body was pressed against a leg's wall, in stage `index`, within [`HISTORY`] before it.
+    fn has_rubbed(&self, index: usize, leg: &Leg) -> bool {
+        let wall = leg.against.map(|(wall, _)| wall);
+        let start = self.stages[index].piece.start;
+        for (place, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
+            // In seconds of this stage: when the leg begins, and when the stage is over.
+            let begin = (start - stage.piece.start).seconds() + leg.from;
+            let over =
+                if place == index { begin } else { (self.stages[place + 1].piece.start - stage.piece.start).seconds() };
+            let since = begin - HISTORY.seconds();
+            let is_same = |earlier: &Leg| {
+                let end = (earlier.from + earlier.after).min(stage.piece.after).min(over);
+                earlier.against.map(|(wall, _)| wall) == wall && earlier.from < over && end >= since
+            };
+            if stage.legs.iter().any(is_same) {
+                return true;
+            }
+            if stage.is_placed || since > 0.0 {
+                return false;
+            }
+        }
+        false
+    }
+
     /// The impacts of the present slot until `until`.
     fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
@@ -810,7 +846,11 @@ impl Motion {
                     |leg: &&Leg| (self.committed - piece.start).seconds() >= leg.from && piece.start < self.committed;
                 let has_begun = |leg: &&Leg| (bound - piece.start).seconds() >= leg.from;
                 let legs = stage.legs.iter().skip_while(is_known).take_while(has_begun);
-                impacts.extend(legs.filter_map(|leg| leg_impact(&self.vehicle.model, stage, leg)));
+                for leg in legs {
+                    let Some(impact) = leg_impact(&self.vehicle.model, stage, leg) else { continue };
+                    let fresh = impact.fresh && !self.has_rubbed(index, leg);
+                    impacts.push(Impact { fresh, ..impact });
+                }
             }
             if piece.start <= until && is_new && piece.has_ended(bound) {
                 impacts.extend(impact_of(&self.vehicle.model, stage));
