@@ -27,16 +27,28 @@ pub struct Case {
 /// Rounds of the search for the forces of one step at most.
 const ROUNDS: usize = 400;
 
+/// A gap in m that is closed: above what a step around a corner opens, below what is worth a step of its own.
+const CLOSED: f64 = 1e-7;
+
 impl Case {
-    /// Where the centre is after `seconds`, in `steps` steps.
+    /// Where the centre is after `seconds`, in `steps` steps, of which one is cut in two where a wall is met.
     pub fn by_steps(&self, seconds: f64, steps: u64) -> DVec2 {
         let step = seconds / steps as f64;
         let mut centre = self.start.position;
         let mut velocity = self.push(0.0);
         for index in 0..steps {
-            let push = self.push((index as f64 + 0.5) * step);
-            velocity = self.settle(centre, push, velocity, step);
-            centre += velocity * step;
+            let (mut from, end) = (index as f64 * step, (index + 1) as f64 * step);
+            // More walls than these are not met at once.
+            for _ in 0..8 {
+                let left = end - from;
+                velocity = self.settle(centre, self.push(from + 0.5 * left), velocity, left);
+                let part = self.clear_part(centre, velocity * left);
+                centre += velocity * (part * left);
+                from += part * left;
+                if part == 1.0 {
+                    break;
+                }
+            }
         }
         centre
     }
@@ -45,15 +57,42 @@ impl Case {
     /// the latter.
     pub fn extrapolated(&self, seconds: f64, steps: u64) -> (DVec2, f64) {
         let (coarse, fine) = (self.by_steps(seconds, steps), self.by_steps(seconds, 2 * steps));
-        // The scheme is of first order.
-        let limit = fine + (fine - coarse);
+        // Of second order, but for the instants at which contacts end.
+        let limit = fine + (fine - coarse) / 3.0;
         (limit, (limit - fine).length())
     }
 
-    fn push(&self, seconds: f64) -> DVec2 {
+    /// The push after `seconds`, m/s in the world.
+    pub fn push(&self, seconds: f64) -> DVec2 {
         let (sin, cos) = math::sin_cos(self.twist.omega * seconds);
         let heading = self.start.heading.direction().rotate(DVec2::new(cos, sin));
         heading.rotate(DVec2::new(self.twist.vx, self.twist.vy))
+    }
+
+    fn gap(&self, wall: &Segment, centre: DVec2) -> f64 {
+        (centre - wall.nearest_point(centre)).length() - self.radius - SKIN
+    }
+
+    /// The part of `way` that leads into none of the walls whose gap is open.
+    fn clear_part(&self, centre: DVec2, way: DVec2) -> f64 {
+        let mut part = 1.0;
+        for wall in &self.walls {
+            let gap = self.gap(wall, centre);
+            if gap <= CLOSED || gap > way.length() || self.gap(wall, centre + way * part) >= 0.0 {
+                continue;
+            }
+            let (mut low, mut high) = (0.0, part);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if self.gap(wall, centre + way * middle) >= 0.0 {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            part = low;
+        }
+        part
     }
 
     /// The velocity in a step from `centre` on: of slip over the floor in the direction of the forces at the contacts.
@@ -64,12 +103,11 @@ impl Case {
             roll: f64,
             force: DVec2,
         }
-        let near = 2.0 * push.length() * step;
         let halfway = centre + 0.5 * step * before;
         let mut contacts: Vec<Contact> = Vec::new();
         for wall in &self.walls {
-            let gap = (centre - wall.nearest_point(centre)).length() - self.radius - SKIN;
-            if gap < near {
+            let gap = self.gap(wall, centre);
+            if gap <= CLOSED {
                 let offset = halfway - wall.nearest_point(halfway);
                 let normal = offset.normalize_or_zero();
                 contacts.push(Contact { normal, gap, roll: self.twist.omega * offset.length(), force: DVec2::ZERO });

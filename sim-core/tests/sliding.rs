@@ -232,10 +232,40 @@ fn closed_forms_agree_with_a_reference_in_small_steps() {
         let mut motion = robot(&case.walls, case.friction, case.start);
         twist(&mut motion, Time::ZERO, case.twist.vx, case.twist.omega);
         let found = motion.pose(seconds(span)).position;
-        let errors = [20_000, 40_000, 80_000].map(|steps| (case.by_steps(span, steps) - found).length());
-        println!("{name}: {errors:?}");
-        // First order: half the step, half the error; 0.3 m/s times a step of a tenth of a millisecond is 3e-5 m.
-        assert!(errors[2] < 2e-5, "{name}: {errors:?}");
+        let (reference, doubt) = case.extrapolated(span, 20_000);
+        let error = (reference - found).length();
+        println!("{name}: {error} m, the last step of the extrapolation {doubt} m");
+        assert!(error < 1e-8, "{name}: {error} m off, doubt {doubt} m");
+    }
+}
+
+#[test]
+fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
+    for (name, case, span) in cases() {
+        let mut motion = robot(&case.walls, case.friction, case.start);
+        twist(&mut motion, Time::ZERO, case.twist.vx, case.twist.omega);
+        for part in 1..500 {
+            let at = seconds(span * f64::from(part) / 500.0);
+            let centre = motion.pose(at).position;
+            let (before, after) = (motion.pose(at - Time(1)).position, motion.pose(at + Time(1)).position);
+            let velocity = (after - before) / 2e-6;
+            let slip = case.push(at.seconds()) - velocity;
+            let near = |wall: &&Segment| (centre - wall.nearest_point(centre)).length() < RADIUS + 2.0 * SKIN;
+            let touched: Vec<&Segment> = case.walls.iter().filter(near).collect();
+            let [wall] = touched[..] else { continue };
+            let offset = centre - wall.nearest_point(centre);
+            let normal = offset.normalize();
+            let rim = normal.perp().dot(velocity) - case.twist.omega * offset.length();
+            // The wall pushes the body as the slipping wheels push back.
+            let (force, friction) = (-slip.dot(normal), -slip.dot(normal.perp()));
+            // A microsecond of the sharpest turn is 1e-5 m/s.
+            assert!(force > -2e-5, "{name} at {at}: the wall pulls, {force}");
+            assert!(friction.abs() <= case.friction * force + 2e-5, "{name} at {at}: {friction} of {force}");
+            assert!(friction * rim <= 2e-5, "{name} at {at}: friction drives, {friction} with {rim}");
+            if friction.abs() < case.friction * force - 2e-5 {
+                assert!(rim.abs() < 2e-5, "{name} at {at}: it slides within the cone, {rim}");
+            }
+        }
     }
 }
 
