@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use accuracy::{course, oracle, slide::Case};
+use accuracy::{course, oracle, slide::Case, world::Random};
 use glam::DVec2;
 use proptest::prelude::*;
 use sim_core::{
@@ -14,8 +14,9 @@ use sim_core::{
     drive::{Command, ContactRule, Imperfection, Model, Motion},
     math,
     noise::TwistNoise,
+    object::{Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
-    scene::{Segment, Walls},
+    scene::{Bounds, Segment, Walls},
     time::Time,
     world::World,
 };
@@ -240,6 +241,41 @@ fn closed_forms_agree_with_a_reference_in_small_steps() {
 }
 
 #[test]
+fn random_rooms_agree_with_the_reference() {
+    let mut random = Random::new(77);
+    let place = Bounds { min: DVec2::splat(-0.6), max: DVec2::splat(0.6) };
+    let outline = [
+        wall(-0.8, -0.8, 0.8, -0.8),
+        wall(0.8, -0.8, 0.8, 0.8),
+        wall(0.8, 0.8, -0.8, 0.8),
+        wall(-0.8, 0.8, -0.8, -0.8),
+    ];
+    let mut pressed = 0;
+    for index in 0..1_200 {
+        let count = 1 + random.below(4);
+        let mut walls: Vec<_> =
+            (0..count).map(|_| Segment::new(random.point_in(place), random.point_in(place))).collect();
+        walls.extend(outline);
+        let position = random.point_in(place);
+        if oracle::clearance(&walls, position, RADIUS) < 1e-3 {
+            continue;
+        }
+        let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
+        let omega = if random.chance(0.4) { 0.0 } else { random.between(-2.0, 2.0) };
+        let friction = if random.chance(0.3) { 0.0 } else { random.between(0.0, 1.0) };
+        let case = Case { walls, radius: RADIUS, friction, start, twist: Twist::new(random.between(0.1, 0.5), omega) };
+        let mut motion = robot(&case.walls, friction, start);
+        twist(&mut motion, Time::ZERO, case.twist.vx, omega);
+        let found = motion.pose(Time(6_000_000)).position;
+        pressed += u32::from(motion.contacts(Time(6_000_000)) > 0);
+        // The finer ones for those few cases in which a contact that ends within a step matters.
+        let agrees = |steps| (case.by_steps(6.0, steps) - found).length() < 1e-6;
+        assert!([10_000, 100_000, 1_000_000].into_iter().any(agrees), "case {index}: {found}, {case:?}");
+    }
+    assert!(pressed > 500, "{pressed} cases say something");
+}
+
+#[test]
 fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
     for (name, case, span) in cases() {
         let mut motion = robot(&case.walls, case.friction, case.start);
@@ -455,5 +491,92 @@ fn what_the_window_draws_is_where_the_robot_is() {
             // Between a line and the circle of 0.3 m/s and 0.4 rad/s through its ends in 50 ms: v w t^2 / 8.
             assert!(off < 4e-5, "{off} m off at {at}");
         }
+    }
+}
+
+#[test]
+fn an_endless_drive_with_errors_is_planned_at_once() {
+    let unequal = Imperfection { diameters: [0.0, 0.1, 0.0, 0.0], ..Imperfection::default() };
+    let motion = robot(&room(), 0.3, Pose::new(0.3, 0.4, 0.3));
+    let mut motion = motion.with_imperfection(1, unequal).expect("sound");
+    let displacement = Twist::new(1e11, 0.0);
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1e12 }, &[]).expect("sound");
+    assert!(motion.drive_end().is_some());
+    assert!(oracle::clearance(&room(), motion.pose(Time::from_millis(100_000)).position, RADIUS) > SKIN - 2e-9);
+}
+
+/// Robots that drive about in a room, and crates of these masses: whatever happens, nothing is entered.
+fn crowd(seed: u64, slot: Time, crates: &[f64]) {
+    let walls = vec![
+        wall(0.0, 0.0, 2.0, 0.0),
+        wall(2.0, 0.0, 2.0, 1.5),
+        wall(2.0, 1.5, 0.0, 1.5),
+        wall(0.0, 1.5, 0.0, 0.0),
+        wall(1.0, 0.4, 1.1, 1.0),
+    ];
+    let shared = Arc::new(Walls::new(walls.clone()));
+    let mut random = Random::new(seed);
+    let places = [(0.2, 0.2), (0.5, 0.2), (0.2, 0.6), (1.5, 0.3), (1.7, 1.2), (0.5, 1.2)];
+    let mut motions: Vec<Motion> = (0..)
+        .zip(places)
+        .map(|(index, (x, y))| {
+            let motion =
+                Motion::new(RobotId::from_index(index), Arc::new(model()), shared.clone(), Pose::new(x, y, 0.0));
+            motion.with_contact(ContactRule::Slide { friction: 0.3 }).expect("a friction")
+        })
+        .collect();
+    let crate_of = |mass: f64| {
+        Arc::new(Properties {
+            mass,
+            centre_of_mass: DVec2::ZERO,
+            parts: vec![Part {
+                shape: Shape::Rectangle { half: DVec2::splat(0.06) },
+                object_from_part: Pose::default(),
+            }],
+            resistance: Resistance::Sliding(0.4),
+            restitution: 0.0,
+            contact_friction: 0.3,
+        })
+    };
+    let objects = crates.iter().zip([0.75, 1.3]).map(|(mass, x)| (crate_of(*mass), Pose::new(x, 0.75, 0.2)));
+    let mut world = World::new(shared, slot, &mut motions).with_objects(objects);
+    while world.slot_start() < Time::from_millis(20_000) {
+        let now = world.slot_start();
+        for motion in &mut motions {
+            if random.chance(0.03) {
+                let command = Twist::new(random.between(-0.4, 0.4), random.between(-2.0, 2.0));
+                let touching = world.touching(motion, now);
+                motion.command(now, Command::Twist(command), &touching).expect("sound");
+            }
+        }
+        world.advance(&mut motions.iter_mut().collect::<Vec<_>>());
+        let at = world.slot_start();
+        let centres: Vec<DVec2> = motions.iter_mut().map(|motion| motion.pose(at).position).collect();
+        for (index, centre) in centres.iter().enumerate() {
+            let gap = oracle::clearance(&walls, *centre, RADIUS);
+            assert!(gap > SKIN - 2e-9, "wall: gap {gap} at {at}, seed {seed}");
+            for other in &centres[..index] {
+                let gap = (*centre - *other).length() - 2.0 * RADIUS;
+                assert!(gap > SKIN - 2e-9, "robots: gap {gap} at {at}, seed {seed}");
+            }
+        }
+    }
+    let way: f64 = motions.iter_mut().map(|motion| motion.path_length(world.slot_start())).sum();
+    assert!(way > 5.0, "{way} m together");
+}
+
+#[test]
+fn among_others_nothing_is_entered() {
+    for seed in 0..12 {
+        for slot in [7, 50] {
+            crowd(seed, Time::from_millis(slot), &[]);
+        }
+    }
+}
+
+#[test]
+fn among_crates_nothing_is_entered() {
+    for seed in 0..6 {
+        crowd(seed, Time::from_millis(50), &[0.2, 5.0]);
     }
 }

@@ -355,7 +355,10 @@ impl Contact {
     /// Angle by which the normal has to turn around the wall's end, to the left (`sense` 1) or right, until it is upright on the
     /// wall; infinite for a wall without length.
     fn angle_to_face(&self, sense: f64) -> f64 {
-        let other = if self.point == self.segment.a { self.segment.b } else { self.segment.a };
+        let Segment { a, b } = self.segment;
+        // The point may be off the end by rounding.
+        let is_at_a = self.point.distance_squared(a) <= self.point.distance_squared(b);
+        let other = if is_at_a { b } else { a };
         let along = other - self.point;
         if along == DVec2::ZERO {
             return f64::INFINITY;

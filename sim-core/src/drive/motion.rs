@@ -61,7 +61,7 @@ pub(crate) enum Input {
     Place(Pose),
 }
 
-/// A disc on a path from `begin` seconds after `start` on, at rest from `after` seconds later on, until `until`.
+/// A disc on a path from `begin` seconds after `start` on, at rest from `after` seconds after `start` on, until `until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Passage {
     pub start: Time,
@@ -76,7 +76,12 @@ pub(crate) struct Passage {
 impl Passage {
     /// Seconds that the disc has moved at `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
-        ((at - self.start).seconds() - self.begin).clamp(0.0, self.after)
+        ((at - self.start).seconds().min(self.after) - self.begin).max(0.0)
+    }
+
+    /// True when the disc has come to rest at `at`.
+    pub fn has_ended(&self, at: Time) -> bool {
+        (at - self.start).seconds() >= self.after
     }
 
     /// The first microsecond not before its beginning.
@@ -89,7 +94,7 @@ impl Passage {
     pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
         if self.path.pace == Pace::Even {
             let start = self.since();
-            return (start, self.pose(start), self.path.twist, self.after);
+            return (start, self.pose(start), self.path.twist, self.after - self.begin);
         }
         let start = from.max(self.since());
         let to = to.min(self.until).max(start + Time(1));
@@ -453,7 +458,7 @@ impl Motion {
         target.wheels(&self.vehicle.model).map(|rate| rate != 0.0)
     }
 
-    /// The contact that stops the body at `at`, or that it is pressed against.
+    /// The contact that stops the body at `at`, or that with which the stretch along a wall began that it slides on or rests at.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);

@@ -70,7 +70,7 @@ pub(super) struct Leg {
 impl Leg {
     /// Its passage, where the stage's is `whole`.
     fn passage(&self, whole: &Passage) -> Passage {
-        Passage { begin: self.from, after: self.after.min(whole.after - self.from), path: self.path, ..*whole }
+        Passage { begin: self.from, after: (self.from + self.after).min(whole.after), path: self.path, ..*whole }
     }
 
     /// Where the centre is `seconds` after the stage's start.
@@ -231,7 +231,7 @@ impl Stage {
             let begin = leg.from;
             let last = passages.last_mut().expect("one has been added");
             last.until = start + Time::from_seconds_ceil(begin);
-            last.after = begin - last.begin;
+            last.after = begin;
             passages.push(leg.passage(&whole));
         }
     }
@@ -436,6 +436,11 @@ impl Stage {
         }
         let is_settled = model.wheel_lag == 0.0 || self.step(model) == self.during;
         if is_settled && !self.is_erring() && !self.is_drawn && self.yields.is_none() {
+            self.steady = true;
+            return None;
+        }
+        if is_settled && !self.is_drawn && self.yields.is_none() && vehicle.contact != ContactRule::Stall {
+            // Its errors stay, and no wall ends the piece.
             self.steady = true;
             return None;
         }

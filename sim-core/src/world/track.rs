@@ -138,10 +138,8 @@ impl Track {
             if from <= to {
                 bounds = bounds.union(passages_bounds(&publication.passages, from, to));
             }
-            self.is_resting &= publication
-                .passages
-                .iter()
-                .all(|passage| passage.path.is_resting() || passage.elapsed(from) >= passage.after);
+            self.is_resting &=
+                publication.passages.iter().all(|passage| passage.path.is_resting() || passage.has_ended(from));
         }
         self.bounds = bounds.grown(self.radius);
     }
