@@ -1,7 +1,8 @@
 //! Speed against error: brute-force oracles and naive integrators that the core is compared with.
 //!
 //! [`oracle`] solves the problems of `sim_core` by brute force, [`camera`] renders with one ray per image point, [`course`] is a
-//! long drive whose end is known to 30 digits (by numbers of two doubles, [`wide`]), and [`touch`] has contacts at known instants.
+//! long drive whose end is known to 30 digits (by numbers of two doubles, [`wide`]), [`touch`] has contacts at known instants, and
+//! [`slide`] integrates the sliding of a disc along walls in small steps.
 //! [`statistics`] tests samples against their distributions. [`world`] generates the random scenes, rays and mazes shared by tests
 //! and benches, [`room`] the scene for comparing cameras, [`board`] a calibration target. [`study`] measures the error and the time
 //! of each method, for `eyesim accuracy`.
@@ -12,6 +13,7 @@ pub mod camera;
 pub mod course;
 pub mod oracle;
 pub mod room;
+pub mod slide;
 pub mod statistics;
 pub mod study;
 pub mod touch;

@@ -40,6 +40,16 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Hyperbolic tangent of `x`.
+pub fn tanh(x: f64) -> f64 {
+    libm::tanh(x)
+}
+
+/// Angle in [-pi/2, pi/2] whose sine is `x`, in radians; NaN beyond 1.
+pub fn asin(x: f64) -> f64 {
+    libm::asin(x)
+}
+
 /// Natural logarithm of `x`.
 pub fn ln(x: f64) -> f64 {
     libm::log(x)

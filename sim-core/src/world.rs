@@ -328,12 +328,10 @@ impl World {
         let in_slot = passages[first..]
             .iter()
             .enumerate()
-            .take_while(|(index, passage)| *index == 0 || passage.start < self.slot_end());
-        in_slot.map(|(_, passage)| Stretch {
-            start: passage.start,
-            from: passage.pose(passage.start),
-            twist: passage.path.twist,
-            after: passage.after,
+            .take_while(|(index, passage)| *index == 0 || passage.since() < self.slot_end());
+        in_slot.map(|(_, passage)| {
+            let (start, from, twist, after) = passage.stretch(self.now, self.slot_end());
+            Stretch { start, from, twist, after }
         })
     }
 
@@ -522,6 +520,6 @@ impl World {
 
 /// The passage in force at `at`: the last one started by then, else the first one.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
-    let started = passages.iter().rposition(|passage| passage.start <= at);
+    let started = passages.iter().rposition(|passage| passage.since() <= at);
     &passages[started.unwrap_or(0)]
 }

@@ -15,6 +15,7 @@ mod range_sensors;
 mod rays2d;
 mod rays3d;
 mod reflectance;
+mod slide;
 mod sonar;
 mod stopwatch;
 
@@ -93,6 +94,7 @@ pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
     contact::STUDY,
+    slide::STUDY,
     rays2d::STUDY,
     rays3d::STUDY,
     range_sensors::STUDY,

@@ -9,14 +9,14 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::drive::legged::{Gait, Leg, Legs};
-use crate::drive::{DriveKind, Model};
+use crate::drive::{ContactRule, DriveKind, Model};
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Link, Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
-    self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
-    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec,
+    MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
 use crate::world::{Space, ThickWall};
@@ -371,6 +371,14 @@ pub fn model(robi: &RobiSpec) -> Model {
         }
     }
     model
+}
+
+/// The rule by which a robot meets walls with this friction: the lower of two coefficients of friction holds, as among objects.
+pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
+    match kind {
+        ContactKind::Slide => ContactRule::Slide { friction: robi.friction.min(wall_friction) },
+        ContactKind::Stall => ContactRule::Stall,
+    }
 }
 
 fn model_of_file(robi: &RobiSpec) -> Model {

@@ -1,16 +1,18 @@
-//! When a moving disc meets something: time of impact with static walls and with other discs.
+//! When a moving disc meets something: time of impact with static walls and with other discs; and how it slides along walls.
 //!
 //! A body keeps a skin of 1 um: it is in contact when the gap to its neighbour is no more, and then it may move in any
 //! way that approaches no contact point. The room knows paths and shapes, not what a robot does about a contact.
 
 mod pair;
 mod path;
+mod slide;
 mod wall;
 
 use glam::DVec2;
 
 pub use pair::{Rolling, first_touch};
-pub use path::Path;
+pub use path::{Law, Pace, Path};
+pub use slide::{Push, Slide};
 pub use wall::{WallContact, first_contact};
 
 use crate::{ObjectId, RobotId, scene::WallId};

@@ -19,8 +19,7 @@ pub struct Rolling {
 /// contact comes before the root of g + g' h - A h^2 / 2: stepping there again and again comes to the contact from before
 /// and passes none.
 pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
-    let bend = |path: &Path| path.speed() * path.twist.omega.abs();
-    let acceleration = bend(&a.path) + bend(&b.path);
+    let acceleration = a.path.acceleration() + b.path.acceleration();
     // Discs that roll along each other in contact are looked at anew this often.
     let patience = (1e-3 * span).max(1e-6);
     let mut t = 0.0;

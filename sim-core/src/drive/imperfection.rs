@@ -140,12 +140,28 @@ impl Resolution {
     }
 }
 
+/// What a robot does that is pushed against a wall.
+///
+/// Source: design, section 4; docs/motion.md, section Sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ContactRule {
+    /// The body rests, its wheels stall, the command stays pending.
+    #[default]
+    Stall,
+    /// The body slides outside the friction cone, while its wheels slip over the floor.
+    Slide {
+        /// Coefficient of friction between the body and walls.
+        friction: f64,
+    },
+}
+
 /// What is constant about one robot's motion: its model, and how far the robot falls short of it.
 #[derive(Clone, Debug)]
 pub(super) struct Vehicle {
     pub model: Arc<Model>,
     /// `None` for a perfect one.
     pub errors: Option<Box<Errors>>,
+    pub contact: ContactRule,
 }
 
 /// An imperfection with its random numbers.

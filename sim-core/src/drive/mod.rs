@@ -14,7 +14,7 @@ mod stage;
 
 pub use command::{Command, CommandError, arc_to};
 pub use control::{Gains, Pid};
-pub use imperfection::Imperfection;
+pub use imperfection::{ContactRule, Imperfection};
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub use motion::{Impact, Motion};
 pub(crate) use motion::{Passage, Thrust};

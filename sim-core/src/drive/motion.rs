@@ -10,15 +10,15 @@ use super::{
     HISTORY,
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
-    imperfection::{Errors, Imperfection, Vehicle},
+    imperfection::{ContactRule, Errors, Imperfection, Vehicle},
     legged::Walk,
-    model::{Model, ModelError, Wheels},
+    model::{DriveKind, Model, ModelError, Wheels},
     piece::{Cause, State},
-    stage::{Grip, Stage, centre_of},
+    stage::{Grip, Leg, Stage, axle_of},
 };
 use crate::{
     ObjectId, RobotId,
-    contact::{APPROACH, Body, Obstacle, Path, Thing},
+    contact::{APPROACH, Body, Obstacle, Pace, Path, Thing},
     math,
     pose::{Heading, PlacementError, Pose, Twist},
     scene::Walls,
@@ -61,10 +61,11 @@ pub(crate) enum Input {
     Place(Pose),
 }
 
-/// A disc on a path from `start` on, at rest from `after` seconds on, until `until`.
+/// A disc on a path from `begin` seconds after `start` on, at rest from `after` seconds after `start` on, until `until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Passage {
     pub start: Time,
+    pub begin: f64,
     pub until: Time,
     pub after: f64,
     pub path: Path,
@@ -75,7 +76,41 @@ pub(crate) struct Passage {
 impl Passage {
     /// Seconds that the disc has moved at `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
-        (at - self.start).seconds().clamp(0.0, self.after)
+        ((at - self.start).seconds().min(self.after) - self.begin).max(0.0)
+    }
+
+    /// True when the disc has come to rest at `at`.
+    pub fn has_ended(&self, at: Time) -> bool {
+        (at - self.start).seconds() >= self.after
+    }
+
+    /// The first microsecond not before its beginning.
+    pub fn since(&self) -> Time {
+        if self.begin == 0.0 { self.start } else { self.start + Time::from_seconds_ceil(self.begin) }
+    }
+
+    /// A stretch of constant twist: its start, the pose then, the twist and how long it lasts, s. It is the passage from its beginning on;
+    /// where that slides along a wall, what leads between its poses at `from` and `to`.
+    pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
+        if self.path.pace == Pace::Even {
+            let start = self.since();
+            return (start, self.pose(start), self.path.twist, self.after - self.begin);
+        }
+        let start = from.max(self.since());
+        let to = to.min(self.until).max(start + Time(1));
+        let pose = self.pose(start);
+        let chord = pose.inverse_transform_point(self.centre(to));
+        let after = (self.elapsed(to) - self.elapsed(start)).max(1e-6);
+        let angle = self.path.omega() * after;
+        // The circle through both places: the inverse of `Pose::moved`.
+        let (s, c) = (math::sinc(angle), math::cosc(angle));
+        let whole = (s * s + c * c) * after;
+        let twist = Twist {
+            vx: (chord.x * s + chord.y * c) / whole,
+            vy: (chord.y * s - chord.x * c) / whole,
+            omega: self.path.omega(),
+        };
+        (start, pose, twist, after)
     }
 
     pub fn centre(&self, at: Time) -> DVec2 {
@@ -84,7 +119,10 @@ impl Passage {
 
     /// Pose of the robot's centre.
     pub fn pose(&self, at: Time) -> Pose {
-        Pose { position: self.centre(at), heading: self.heading.turned(self.path.twist.omega * self.elapsed(at)) }
+        Pose {
+            position: self.centre(at),
+            heading: self.heading.turned(self.path.omega() * (self.begin + self.elapsed(at))),
+        }
     }
 }
 
@@ -136,7 +174,7 @@ impl Motion {
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
         let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
         let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Controllers::default() };
-        let vehicle = Vehicle { model, errors: None };
+        let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall };
         let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
         Self {
             id,
@@ -172,6 +210,26 @@ impl Motion {
         Ok(self)
     }
 
+    /// This motion, not yet commanded, with this rule for what happens at walls; a robot with legs stalls whatever it is.
+    ///
+    /// # Errors
+    /// A friction that is negative or not finite.
+    pub fn with_contact(mut self, rule: ContactRule) -> Result<Self, ModelError> {
+        if let ContactRule::Slide { friction } = rule
+            && !(friction.is_finite() && friction >= 0.0)
+        {
+            return Err(ModelError { field: "friction", value: friction, accepted: "0 or more" });
+        }
+        let has_legs = self.vehicle.model.kind == DriveKind::Legged;
+        self.vehicle.contact = if has_legs { ContactRule::Stall } else { rule };
+        Ok(self)
+    }
+
+    /// What happens when the body is pushed against a wall.
+    pub fn contact_rule(&self) -> ContactRule {
+        self.vehicle.contact
+    }
+
     /// From `at` on, the start of the present slot, it has this imperfection, whose random numbers are those of a run with `seed`.
     ///
     /// # Errors
@@ -182,7 +240,8 @@ impl Motion {
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
-        let (state, orders, before) = (stage.piece.state(at), stage.orders_at(at), stage.actuation_before(at));
+        let (state, orders, before) =
+            (stage.state(&self.vehicle.model, at), stage.orders_at(at), stage.actuation_before(at));
         let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
         let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
         self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
@@ -298,13 +357,14 @@ impl Motion {
 
     /// True pose of the robot's centre at `at`.
     pub fn pose(&mut self, at: Time) -> Pose {
-        let axle = self.stage_at(at).piece.world_from_axle(at);
-        centre_of(&self.vehicle.model, &axle)
+        let index = self.index_at(at);
+        self.stages[index].centre(&self.vehicle.model, at)
     }
 
     /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.
     pub fn state(&mut self, at: Time) -> State {
-        self.stage_at(at).piece.state(at)
+        let index = self.index_at(at);
+        self.stages[index].state(&self.vehicle.model, at)
     }
 
     /// The pose of the axle's midpoint that the robot believes in at `at`, as it is read: in the steps of its
@@ -380,13 +440,16 @@ impl Motion {
         }
     }
 
-    /// True at `at` when the body is stopped by an obstacle with a command that it cannot obey.
+    /// True at `at` when the body is stopped by an obstacle with a command that it cannot obey, or when its wheels slip at a wall
+    /// by more than half of the speed that they are to give it (our choice).
     pub fn is_stalled(&mut self, at: Time) -> bool {
-        let piece = &self.stage_at(at).piece;
-        matches!(piece.cause, Cause::Impact { .. }) && piece.has_ended(at)
+        let index = self.index_at(at);
+        let stage = &self.stages[index];
+        let is_stopped = matches!(stage.piece.cause, Cause::Impact { .. }) && stage.piece.has_ended(at);
+        is_stopped || stage.is_slipping(&self.vehicle.model, at)
     }
 
-    /// The wheels that are to turn at `at` and stand, because an obstacle stops the body.
+    /// The wheels that are to turn at `at` and do not move the body, because of an obstacle.
     pub fn stalled_wheels(&mut self, at: Time) -> [bool; 4] {
         if !self.is_stalled(at) {
             return [false; 4];
@@ -395,11 +458,22 @@ impl Motion {
         target.wheels(&self.vehicle.model).map(|rate| rate != 0.0)
     }
 
-    /// The contact that stops the body at `at`.
+    /// The contact that stops the body at `at`, or that with which the stretch along a wall began that it slides on or rests at.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
-        if stage.piece.has_ended(at) { impact_of(&model, stage) } else { None }
+        if stage.piece.has_ended(at) {
+            return impact_of(&model, stage);
+        }
+        let (leg, _) = stage.slip(&model, at)?;
+        leg_impact(&model, stage, leg)
+    }
+
+    /// Share of the speed of its wheels by which they slip over the floor at `at` because of a wall: 0 without one, 1 for a body at
+    /// rest.
+    pub fn slip(&mut self, at: Time) -> f64 {
+        let index = self.index_at(at);
+        self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, share)| share)
     }
 
     /// True when the body or a wheel moves at `at`.
@@ -457,15 +531,8 @@ impl Motion {
         while first < self.stages.len() && (passages.is_empty() || self.stages[first].piece.start <= to) {
             let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
             let stage = &mut self.stages[first];
-            stage.explore(&self.vehicle.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
-            let heading = stage.piece.state.world_from_axle.heading;
-            passages.push(Passage {
-                start: stage.piece.start,
-                until,
-                after: stage.piece.after,
-                path: stage.path,
-                heading,
-            });
+            stage.explore(&self.vehicle, &self.walls, (until.min(to) - stage.piece.start).seconds());
+            stage.passages(from, until, to, passages);
             first += 1;
         }
     }
@@ -501,7 +568,7 @@ impl Motion {
         if stage.blocker().is_none() || !stage.piece.has_ended(at) {
             return false;
         }
-        let state = stage.piece.state(at);
+        let state = stage.state(&self.vehicle.model, at);
         let orders = stage.orders_at(at);
         let next = Stage::open(&self.vehicle, at, state, orders, stage.actuation_before(at), touching, Grip::FREE);
         if next.blocker().is_some() {
@@ -539,6 +606,7 @@ impl Motion {
         while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
             self.stages.pop_front();
         }
+        self.stages[0].forget_legs(end - HISTORY);
         impacts
     }
 
@@ -566,14 +634,14 @@ impl Motion {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         let is_held = stage.is_held(at);
-        let centre = centre_of(&model, &stage.piece.state(at).world_from_axle);
+        let centre = stage.centre(&model, at);
         let left = stage.piece.after - (at - stage.piece.start).seconds();
         let (ordered, share, left) = if is_held {
-            (stage.ordered_at_centre(&model), 0.0, f64::INFINITY)
+            (stage.ordered_at_centre(&model, at), 0.0, f64::INFINITY)
         } else if left <= 0.0 {
             (Twist::ZERO, 1.0, 0.0)
         } else {
-            (stage.ordered_at_centre(&model), stage.grip.share, left)
+            (stage.ordered_at_centre(&model, at), stage.grip.share, left)
         };
         Thrust { centre, ordered, share, left }
     }
@@ -584,7 +652,7 @@ impl Motion {
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
-        let state = stage.piece.state(at);
+        let state = stage.state(&self.vehicle.model, at);
         let mut next =
             Stage::open(&self.vehicle, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
         next.is_placed = stage.is_placed && stage.piece.start == at;
@@ -642,7 +710,7 @@ impl Motion {
 
     /// Wheels with a lag are not settled, or errors go on to change the motion.
     fn has_ticks(&self) -> bool {
-        let mut stage = *self.last();
+        let mut stage = self.last().clone();
         let next_tick = self.committed.max(stage.piece.start) + TICK;
         stage.next(&self.vehicle, &self.walls, next_tick).is_some()
     }
@@ -658,7 +726,7 @@ impl Motion {
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
         let present = stage.orders_at(at);
-        let mut state = stage.piece.state(at);
+        let mut state = stage.state(&self.vehicle.model, at);
         let mut before = stage.actuation_before(at);
         let orders = match input {
             Input::Command(command) => present.with(&self.vehicle.model, command)?,
@@ -724,7 +792,7 @@ impl Motion {
         }
         let index = self.stages.iter().rposition(|stage| stage.piece.start <= at).unwrap_or(0);
         let stage = &mut self.stages[index];
-        stage.explore(&self.vehicle.model, &self.walls, (at - stage.piece.start).seconds());
+        stage.explore(&self.vehicle, &self.walls, (at - stage.piece.start).seconds());
         index
     }
 
@@ -746,6 +814,30 @@ impl Motion {
         DriveEnd::After(stage.piece.start)
     }
 
+    /// Whether the body was pressed against a leg's wall, in stage `index`, within [`HISTORY`] before it.
+    fn has_rubbed(&self, index: usize, leg: &Leg) -> bool {
+        let wall = leg.against.map(|(wall, _)| wall);
+        let start = self.stages[index].piece.start;
+        for (place, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
+            // In seconds of this stage: when the leg begins, and when the stage is over.
+            let begin = (start - stage.piece.start).seconds() + leg.from;
+            let over =
+                if place == index { begin } else { (self.stages[place + 1].piece.start - stage.piece.start).seconds() };
+            let since = begin - HISTORY.seconds();
+            let is_same = |earlier: &Leg| {
+                let end = (earlier.from + earlier.after).min(stage.piece.after).min(over);
+                earlier.against.map(|(wall, _)| wall) == wall && earlier.from < over && end >= since
+            };
+            if stage.legs.iter().any(is_same) {
+                return true;
+            }
+            if stage.is_placed || since > 0.0 {
+                return false;
+            }
+        }
+        false
+    }
+
     /// The impacts of the present slot until `until`.
     fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
@@ -754,6 +846,17 @@ impl Motion {
             let piece = &stage.piece;
             let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
             let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);
+            if piece.start <= until {
+                let is_known =
+                    |leg: &&Leg| (self.committed - piece.start).seconds() >= leg.from && piece.start < self.committed;
+                let has_begun = |leg: &&Leg| (bound - piece.start).seconds() >= leg.from;
+                let legs = stage.legs.iter().skip_while(is_known).take_while(has_begun);
+                for leg in legs {
+                    let Some(impact) = leg_impact(&self.vehicle.model, stage, leg) else { continue };
+                    let fresh = impact.fresh && !self.has_rubbed(index, leg);
+                    impacts.push(Impact { fresh, ..impact });
+                }
+            }
             if piece.start <= until && is_new && piece.has_ended(bound) {
                 impacts.extend(impact_of(&self.vehicle.model, stage));
             }
@@ -770,16 +873,10 @@ enum DriveEnd {
     After(Time),
 }
 
-/// Pose of the axle's midpoint of a robot whose centre is at `world_from_robot`.
-fn axle_of(model: &Model, world_from_robot: &Pose) -> Pose {
-    let axle = DVec2::new(model.axis_offset, 0.0);
-    Pose { position: world_from_robot.transform_point(axle), ..*world_from_robot }
-}
-
 /// The impact that ends a stage.
 fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
     let Cause::Impact { with, fresh } = stage.piece.cause else { return None };
-    let world_from_robot = centre_of(model, &stage.piece.state_after(stage.piece.after).world_from_axle);
+    let world_from_robot = stage.centre_after(model, stage.piece.after);
     let towards = world_from_robot.inverse_transform_point(with.point);
     Some(Impact {
         time: stage.piece.end(),
@@ -788,5 +885,20 @@ fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
         point: with.point,
         bearing: math::atan2(towards.y, towards.x),
         fresh,
+    })
+}
+
+/// The contact with which a leg begins.
+fn leg_impact(model: &Model, stage: &Stage, leg: &Leg) -> Option<Impact> {
+    let (wall, point) = leg.against?;
+    let towards = stage.centre_after(model, leg.from).inverse_transform_point(point);
+    let time = stage.piece.start + Time::from_seconds_ceil(leg.from);
+    Some(Impact {
+        time,
+        known: time,
+        thing: Thing::Wall(wall),
+        point,
+        bearing: math::atan2(towards.y, towards.x),
+        fresh: leg.is_fresh,
     })
 }

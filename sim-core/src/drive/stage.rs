@@ -6,19 +6,21 @@ use super::{
     HISTORY,
     command::{Orders, Pending},
     control::{self, Actuation},
-    imperfection::{Erring, Vehicle},
+    imperfection::{ContactRule, Erring, Vehicle},
     model::Model,
+    motion::Passage,
     piece::{Cause, Piece, Rates, State},
 };
 use crate::{
-    contact::{APPROACH, Body, Obstacle, Path, SKIN, TOUCH, Thing, first_contact},
+    contact::{APPROACH, Body, Obstacle, Pace, Path, Push, SKIN, Slide, TOUCH, Thing, first_contact},
+    math,
     pose::{Pose, Twist},
     scene::{Bounds, Segment, WallId, Walls},
     time::{TICK, Time},
 };
 
 /// A piece, with what is needed to go on from it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub piece: Piece,
     pub orders: Orders,
@@ -42,7 +44,54 @@ pub(super) struct Stage {
     yields: Option<Time>,
     /// The next ticks change nothing.
     steady: bool,
+    /// Where the body goes from its first contact with a wall on, if contacts make it slide: in the order of time.
+    pub legs: Vec<Leg>,
 }
+
+/// A stretch of a stage that follows a contact with a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Leg {
+    /// Seconds from the stage's start to the leg's.
+    pub from: f64,
+    /// Seconds that it lasts; infinite while its end is not known.
+    pub after: f64,
+    /// The centre's path.
+    pub path: Path,
+    /// Length of the axle's path from the stage's start to the leg's, m.
+    pub covered: f64,
+    /// What the body is pressed against.
+    pub against: Option<(WallId, DVec2)>,
+    /// The wall was not in contact before.
+    pub is_fresh: bool,
+    /// The wall that ends it, if that was not touched before.
+    pub meets: Option<WallId>,
+}
+
+impl Leg {
+    /// Its passage, where the stage's is `whole`.
+    fn passage(&self, whole: &Passage) -> Passage {
+        Passage { begin: self.from, after: (self.from + self.after).min(whole.after), path: self.path, ..*whole }
+    }
+
+    /// Where the centre is `seconds` after the stage's start.
+    fn position(&self, seconds: f64) -> DVec2 {
+        self.path.position((seconds - self.from).clamp(0.0, self.after))
+    }
+
+    /// The centre's velocity then, in the world.
+    fn velocity(&self, seconds: f64) -> DVec2 {
+        self.path.velocity((seconds - self.from).clamp(0.0, self.after))
+    }
+}
+
+/// Share of the speed of the wheels over the floor by which they slip, from which on they count as stalled: our choice.
+const STALL_SLIP: f64 = 0.5;
+
+/// So many legs in less than [`RUSH_SECONDS`] are followed by a rest: our choice.
+const RUSH_LEGS: usize = 16;
+
+/// How soon [`RUSH_LEGS`] legs have to follow each other, and how long the rest is that ends them, s.
+const RUSH_SECONDS: f64 = 1e-3;
 
 /// How fast a robot gets along its own path among movable objects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +140,7 @@ impl Stage {
             is_drawn: erring.is_drawn,
             yields: None,
             steady: false,
+            legs: Vec::new(),
         };
         stage.set_path(model);
         let mut obstacle = stage.approached(model.body_radius, touching);
@@ -113,9 +163,128 @@ impl Stage {
 
     fn set_path(&mut self, model: &Model) {
         let centre = centre_of(model, &self.piece.state.world_from_axle);
-        self.path = Path::new(&centre, self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0)));
+        self.path = Path::new(&centre, self.twist_of_centre(model));
         // Not even the start: a contact may stop it at once.
         self.explored = if self.path.is_resting() { f64::INFINITY } else { -1.0 };
+    }
+
+    /// The twist of the centre without contacts, in the robot's frame.
+    fn twist_of_centre(&self, model: &Model) -> Twist {
+        self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0))
+    }
+
+    /// The leg in force `seconds` after the start, if contacts have begun by then.
+    pub fn leg_at(&self, seconds: f64) -> Option<&Leg> {
+        let index = self.legs.partition_point(|leg| leg.from <= seconds);
+        index.checked_sub(1).map(|last| &self.legs[last])
+    }
+
+    /// Seconds after the start at `at`, not beyond the end.
+    fn seconds_at(&self, at: Time) -> f64 {
+        (at - self.piece.start).seconds().clamp(0.0, self.piece.after.max(0.0))
+    }
+
+    /// The state at `at`, not before the start: a function of `at` alone.
+    pub fn state(&self, model: &Model, at: Time) -> State {
+        self.state_after(model, (at - self.piece.start).seconds())
+    }
+
+    /// The state `seconds` after the start.
+    fn state_after(&self, model: &Model, seconds: f64) -> State {
+        let state = self.piece.state_after(seconds);
+        let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
+        let Some(leg) = self.leg_at(seconds) else { return state };
+        let path = self.piece.state.path + (leg.covered + self.length_on(model, leg, seconds - leg.from));
+        State { world_from_axle: axle_of(model, &self.centre_after(model, seconds)), path, ..state }
+    }
+
+    /// Pose of the robot's centre at `at`, not before the start.
+    pub fn centre(&self, model: &Model, at: Time) -> Pose {
+        self.centre_after(model, self.seconds_at(at))
+    }
+
+    pub fn centre_after(&self, model: &Model, seconds: f64) -> Pose {
+        let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
+        let Some(leg) = self.leg_at(seconds) else {
+            let axle = self.piece.state.world_from_axle.moved(self.piece.covered(self.piece.rates.truth, seconds));
+            return centre_of(model, &axle);
+        };
+        let heading = self.piece.state.world_from_axle.heading.turned(leg.path.omega() * seconds);
+        Pose { position: leg.position(seconds), heading }
+    }
+
+    /// Adds the passages of the body that touch the time from `from` to `to`; the next stage begins at `until`.
+    pub fn passages(&self, from: Time, until: Time, to: Time, passages: &mut Vec<Passage>) {
+        let Piece { start, state, after, .. } = self.piece;
+        let heading = state.world_from_axle.heading;
+        let whole = Passage { start, begin: 0.0, until, after, path: self.path, heading };
+        if self.legs.is_empty() {
+            passages.push(whole);
+            return;
+        }
+        let seconds = (from - start).seconds();
+        let first = self.legs.partition_point(|leg| leg.from <= seconds);
+        let begun = |leg: &&Leg| (to.min(until) - start).seconds() >= leg.from;
+        let at_first = first.checked_sub(1).map_or(whole, |first| self.legs[first].passage(&whole));
+        passages.push(at_first);
+        for leg in self.legs[first..].iter().take_while(begun) {
+            let begin = leg.from;
+            let last = passages.last_mut().expect("one has been added");
+            last.until = start + Time::from_seconds_ceil(begin);
+            last.after = begin;
+            passages.push(leg.passage(&whole));
+        }
+    }
+
+    /// Length of the axle's path in the first `seconds` of a leg, m.
+    fn length_on(&self, model: &Model, leg: &Leg, seconds: f64) -> f64 {
+        let omega = leg.path.omega();
+        let seconds = seconds.min(leg.after);
+        match leg.path.pace {
+            Pace::Even if leg.against.is_none() => self.piece.rates.truth.speed() * seconds,
+            Pace::Even => (omega * model.axis_offset * seconds).abs(),
+            Pace::Led { law, .. } if model.axis_offset == 0.0 || omega == 0.0 => law.length(seconds),
+            // Beside the axle there is no closed form.
+            Pace::Led { .. } => {
+                let heading = self.piece.state.world_from_axle.heading.turned(omega * leg.from).direction();
+                let speed = |t: f64| {
+                    let (sin, cos) = math::sin_cos(omega * t);
+                    let ahead = heading.rotate(DVec2::new(cos, sin));
+                    (leg.path.velocity(t) + ahead.perp() * (omega * model.axis_offset)).length()
+                };
+                gauss(speed, seconds)
+            }
+        }
+    }
+
+    /// What the body is pressed against at `at`, and by what share of the speed that its wheels are to give it they slip.
+    pub fn slip(&self, model: &Model, at: Time) -> Option<(&Leg, f64)> {
+        if self.piece.has_ended(at) {
+            return None;
+        }
+        let seconds = self.seconds_at(at);
+        let leg = self.leg_at(seconds).filter(|leg| leg.against.is_some())?;
+        let Twist { vx, vy, omega } = self.twist_of_centre(model);
+        let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
+        let pushed = heading.rotate(DVec2::new(vx, vy));
+        let speed = pushed.length();
+        let slip = (pushed - leg.velocity(seconds)).length();
+        Some((leg, if speed > 0.0 { slip / speed } else { 0.0 }))
+    }
+
+    /// True when the wheels slip at `at` by so much that they count as stalled.
+    pub fn is_slipping(&self, model: &Model, at: Time) -> bool {
+        self.slip(model, at).is_some_and(|(_, share)| share > STALL_SLIP)
+    }
+
+    /// Forgets the legs that have ended before an instant.
+    pub fn forget_legs(&mut self, before: Time) {
+        let seconds = (before - self.piece.start).seconds();
+        let kept = self.legs.partition_point(|leg| leg.from <= seconds);
+        // One at a time is not worth it.
+        if kept > 64 {
+            self.legs.drain(..kept - 1);
+        }
     }
 
     /// The body moves otherwise than its wheels tell.
@@ -131,9 +300,16 @@ impl Stage {
         self.set_path(model);
     }
 
-    /// The twist of the centre that is ordered, in the robot's frame.
-    pub fn ordered_at_centre(&self, model: &Model) -> Twist {
-        self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0))
+    /// The twist of the centre that is ordered at `at`, in the robot's frame, as far as walls leave it.
+    pub fn ordered_at_centre(&self, model: &Model, at: Time) -> Twist {
+        let ordered = self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0));
+        let seconds = self.seconds_at(at);
+        let Some(leg) = self.leg_at(seconds).filter(|leg| leg.against.is_some() && self.grip.share > 0.0) else {
+            return ordered;
+        };
+        let heading = self.piece.state.world_from_axle.heading.turned(leg.path.omega() * seconds).direction();
+        let velocity = DVec2::new(heading.x, -heading.y).rotate(leg.velocity(seconds)) / self.grip.share;
+        Twist { vx: velocity.x, vy: velocity.y, ..ordered }
     }
 
     /// True when the robot is held by a movable object at `at`.
@@ -156,6 +332,7 @@ impl Stage {
 
     /// Ends the stage after `seconds` at `obstacle`.
     pub fn stop(&mut self, seconds: f64, obstacle: Obstacle, fresh: bool) {
+        self.legs.retain(|leg| leg.from <= seconds);
         self.piece.after = seconds;
         self.piece.cause = Cause::Impact { with: obstacle, fresh };
         self.explored = f64::INFINITY;
@@ -165,20 +342,35 @@ impl Stage {
     ///
     /// Contact with each wall is found for the whole path, and the stretches of the search are counted from the start: so
     /// the outcome does not depend on who asked how far before.
-    pub fn explore(&mut self, model: &Model, walls: &Walls, seconds: f64) {
+    pub fn explore(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
         while self.explored < seconds.min(self.piece.after) {
-            let from = self.explored.max(0.0);
+            let last = self.legs.last().copied();
+            if let Some(Leg { from, after, meets, against: Some(_), .. }) = last {
+                self.begin_leg(vehicle, walls, from + after, meets, meets.is_some());
+                continue;
+            }
+            let start = last.map_or(0.0, |leg| leg.from);
+            let from = (self.explored - start).max(0.0);
             let to = (2.0 * from).max(FIRST_LOOK);
-            self.explored = if from >= self.path.period() { f64::INFINITY } else { to };
+            self.explored = if from >= self.last_path().period() { f64::INFINITY } else { start + to };
             if self.explored.is_finite() {
-                self.explore_stretch(model, walls, from, to.min(self.piece.after));
+                self.explore_stretch(vehicle, walls, from, to.min(self.piece.after - start));
             }
         }
     }
 
-    fn explore_stretch(&mut self, model: &Model, walls: &Walls, from: f64, to: f64) {
+    /// The path of the leg that has been found last.
+    fn last_path(&self) -> &Path {
+        self.legs.last().map_or(&self.path, |leg| &leg.path)
+    }
+
+    fn explore_stretch(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, to: f64) {
+        let model = &*vehicle.model;
         let radius = model.body_radius;
-        let (middle, half_way) = self.path.surrounding_disc(from, to);
+        let start = self.legs.last().map_or(0.0, |leg| leg.from);
+        let path = *self.last_path();
+        let duration = self.piece.after - start;
+        let (middle, half_way) = path.surrounding_disc(from, to);
         // The skin once for the contact itself, once for rounding.
         let reach = half_way + radius + 2.0 * SKIN;
         let mut first: Option<(f64, WallId, Segment, bool)> = None;
@@ -186,22 +378,49 @@ impl Stage {
             if (wall.nearest_point(middle) - middle).length_squared() > reach * reach {
                 return;
             }
-            let Some(contact) = first_contact(&self.path, radius, wall, self.piece.after) else { return };
+            let Some(contact) = first_contact(&path, radius, wall, duration) else { return };
             let is_first = first.is_none_or(|(after, best, ..)| (contact.after, id) < (after, best));
             if contact.after <= to && is_first {
                 first = Some((contact.after, id, *wall, contact.fresh));
             }
         });
         // A drive that ends where it touches has arrived.
-        if let Some((after, id, wall, fresh)) = first
-            && after < self.piece.after
-        {
-            if after == 0.0 && self.is_erring() {
-                return self.yield_to_contact(model, self.next_tick());
+        let Some((after, id, wall, fresh)) = first.filter(|(after, ..)| *after < duration) else { return };
+        if vehicle.contact != ContactRule::Stall {
+            if let Some(leg) = self.legs.last_mut() {
+                leg.after = after;
             }
-            let point = wall.nearest_point(self.path.position(after));
-            self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
+            return self.begin_leg(vehicle, walls, start + after, Some(id), fresh);
         }
+        if after == 0.0 && self.is_erring() {
+            return self.yield_to_contact(model, self.next_tick());
+        }
+        let point = wall.nearest_point(path.position(after));
+        self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
+    }
+
+    /// Begins the leg that follows the end of another one or a contact, `from` seconds after the start. `met`: what is met there;
+    /// `is_fresh`: it was not touched before.
+    fn begin_leg(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, met: Option<WallId>, is_fresh: bool) {
+        let model = &*vehicle.model;
+        let ContactRule::Slide { friction } = vehicle.contact else { return };
+        let centre = self.centre_after(model, from);
+        let covered = self.state_after(model, from).path - self.piece.state.path;
+        let push = Push { free: Path::new(&centre, self.twist_of_centre(model)), radius: model.body_radius, friction };
+        let earlier = self.legs.len().checked_sub(RUSH_LEGS).map(|earlier| self.legs[earlier].from);
+        let slide = if earlier.is_some_and(|earlier| from - earlier < RUSH_SECONDS) {
+            push.resting(RUSH_SECONDS, self.legs.last().and_then(|leg| leg.against))
+        } else {
+            push.slide(walls, met, self.piece.after - from)
+        };
+        self.explored = match slide.against {
+            // Its contacts let it go: what it meets is looked for from here on.
+            None => from,
+            Some(_) if from + slide.after < self.piece.after => from + slide.after,
+            Some(_) => f64::INFINITY,
+        };
+        let Slide { path, after, against, meets } = slide;
+        self.legs.push(Leg { from, after, path, covered, against, is_fresh, meets });
     }
 
     /// The stage that a tick opens after this one, if one does not after `limit`: only wheels with a lag and a robot with
@@ -220,7 +439,12 @@ impl Stage {
             self.steady = true;
             return None;
         }
-        self.explore(model, walls, (tick - self.piece.start).seconds());
+        if is_settled && !self.is_drawn && self.yields.is_none() && vehicle.contact != ContactRule::Stall {
+            // Its errors stay, and no wall ends the piece.
+            self.steady = true;
+            return None;
+        }
+        self.explore(vehicle, walls, (tick - self.piece.start).seconds());
         if self.piece.has_ended(tick) || is_settled && !self.is_drawn && self.yields.is_none() {
             return self.next_after_contact(vehicle, walls, limit);
         }
@@ -235,7 +459,8 @@ impl Stage {
     /// The last microsecond before which it is known that no wall, mark or tick ends this stage: its start, if that is not
     /// known.
     pub fn steady_until(&self, vehicle: &Vehicle) -> Time {
-        if !self.has_no_ticks(vehicle) {
+        // Legs along walls are published one by one.
+        if !self.has_no_ticks(vehicle) || !self.legs.is_empty() {
             return self.piece.start;
         }
         let known = self.explored.min(self.piece.after).max(0.0);
@@ -245,8 +470,7 @@ impl Stage {
     /// The stage that the first tick opens after errors have brought the body to a wall, if one does not after `limit`: none
     /// if what is commanded leads into the wall too.
     fn next_after_contact(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
-        let model = &*vehicle.model;
-        self.explore(model, walls, (limit - self.piece.start).seconds());
+        self.explore(vehicle, walls, (limit - self.piece.start).seconds());
         let tick = (self.piece.end() + (TICK - Time(1))).floor_to(TICK);
         if !self.piece.has_ended(limit) || tick > limit {
             return None;
@@ -255,7 +479,7 @@ impl Stage {
             && matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Wall(_)))
         {
             let mut next = self.at_tick(vehicle, tick);
-            next.explore(model, walls, 0.0);
+            next.explore(vehicle, walls, 0.0);
             if next.piece.after > 0.0 || !matches!(next.piece.cause, Cause::Impact { .. }) {
                 return Some(next);
             }
@@ -265,7 +489,7 @@ impl Stage {
     }
 
     fn at_tick(&self, vehicle: &Vehicle, tick: Time) -> Self {
-        let (state, orders) = (self.piece.state(tick), self.orders_at(tick));
+        let (state, orders) = (self.state(&vehicle.model, tick), self.orders_at(tick));
         let mut next = Self::open(vehicle, tick, state, orders, self.actuation_before(tick), &[], self.grip);
         if let Some(until) = self.yields.filter(|until| *until > tick) {
             next.yield_to_contact(&vehicle.model, until);
@@ -307,7 +531,9 @@ impl Stage {
 
     /// The first microsecond at which the drive of its orders is done, if nothing stops it before.
     pub fn drive_end(&mut self, vehicle: &Vehicle, walls: &Walls) -> Option<Time> {
-        self.explore(&vehicle.model, walls, self.piece.after);
+        if vehicle.contact == ContactRule::Stall {
+            self.explore(vehicle, walls, self.piece.after);
+        }
         matches!(self.piece.cause, Cause::Arrived(_)).then(|| self.piece.end())
     }
 
@@ -337,6 +563,27 @@ pub(super) fn centre_of(model: &Model, world_from_axle: &Pose) -> Pose {
         return *world_from_axle;
     }
     Pose { position: world_from_axle.transform_point(DVec2::new(-model.axis_offset, 0.0)), ..*world_from_axle }
+}
+
+/// Pose of the axle's midpoint of a robot whose centre is at `world_from_robot`.
+pub(super) fn axle_of(model: &Model, world_from_robot: &Pose) -> Pose {
+    let axle = DVec2::new(model.axis_offset, 0.0);
+    Pose { position: world_from_robot.transform_point(axle), ..*world_from_robot }
+}
+
+/// The integral of a smooth function from 0 to `end`: the rule of Gauss and Legendre with 8 points on each of 4 parts.
+fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
+    const NODES: [(f64, f64); 4] = [
+        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+        (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+        (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+        (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+    ];
+    let half = end / 8.0;
+    let part = |middle: f64| -> f64 {
+        NODES.iter().map(|(node, weight)| weight * (f(middle - half * node) + f(middle + half * node))).sum()
+    };
+    half * (0..4).map(|index| part(half * f64::from(2 * index + 1))).sum::<f64>()
 }
 
 /// The wheels and controllers from `start` on: at once what is ordered, or with a lag one step on the grid of ticks.

@@ -10,7 +10,7 @@ use crate::noise::{Profile, RadioNoise};
 use crate::object::Bodies;
 use crate::radio::Channel;
 use crate::scene::{Ground, Walls};
-use crate::spec::{NoiseRef, RobotSpec, SceneSpec};
+use crate::spec::{ContactKind, NoiseRef, RobotSpec, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 
@@ -23,6 +23,9 @@ pub struct RobotFactory {
     walls: Arc<Walls>,
     /// Ground for legged robots.
     ground: Arc<Ground>,
+    /// Rule of contacts with walls, and the friction of these.
+    contact: ContactKind,
+    wall_friction: f64,
     /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
     /// Cache of the robots' noise profiles.
@@ -56,6 +59,8 @@ impl RobotFactory {
             is_verbose,
             walls: build::obstacles(scene),
             ground: build::ground(&scene.world),
+            contact: scene.run.contact.unwrap_or_default(),
+            wall_friction: scene.run.wall_friction.unwrap_or(f64::INFINITY),
             models: BTreeMap::new(),
             profiles: Vec::new(),
         }
@@ -70,7 +75,9 @@ impl RobotFactory {
         let new_model = || Arc::new(build::model(&spec.robi));
         let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
         model.check().map_err(failed(""))?;
-        let mut motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        let motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        let rule = build::contact_rule(self.contact, self.wall_friction, &spec.robi);
+        let mut motion = motion.with_contact(rule).map_err(failed(""))?;
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }

@@ -18,6 +18,9 @@ pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
 /// Default coefficient of friction between wheels and floor: rubber on a hard floor. Source: our choice.
 pub const DEFAULT_TRACTION: f64 = 0.6;
 
+/// Default coefficient of friction between body and walls: plastic on painted wood, as between objects. Source: our choice.
+pub const DEFAULT_BODY_FRICTION: f64 = 0.3;
+
 /// Default diameter of the body, in metres. With the other defaults: a small robot with two wheels.
 const DEFAULT_DIAMETER: f64 = 0.18;
 const DEFAULT_MAX_SPEED: f64 = 0.6;
@@ -128,6 +131,8 @@ pub struct RobiSpec {
     pub centre_of_mass: DVec3,
     /// Coefficient of friction between wheels and floor: greatest pushing force over the robot's weight.
     pub traction: f64,
+    /// Coefficient of friction between body and walls.
+    pub friction: f64,
     /// Legs of a robot with [`DriveKind::Legged`]; `None` if no file describes them.
     pub legs: Option<LegsSpec>,
     /// Infrared switches.
@@ -190,6 +195,7 @@ impl Default for RobiSpec {
             mass: DEFAULT_ROBOT_MASS,
             centre_of_mass: DVec3::ZERO,
             traction: DEFAULT_TRACTION,
+            friction: DEFAULT_BODY_FRICTION,
             model: None,
             infrareds: Vec::new(),
             bumpers: Vec::new(),

@@ -210,6 +210,33 @@ pub struct RunSpec {
     pub api: Option<u32>,
     /// Noise profile of devices and drives.
     pub noise: Option<NoiseRef>,
+    /// Motion of a robot that is pushed against a wall.
+    pub contact: Option<ContactKind>,
+    /// Coefficient of friction of the walls; a robot slides along them with the lower one of this and its own.
+    pub wall_friction: Option<f64>,
+}
+
+/// Motion of a robot that is pushed against a wall. See `docs/motion.md`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContactKind {
+    /// It slides outside the friction cone, and its wheels slip over the floor.
+    Slide,
+    /// It rests, its wheels stall, and the command stays pending.
+    #[default]
+    Stall,
+}
+
+impl ContactKind {
+    /// Both rules.
+    pub const ALL: [Self; 2] = [Self::Slide, Self::Stall];
+
+    /// Word for the rule in files and on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Slide => "slide",
+            Self::Stall => "stall",
+        }
+    }
 }
 
 /// Source of the cost table of a scene.

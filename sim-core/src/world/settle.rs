@@ -356,18 +356,21 @@ impl<'a, 'm> Settling<'a, 'm> {
     /// The motion of a body `t` seconds after the start of the slot, and until when it stays the same.
     fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
         let passages = self.passages(robot);
-        let since = |passage: &Passage| (passage.start - self.start).seconds();
-        let place = passages.iter().rposition(|passage| since(passage) <= t).unwrap_or(0);
+        // Seconds since the start of the passage's stage, so that a stage which is stopped at an instant has ended at it, to the bit.
+        let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
+        let place = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
         let passage = &passages[place];
-        let until = passages.get(place + 1).map_or(f64::INFINITY, since);
-        let elapsed = (t - since(passage)).max(0.0);
+        let start = |passage: &Passage| (passage.start - self.start).seconds();
+        let until = passages.get(place + 1).map_or(f64::INFINITY, |next| start(next) + next.begin);
+        let elapsed = (seconds(passage) - passage.begin).max(0.0);
         let radius = self.radius(robot);
         if passage.path.is_resting() {
             (Rolling { path: passage.path, elapsed: 0.0, radius }, until)
-        } else if elapsed >= passage.after {
-            (Rolling { path: Path::resting(passage.path.position(passage.after)), elapsed: 0.0, radius }, until)
+        } else if seconds(passage) >= passage.after {
+            let rest = passage.path.position(passage.after - passage.begin);
+            (Rolling { path: Path::resting(rest), elapsed: 0.0, radius }, until)
         } else {
-            (Rolling { path: passage.path, elapsed, radius }, until.min(since(passage) + passage.after))
+            (Rolling { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.after))
         }
     }
 

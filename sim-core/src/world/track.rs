@@ -90,7 +90,11 @@ impl Track {
         }
         self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
-        if self.revision == motion.revision() && passages.len() == 1 && last.passages.len() == 1 {
+        if self.revision == motion.revision()
+            && passages.len() == 1
+            && last.passages.len() == 1
+            && passages[0].since() == last.passages[0].since()
+        {
             // The same plan with a later end: its past is unchanged.
             self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
@@ -134,10 +138,8 @@ impl Track {
             if from <= to {
                 bounds = bounds.union(passages_bounds(&publication.passages, from, to));
             }
-            self.is_resting &= publication
-                .passages
-                .iter()
-                .all(|passage| passage.path.is_resting() || passage.elapsed(from) >= passage.after);
+            self.is_resting &=
+                publication.passages.iter().all(|passage| passage.path.is_resting() || passage.has_ended(from));
         }
         self.bounds = bounds.grown(self.radius);
     }

@@ -40,7 +40,7 @@ impl Form for RobiSpec {
         keys.key("collider", "The body's shape in space; contacts are those of the disc.")
             .list(PARTS, &mut self.colliders);
         keys.mention(&["wheel", "drive", "psd"]);
-        keys.key("body", "Mass and traction.").always(PartOf(body_table), self);
+        keys.key("body", "Mass, traction and friction.").always(PartOf(body_table), self);
         keys.key("wheel", "The wheels, all alike.").always(PART, &mut self.wheel);
         if keys.reading().is_some() {
             self.drive.wheelbase = wheelbase_of(self);
@@ -57,7 +57,7 @@ impl Form for RobiSpec {
 
 /// Declares the keys of a companion except for the PSDs.
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
-    keys.key("body", "Mass and traction.").always(PartOf(body_table), robi);
+    keys.key("body", "Mass, traction and friction.").always(PartOf(body_table), robi);
     keys.key("drive", "The drive.").always(PartOf(drive_keys), robi);
     frame(keys, robi);
     devices(keys, robi);
@@ -86,10 +86,12 @@ fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 }
 
 fn body_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
-    keys.form("BodyForm", "Mass and traction of a robot.");
+    keys.form("BodyForm", "Mass, traction and friction of a robot.");
     keys.key("mass_kg", "Mass in kg; 1 if left out.").always(Bounded(Quantity::mass("mass")), &mut robi.mass);
     keys.key("traction", "Coefficient of friction between wheels and floor; 0.6 if left out.")
         .always(Bounded(Quantity::number("traction", 0.0, 100.0)), &mut robi.traction);
+    keys.key("friction", "Coefficient of friction between body and walls; 0.3 if left out.")
+        .optional(Bounded(Quantity::number("friction", 0.0, 100.0)), &mut robi.friction);
 }
 
 impl Form for WheelSpec {

@@ -15,7 +15,7 @@ use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
-use crate::spec::{CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
+use crate::spec::{ContactKind, CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
 use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, RadioModel};
 use sim_core::time::Time;
@@ -72,6 +72,10 @@ impl Form for RunSpec {
             "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
         )
         .maybe(NOISE, &mut self.noise);
+        keys.key("contact", "Motion of a robot that is pushed against a wall; `stall` if left out.")
+            .maybe(Word, &mut self.contact);
+        keys.key("wall_friction", "Coefficient of friction of the walls; robots slide with the lower one of this and their own; that of the robot if left out.")
+            .maybe(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
     }
 }
 
@@ -142,6 +146,15 @@ const COSTS: Custom<CostsRef> = Custom {
         })
     },
 };
+
+impl Words for ContactKind {
+    const NAME: &'static str = "ContactForm";
+    const ABOUT: &'static str = "Motion of a robot that is pushed against a wall.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (ContactKind::Slide, "slide", "It slides outside the friction cone, and its wheels slip over the floor."),
+        (ContactKind::Stall, "stall", "It rests, its wheels stall, and the command stays pending."),
+    ];
+}
 
 impl Form for CostTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {

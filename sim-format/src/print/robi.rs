@@ -81,6 +81,7 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.mass != b.mass, "the mass"),
         (a.centre_of_mass != b.centre_of_mass, "the centre of mass"),
         (a.traction != b.traction, "the traction"),
+        (a.friction != b.friction, "the friction of the body"),
         (a.infrareds != b.infrareds, "the infrared switches"),
         (a.bumpers != b.bumpers, "the bumpers"),
         (a.servos != b.servos, "the servos"),

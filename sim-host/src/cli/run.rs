@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use anyhow::{Context, ensure};
 use clap::builder::PossibleValue;
 use clap::{Args, FromArgMatches as _};
-use sim_core::spec::SceneSpec;
+use sim_core::spec::{ContactKind, SceneSpec};
 use sim_core::time::Time;
 
 use super::cc::parse_api;
@@ -104,6 +104,9 @@ pub struct RunArgs {
     /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
+    /// What a robot does that is pushed against a wall: slide, or stall [default: that of the scene, else stall]
+    #[arg(long, value_name = "RULE", value_parser = parse_contact)]
+    pub contact: Option<ContactKind>,
     /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
@@ -168,6 +171,7 @@ impl RunArgs {
             arguments: self.args.clone(),
             costs: self.costs.clone(),
             noise: self.noise.clone(),
+            contact: self.contact,
             allow_execute: self.allow_execute,
             output_limit: self.output_limit,
             is_verbose: self.verbose,
@@ -291,6 +295,11 @@ fn exit_code(ended: &Ended) -> ExitCode {
         _ if ended.robots.iter().any(|robot| robot.outcome.is_failure()) => ExitCode::from(EXIT_PROGRAM),
         _ => ExitCode::SUCCESS,
     }
+}
+
+/// The rule of contacts of this name.
+fn parse_contact(text: &str) -> Result<ContactKind, String> {
+    ContactKind::ALL.into_iter().find(|kind| kind.word() == text).ok_or_else(|| "expected slide or stall".to_owned())
 }
 
 fn parse_slot(text: &str) -> Result<Time, String> {

@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use sim_core::spec::ContactKind;
 use sim_core::time::Time;
 
 use super::settings::ProgramOption;
@@ -46,6 +47,8 @@ pub struct Options {
     pub costs: Option<PathBuf>,
     /// Noise profile of all robots, in place of the scene's: a preset's name or a file.
     pub noise: Option<String>,
+    /// Motion of robots that are pushed against walls, in place of the scene's.
+    pub contact: Option<ContactKind>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
     /// Bytes that each program may print before the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
@@ -79,6 +82,7 @@ impl Default for Options {
             arguments: Vec::new(),
             costs: None,
             noise: None,
+            contact: None,
             allow_execute: false,
             output_limit: DEFAULT_OUTPUT_LIMIT,
             is_verbose: false,

@@ -165,6 +165,7 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     options.arguments.iter().for_each(|arguments| add("args", arguments));
     options.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
     options.noise.iter().for_each(|noise| add("noise", noise));
+    options.contact.iter().for_each(|contact| add("contact", &contact.word()));
     if options.exec == Exec::Process {
         add("exec", &"process");
     }

@@ -50,6 +50,7 @@ impl Scene {
 
     fn read(path: &Path, mut files: DiskFiles, options: Options) -> Result<Self, Error> {
         let mut loaded = load_scene_with(&files.name(path), options.seed, &files);
+        loaded.scene.run.contact = options.contact.or(loaded.scene.run.contact);
         if let Some(noise) = &options.noise {
             assign_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::invalid_request)?;
         }

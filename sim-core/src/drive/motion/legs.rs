@@ -74,7 +74,7 @@ impl Plan for Motion {
         for index in first..last {
             let until = self.stages[index + 1].piece.start;
             let stage = &mut self.stages[index];
-            stage.explore(&self.vehicle.model, &self.walls, (until - stage.piece.start).seconds());
+            stage.explore(&self.vehicle, &self.walls, (until - stage.piece.start).seconds());
         }
         let axis_offset = self.vehicle.model.axis_offset;
         let course = |stage: &Stage| Course { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
