@@ -15,12 +15,17 @@ const WHITE: Colour = [240, 240, 236];
 fn main() -> image::ImageResult<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/textures");
     for (name, draw) in FLOORS {
-        draw().save(folder.join(name))?;
+        turned(&draw()).save(folder.join(name))?;
     }
     for (name, draw) in TERRAINS {
         draw().save(folder.join(name))?;
     }
     Ok(())
+}
+
+/// An image of a floor as a `.wld` has it: turned by 180 degrees.
+pub fn turned(floor: &RgbImage) -> RgbImage {
+    image::imageops::rotate180(floor)
 }
 
 /// Function that draws an image.

@@ -95,6 +95,8 @@ impl Reader {
     fn texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
         self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+        // In worlds saved by EyeSim VR, walls lie on the lines of the image only so.
+        self.world.texture_is_turned = self.world.texture.is_some();
     }
 
     fn position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {

@@ -38,6 +38,11 @@ impl Texture {
         (count > 0 && count == pixels.len() as u64).then_some(Self { width, height, pixels })
     }
 
+    /// The image turned by 180 degrees.
+    pub fn turned(&self) -> Self {
+        Self { pixels: self.pixels.iter().rev().copied().collect(), ..*self }
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)

@@ -57,6 +57,8 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
+    /// The image is turned by 180 degrees: its upper left pixel lies at (width, 0), as in worlds of EyeSim VR.
+    pub texture_is_turned: bool,
     /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
     /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it; wheels still drive on the plane.

@@ -25,10 +25,7 @@ impl Form for RobiSpec {
         keys.key("name", "Name under which robots have it; required without a `file`.").expected(TEXT, &mut self.name);
         keys.key("diameter_mm", "Diameter of the body in mm; 180 if left out.")
             .always(Quantity::size("diameter"), &mut self.diameter);
-        keys.key("max_speed_mm_per_s", "Largest speed in mm/s; 600 if left out.")
-            .always(Quantity::speed("largest speed"), &mut self.max_speed);
-        keys.key("max_turn_deg_per_s", "Largest turning speed in degrees/s; 300 if left out.")
-            .always(Quantity::rate("largest turning speed"), &mut self.max_turn);
+        limits(keys, self);
         keys.key(
             "axis_mm",
             "Place of the wheel axis on the robot's x axis in mm, positive ahead of the centre; 0 if left out.",
@@ -57,10 +54,20 @@ impl Form for RobiSpec {
 
 /// Declares the keys of a companion except for the PSDs.
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+    limits(keys, robi);
     keys.key("body", "Mass, traction and friction.").always(PartOf(body_table), robi);
+    keys.key("wheel", "The wheels, all alike.").always(PART, &mut robi.wheel);
     keys.key("drive", "The drive.").always(PartOf(drive_keys), robi);
     frame(keys, robi);
     devices(keys, robi);
+}
+
+/// Declares the limits of the drive's speeds.
+fn limits(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+    keys.key("max_speed_mm_per_s", "Largest speed in mm/s; 600 if left out.")
+        .always(Quantity::speed("largest speed"), &mut robi.max_speed);
+    keys.key("max_turn_deg_per_s", "Largest turning speed in degrees/s; 300 if left out.")
+        .always(Quantity::rate("largest turning speed"), &mut robi.max_turn);
 }
 
 /// Declares the body's surface, the links that sensors are mounted on, and the legs.

@@ -17,7 +17,7 @@ use crate::spec::{
 /// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe an inline world.
-const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
+const INLINE: [&str; 10] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "texture_turned", "surface", "terrain", "start", "object"];
 
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
@@ -123,6 +123,8 @@ impl WorldTable {
         }
         let world = &mut self.spec;
         keys.key("texture", "Image stretched over the whole floor.").maybe(IMAGE, &mut world.texture);
+        keys.key("texture_turned", "The image is turned by 180 degrees, as in a `.wld`.")
+            .flag(&mut world.texture_is_turned);
         keys.key("surface", "How the floor reflects, and walls that do not say.")
             .maybe(Part("reflectivity = 1, specular = 0.5"), &mut world.surface);
         keys.key(

@@ -194,7 +194,8 @@ impl MeshSource for MeshReader<'_> {
     }
 
     fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>> {
-        self.texture(&world.file, world.texture.as_ref()?, "the floor is shown without an image")
+        let texture = self.texture(&world.file, world.texture.as_ref()?, "the floor is shown without an image")?;
+        Some(if world.texture_is_turned { Arc::new(texture.turned()) } else { texture })
     }
 }
 

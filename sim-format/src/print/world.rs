@@ -15,6 +15,9 @@ pub fn print_world(world: &WorldSpec) -> Printed {
     let _ = writeln!(out.text, "floor {width} {height}");
     if let Some(texture) = &world.texture {
         match quoted(&texture.text) {
+            _ if !world.texture_is_turned => {
+                out.lost.push(format!("the texture `{}`, which a .wld would turn by 180 degrees", texture.text));
+            }
             Some(word) => drop(writeln!(out.text, "floor_texture {word}")),
             None => out.lost.push(format!("the texture `{}`", texture.text)),
         }

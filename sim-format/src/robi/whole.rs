@@ -1,5 +1,7 @@
 //! Properties that depend on the whole file: defaults, the meaning of the wheels' numbers, the size of the body.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::dialect::Dialect;
 use super::{DRIVE_FORM, Reader, WHEEL_FORM};
 use crate::Span;
@@ -56,6 +58,17 @@ impl Reader {
         self.robi.drive.wheelbase = self.wheelbase();
         if self.dialect >= Dialect::Vr {
             self.robi.psds.iter_mut().for_each(|psd| psd.range = VR_PSD_RANGE);
+            self.settle_limits();
+        }
+    }
+
+    /// Limits the speeds as EyeSim VR does whatever the file says: 0.4 m/s at the rims of all wheels, 0.5 m/s for a car, and 90
+    /// degrees/s. VR drives no omni robot: its wheels keep the rate of the file.
+    fn settle_limits(&mut self) {
+        let rim = if self.robi.drive.kind == DriveKind::Ackermann { 0.5 } else { 0.4 };
+        (self.robi.max_speed, self.robi.max_turn) = (rim, FRAC_PI_2);
+        if self.robi.drive.kind != DriveKind::Omni {
+            self.robi.wheel.max_rate = 2.0 * rim / self.robi.wheel.diameter;
         }
     }
 
