@@ -1,4 +1,4 @@
-/* Drives about at random for a minute and turns away from what comes near. */
+/* Drives about at random for a minute and turns away from near obstacles. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
@@ -24,7 +24,7 @@ static int is_free(void)
   return TRUE;
 }
 
-/* An angle between an eighth and half a turn, to the side with more room. */
+/* Random angle between an eighth of a turn and half a turn, to the side with more room. */
 static double angle_away(void)
 {
   double angle = M_PI / 4 * (1.0 + 3.0 * rand() / RAND_MAX);
@@ -55,7 +55,7 @@ int main(void)
     } else {
       VWDriveTurn(vw, angle_away(), RATE);
       VWDriveWait(vw);
-      OSWait(6);  /* until the sensors have seen what is ahead now */
+      OSWait(6);  /* one cycle of the sensors after the turn */
       LCDSetPrintf(0, 0, "%d turns", ++turns);
     }
   }

@@ -23,7 +23,7 @@ int main(void)
     int is_right = BUMPCheck(right, &when) == 0;
 
     if (is_left || is_front || is_right) {
-      /* Away from the side that was hit, by 60 to 120 degrees. */
+      /* Turn away from the side of the contact, by 60 to 120 degrees. */
       double angle = M_PI / 3 * (1.0 + (double)rand() / RAND_MAX);
 
       if (is_left || (!is_right && rand() % 2))

@@ -1,14 +1,14 @@
-/* Plans with brushfire: a fire starts at all walls at once; where fronts from different sides meet is the Voronoi diagram, as far
- * from all walls as can be. The robot drives along it. The goal, in mm, may be given as arguments. */
+/* Plans with the brushfire algorithm: a fire starts at all walls at once; fronts from different sides meet on the Voronoi diagram,
+ * which has the greatest clearance from all walls. The robot drives along it. Optional arguments: the goal, X Y in mm. */
 #define WORLD "../../worlds/small.maz"
 #include "../plan/plan.h"
 
-#define RADIUS 105      /* of the robot, with a margin, mm */
-#define OFF_RIDGE 10.0  /* a step beside the diagram costs so many on it */
+#define RADIUS 105      /* radius of the robot with a margin, mm */
+#define OFF_RIDGE 10.0  /* cost factor of a step beside the diagram */
 
 typedef struct { int row, column; } Cell;
 
-static Cell origin[GRID][GRID];          /* the occupied cell from which the fire came */
+static Cell origin[GRID][GRID];          /* occupied cell from which the fire came */
 static unsigned char is_ridge[GRID][GRID];
 static Cell queue[GRID * GRID * 8];
 
@@ -44,8 +44,8 @@ static void burn(void)
   }
 }
 
-/* Fronts meet where a neighbour's fire came from somewhere else: farther apart than the arms of a right angle, so that corners
- * do not count. */
+/* Marks the cells at which fronts meet: the fire of a neighbour came from elsewhere. The origins must be farther apart than they are
+ * at a right-angled corner, so corners do not count. */
 static void find_ridges(void)
 {
   int row, column, i, j;
@@ -62,7 +62,7 @@ static void find_ridges(void)
     }
 }
 
-/* The cheapest way, cell by cell. Returns the number of cells, 0 if there is none. */
+/* Finds the cheapest path, cell by cell. Returns the number of cells, 0 if there is no path. */
 static int find_way(Cell start, Cell goal, Cell *way)
 {
   static double cost[GRID][GRID];
@@ -118,7 +118,7 @@ static int find_way(Cell start, Cell goal, Cell *way)
   return count;
 }
 
-/* The corners of a way: cells between them lie within a cell and a half of the straight line (Douglas and Peucker). */
+/* Simplifies a path to its corners: the cells between two corners lie within 1.5 cells of the straight line (Douglas and Peucker). */
 static int corners(const Cell *way, int first, int last, Point *path, int count)
 {
   double dx = way[last].column - way[first].column, dy = way[last].row - way[first].row, length = hypot(dx, dy);

@@ -1,4 +1,4 @@
-/* Walks straight ahead on legs over whatever lies there, and prints how high the body is carried. */
+/* Walks straight ahead on legs over the terrain, and prints the height of the body every second. */
 #include "eyebot.h"
 #include <stdio.h>
 

@@ -1,5 +1,5 @@
-/* A swarm collects balls: each robot drives to the nearest ball that lies about and that no other robot is nearer to, picks it up,
- * and brings it to the depot. There is no gripper in the simulation: a ball that a robot carries is put down by SIMSetObject. */
+/* A swarm collects balls: each robot drives to the nearest ball outside the depot to which no other robot is nearer, picks it up,
+ * and brings it to the depot. The simulation has no gripper: SIMSetObject moves a ball that a robot carries. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 #define DEPOT_X 400     /* mm; balls lie in rows from here */
 #define DEPOT_Y 400
 #define DEPOT 900       /* balls and robots nearer to the corner than this are at the depot */
-#define REACH 160       /* of the gripper, from the robot's centre, mm */
+#define REACH 160       /* reach of the gripper from the robot's centre, mm */
 #define SPEED 300       /* mm/s */
 #define CLEAR 320       /* distance from walls and other robots, mm */
 
@@ -42,7 +42,7 @@ static int is_in_depot(Pose pose)
   return pose.x < DEPOT && pose.y < DEPOT;
 }
 
-/* The nearest ball that lies about and that is mine: no other robot is nearer to it. 0 if there is none. */
+/* Returns the nearest ball outside the depot to which no other robot is nearer (ties: the lower robot number); 0 if there is none. */
 static int choose(void)
 {
   int robots = SIMGetRobotCount(), balls = SIMGetObjectCount(), me = OSMachineID(), best = 0, ball, other;
@@ -59,7 +59,8 @@ static int choose(void)
   return best;
 }
 
-/* The nearest thing ahead and where, by the laser scanner; the place that is headed for, `way` mm away at `goal` degrees, is none. */
+/* Returns the distance of the nearest obstacle ahead and its direction, by the laser scanner. The target of the robot, `way` mm away
+ * at `goal` degrees, is no obstacle. */
 static int obstacle(int goal, double way, int *direction)
 {
   int at, best = 9999;
@@ -72,7 +73,7 @@ static int obstacle(int goal, double way, int *direction)
   return best;
 }
 
-/* One step towards a place, clear of walls and other robots. Returns whether it is within `near`. */
+/* Drives one step towards a place, clear of walls and other robots. Returns 1 if the place is within `near` mm. */
 static int step_to(Pose to, int near)
 {
   Pose own = robot_pose(0);
@@ -96,7 +97,7 @@ static int step_to(Pose to, int near)
   return 0;
 }
 
-/* Drives to a place, for a time at most. Returns whether it got there. */
+/* Drives to a place for at most `time` ms. Returns 1 if the robot has arrived. */
 static int go(Pose to, int near, int time)
 {
   int end = OSGetCount() + time;
@@ -107,7 +108,7 @@ static int go(Pose to, int near, int time)
   return 0;
 }
 
-/* How many balls lie about. */
+/* Number of balls outside the depot. */
 static int balls_left(void)
 {
   int robots = SIMGetRobotCount(), ball, count = 0;
@@ -124,7 +125,7 @@ int main(void)
   while (balls_left() > 0) {
     int ball = choose(), slot = ball - robots - 1;
     Pose at;
-    if (ball == 0) { /* nothing is left for me: out of the way of the others */
+    if (ball == 0) { /* no ball for this robot: it clears the way */
       go(home, 100, 1000);
       OSWait(200);
       continue;
@@ -133,7 +134,7 @@ int main(void)
     if (!go(at, REACH, 1000) || distance(robot_pose(0), object_pose(ball)) > REACH + 20)
       continue;
     LCDPrintf("ball %d of %d\n", slot + 1, balls);
-    /* Out of the others' sight while it is carried. */
+    /* While it is carried, the ball lies at the wall, out of sight of the other robots. */
     SIMSetObject(ball, 60 + 60 * slot, 60, 0, 0);
     go(depot, 250, 20000);
     SIMSetObject(ball, DEPOT_X + slot % 4 * 90, DEPOT_Y - 120 + slot / 4 * 90, 0, 0);

@@ -1,23 +1,23 @@
-/* A convoy. Robot 1 drives an eight and half a circle; each other one follows the robot with the number before its own on its very trail. Everybody
-   broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while.
-   Arguments: where it starts, in mm and degrees, so that all mean the same by a pose. */
+/* A convoy. Robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with the number before
+   its own. Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two seconds.
+   Arguments: the start pose, in mm and degrees, so that all robots share one frame. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
-#define RADIUS    0.8    /* m, of each half of the eight */
+#define RADIUS    0.8    /* m, radius of each half of the eight */
 #define SPEED     0.2    /* m/s */
-#define GAP       0.35   /* m, to the one ahead, along its trail */
-#define AHEAD     0.12   /* m, to the place of the trail that it steers for */
-#define GAIN      1.5    /* 1/s: metres too far behind to m/s */
+#define GAP       0.35   /* m, to the robot ahead, along its trail */
+#define AHEAD     0.12   /* m, to the target point on the trail */
+#define GAIN      1.5    /* 1/s, from the error of the gap in m to m/s */
 #define FASTEST   0.35   /* m/s */
 #define PERIOD    10     /* 1/100 s */
-#define SILENCE   200    /* 1/100 s without a word: the one ahead has ended */
+#define SILENCE   200    /* 1/100 s without a message: the robot ahead has ended */
 #define POINTS    1024   /* a power of 2 */
-#define LENGTH    4      /* of a message: x and y in mm, two bytes each, the lower one first */
+#define LENGTH    4      /* bytes of a message: x and y in mm, two bytes each, the lower one first */
 
 static VWHandle vw;
-static double trail_x[POINTS], trail_y[POINTS];  /* of the one ahead, from first to end */
+static double trail_x[POINTS], trail_y[POINTS];  /* trail of the robot ahead, from first to end */
 static unsigned first, end;
 
 static void broadcast_pose(void)
@@ -50,7 +50,7 @@ static void lead(void)
   }
 }
 
-/* Adds what it hears of robot `leader` to the trail; whether there was something. */
+/* Adds the positions received from robot `leader` to the trail. Returns TRUE if there were any. */
 static int listen(int leader)
 {
   BYTE sender, message[MAXMSGLEN];
@@ -66,7 +66,7 @@ static int listen(int leader)
   return heard;
 }
 
-/* Steers for the trail, the faster the more of it lies ahead. */
+/* Steers along the trail; the more of it lies ahead, the faster. */
 static void steer(void)
 {
   PositionType at;
@@ -88,7 +88,7 @@ static void steer(void)
     way += hypot(trail_x[i % POINTS] - trail_x[(i - 1) % POINTS], trail_y[i % POINTS] - trail_y[(i - 1) % POINTS]);
   speed = fmin(fmax(GAIN * (way - GAP), 0), FASTEST);
   angle = remainder(atan2(y, x) - at.phi, 2 * M_PI);
-  VWSetSpeed(vw, speed, speed * 2 * sin(angle) / distance);  /* an arc through the place */
+  VWSetSpeed(vw, speed, speed * 2 * sin(angle) / distance);  /* an arc through the target point */
 }
 
 static void follow(int leader)

@@ -1,5 +1,5 @@
-/* DistBug: drives towards a goal; at an obstacle, follows its boundary until the way to the goal is free for long enough, so that
- * it gets nearer to the goal than it has been. Source of the method: Kamon and Rivlin, 1997.
+/* DistBug: drives towards a goal; at an obstacle, follows its boundary until the free way towards the goal is long enough to bring the
+ * robot nearer to the goal than ever before. Source of the method: Kamon and Rivlin, 1997.
  *
  * The goal is given in mm from the start, ahead and to the left: distbug 3000 0 */
 #include <math.h>
@@ -8,21 +8,21 @@
 #include "eyebot.h"
 
 #define POINTS 360
-#define NEAR 260        /* begins to follow, mm */
-#define KEEP 220        /* keeps so far from the boundary, mm, from the scanner */
-#define STEP 100        /* leaves if it gets so much nearer, mm */
-#define HALF_WIDTH 120  /* of the way that the robot needs, mm */
+#define NEAR 260        /* obstacle ahead at which it begins to follow, mm */
+#define KEEP 220        /* distance kept from the boundary to the scanner, mm */
+#define STEP 100        /* gain of distance to the goal for which it leaves, mm */
+#define HALF_WIDTH 120  /* half width of the corridor that the robot needs, mm */
 #define SPEED 200       /* mm/s */
 
 static int scan[POINTS]; /* mm, from left to right; one a degree */
 
-/* Distance in a direction, degrees to the left. */
+/* Measured distance in a direction, in degrees to the left. */
 static int distance_at(int direction)
 {
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
 }
 
-/* The shortest distance between two directions, and where it is. */
+/* Returns the shortest distance between two directions, and its direction. */
 static int nearest(int right, int left, int *direction)
 {
   int at, best = 99999;
@@ -34,7 +34,7 @@ static int nearest(int right, int left, int *direction)
   return best;
 }
 
-/* How far the robot can drive in a direction. */
+/* Distance that the robot can drive in a direction. */
 static int free_way(int direction)
 {
   int at, way = 9999;
@@ -102,7 +102,7 @@ int main(int argc, char *argv[])
         VWSetSpeed(0, 0);
         return 1;
       }
-      /* It leaves where it will get nearer than ever before: so it cannot go around in circles. */
+      /* It leaves only where it will get nearer than ever before, so it cannot go around in circles. */
       way = free_way(turn);
       if (way > NEAR && (to_goal - (way - NEAR) <= nearest_yet - STEP || way >= to_goal) && from_hit > 100) {
         is_following = 0;

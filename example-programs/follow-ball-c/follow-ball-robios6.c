@@ -7,10 +7,10 @@
 #define HUE        27     /* degrees; orange */
 #define HUE_ERROR  14
 #define SATURATION 0.8    /* the least */
-#define BRIGHTNESS 25     /* the least, of 255: what is nearly black has any hue */
+#define BRIGHTNESS 25     /* the least, of 255: nearly black pixels have any hue */
 
-#define RADIUS     0.05   /* of the ball, m */
-#define STOP       0.14   /* distance from the camera to the ball's middle at which the robot is there, m */
+#define RADIUS     0.05   /* radius of the ball, m */
+#define STOP       0.14   /* distance from the camera to the ball's middle at which the robot stops, m */
 #define SPEED      0.2    /* m/s */
 #define TURN       1.0    /* rad/s */
 #define LENS       69.3   /* focal length in pixels: 40 / tan(30 degrees) */
@@ -35,7 +35,7 @@ static int is_ball(BYTE r, BYTE g, BYTE b)
   return fabs(remainder(hue - HUE, 360)) <= HUE_ERROR;
 }
 
-/* Takes an image and finds the ball: the run of columns with most of its pixels. Returns how many these are. */
+/* Takes an image and finds the ball: the run of columns with the most pixels of the ball. Returns their number. */
 static int look(int *left, int *right)
 {
   int row, column, best = 0, pixels = 0, start = 0;
@@ -63,7 +63,7 @@ static int look(int *left, int *right)
   return best >= 2 ? best : 0;
 }
 
-/* The image in black and white, with the pixels of the ball inverted. */
+/* Shows the image in black and white, with the pixels of the ball inverted. */
 static void show(void)
 {
   int row, column;
@@ -89,7 +89,7 @@ int main(void)
     int pixels = look(&left, &right);
 
     show();
-    if (VWStalled(vw) || (!pixels && OSGetCount() - last_seen > 700)) { /* blocked, or once around: to another place */
+    if (VWStalled(vw) || (!pixels && OSGetCount() - last_seen > 700)) { /* blocked or once around: try another place */
       double room = (PSDGet(front) - 200) / 1000.0;
       if (VWStalled(vw)) {
         VWDriveStraight(vw, -0.15, SPEED);

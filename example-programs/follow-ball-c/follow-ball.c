@@ -1,10 +1,10 @@
 /* Finds a ball by its colour, drives to it and stops before it.
  *
- * A pixel is taken for the ball if it has the ball's hue and is saturated: brown has the hue of orange, but less of it. Pixels
- * are counted by columns, so that a single one that noise has coloured does not matter: the ball is the run of columns
- * with most of them. How wide it is tells how far away the ball is.
+ * A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
+ * are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with most of them.
+ * Its width gives the distance of the ball.
  *
- * The hue may be given, 0 to 255: follow-ball 65 */
+ * Optional argument: the hue, 0 to 255: follow-ball 65 */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,14 +13,14 @@
 #define HUE 65         /* of orange */
 #define HUE_ERROR 10
 #define SATURATION 175 /* the least, of 255 */
-#define BRIGHTNESS 25  /* the least: what is nearly black has any hue */
+#define BRIGHTNESS 25  /* the least: nearly black pixels have any hue */
 
-#define RADIUS 50      /* of the ball, mm */
-#define STOP 130       /* distance from the camera to the ball's middle at which the robot is there, mm */
+#define RADIUS 50      /* radius of the ball, mm */
+#define STOP 130       /* distance from the camera to the ball's middle at which the robot stops, mm */
 #define SPEED 250      /* mm/s */
 #define TURN 60        /* degrees/s while it looks around */
 
-typedef struct { int left, right, pixels; } Ball; /* the columns of the image that it fills; no pixels: not in sight */
+typedef struct { int left, right, pixels; } Ball; /* columns of the image that the ball fills; no pixels: not in sight */
 
 static BYTE colours[QQVGA_SIZE], hue[QQVGA_PIXELS], saturation[QQVGA_PIXELS], intensity[QQVGA_PIXELS], mask[QQVGA_PIXELS];
 
@@ -64,14 +64,14 @@ static int distance_of(Ball ball)
   return (int)(RADIUS / sin(half_angle));
 }
 
-/* Its direction, degrees to the left. */
+/* Direction of the ball, in degrees to the left. */
 static double direction_of(Ball ball)
 {
   double off = (QQVGA_X - 1 - ball.left - ball.right) / 2.0;
   return atan(off / focal_length()) * 180 / M_PI;
 }
 
-/* What the robot sees at the left, what it takes for the ball at the right. */
+/* Shows the camera image at the left and the pixels of the ball at the right. */
 static void show(Ball ball)
 {
   LCDImageStart(0, 0, QQVGA_X, QQVGA_Y);
@@ -92,7 +92,7 @@ static int limited(double value, int limit)
   return (int)(value > limit ? limit : value < -limit ? -limit : value);
 }
 
-/* Drives to another place, where there is room. */
+/* Drives ahead to another place, as far as there is room. */
 static void move_on(void)
 {
   int room = PSDGet(PSD_FRONT) - 300;

@@ -1,22 +1,22 @@
-/* Drives in the right lane of a road, a whole round: between the line at the road's edge and the dashed line in its middle.
+/* Drives one lap in the right lane of a road, between the line at the road's edge and the dashed line in its middle.
  *
- * The camera looks down. In each of a few rows of the image the markings are the short runs of bright pixels; the place on the
- * floor that such a pixel shows follows from the height and the tilt of the camera. The lane's middle lies halfway between both
- * markings or, where the robot sees one of them, half a lane beside it. The robot drives an arc through the middle of the lane
- * at the farthest of these rows (pure pursuit). */
+ * The camera looks down. In each of a few rows of the image the markings are the short runs of bright pixels; the height and the tilt
+ * of the camera give the place on the floor of each pixel. The lane's middle lies halfway between both markings or, if the robot sees
+ * only one, half a lane beside it. The robot drives an arc through the middle of the lane at the farthest of these rows (pure
+ * pursuit). */
 #include <math.h>
 #include <stdlib.h>
 
 #include "eyebot.h"
 
 #define LANE 370       /* width, mm */
-#define TILT -10       /* of the camera, degrees */
+#define TILT -10       /* tilt of the camera, degrees */
 #define CAMERA_X 62    /* of the S4, mm */
 #define CAMERA_Z 60
-#define CONTRAST 50    /* between road and marking, at least */
-#define WIDEST 60      /* of the markings, mm */
+#define CONTRAST 50    /* least contrast between road and marking */
+#define WIDEST 60      /* greatest width of a marking, mm */
 #define SPEED 300      /* mm/s */
-#define ROUND (360 + 90) /* degrees: in a round it turns by 360, whatever the shape of the road; 90 more, as it may have begun before a bend */
+#define ROUND (360 + 90) /* degrees: a lap turns the robot by 360; 90 more, since it may have begun before a bend */
 
 #define ROWS 5
 static const int rows[ROWS] = {66, 62, 58, 54, 50}; /* of the image, from near to far */
@@ -30,7 +30,7 @@ static double radians(double degrees)
   return degrees * M_PI / 180;
 }
 
-/* What a pixel shows, if it shows the floor. The camera has a field of view of 60 degrees. */
+/* Place on the floor that a pixel shows, if it shows the floor. The camera has a field of view of 60 degrees. */
 static Place place_of(double column, int row)
 {
   double focal = QQVGA_X / 2 / tan(radians(30)), tilt = radians(TILT);
@@ -45,7 +45,7 @@ static int middle_of(int a, int b, int c)
   return a < b ? (b < c ? b : a < c ? c : a) : (a < c ? a : b < c ? c : b);
 }
 
-/* A row of the image. Of three rows the middle value counts, so that single wrong pixels do not. */
+/* Reads a row of the image as the median of three rows, which removes single wrong pixels. */
 static void read_row(int row, int levels[QQVGA_X])
 {
   int x;
@@ -55,8 +55,8 @@ static void read_row(int row, int levels[QQVGA_X])
   }
 }
 
-/* The markings of the lane whose middle is expected `middle` mm to the left: where they are, mm to the left.
- * Returns which were found: 1 left, 2 right, 3 both. */
+/* Finds the markings of the lane whose middle is expected `middle` mm to the left, in mm to the left.
+ * Returns 1 if only the left one is found, 2 if only the right one, 3 if both, else 0. */
 static int markings(int row, double middle, double *left, double *right)
 {
   int levels[QQVGA_X], darkest = 255, brightest = 0, found = 0, x, start = -1;
@@ -89,8 +89,8 @@ static int markings(int row, double middle, double *left, double *right)
   return found;
 }
 
-/* Finds the middle of the lane, row by row from near to far, and marks it on the display. Returns how many rows show it;
- * `target` is that of the last one, `middle` mm to the left that of the first one, from image to image. */
+/* Finds the middle of the lane, row by row from near to far, and marks it on the display. Returns the number of rows that show it.
+ * `target` becomes the middle in the last of these rows; `middle`, in mm to the left, that in the first, kept from image to image. */
 static int find_lane(double *middle, Place *target)
 {
   double at = *middle, left = 0, right = 0;

@@ -1,8 +1,8 @@
 """Follows a dark line on a light floor, once around. RoBIOS-7 in Python.
 
-The camera looks down. In each of a few rows of the image the line is the run of dark pixels that is nearest to where it was seen
-before; the place on the floor that such a pixel shows follows from the height and the tilt of the camera. The robot drives an
-arc through the place that is farthest away (pure pursuit).
+The camera looks down. In each of a few rows of the image the line is the run of dark pixels nearest to the column of the line in
+the row before; the height and the tilt of the camera give the place on the floor of each pixel. The robot drives an arc through the
+farthest of these places (pure pursuit).
 """
 
 import sys
@@ -15,9 +15,9 @@ FOCAL = WIDTH / 2 / tan(radians(30))  # in pixels: the field of view is 60 degre
 TILT = radians(-35)
 CAMERA_X, CAMERA_Z = 62, 60  # of the S4, mm
 ROWS = (70, 62, 54, 46, 38)  # of the image, from near to far
-CONTRAST = 50  # between line and floor, at least
+CONTRAST = 50  # least contrast between line and floor
 SPEED = 200  # mm/s
-ROUND = 360 + 90  # degrees: in a round it turns by 360, whatever the shape of the line; 90 more, as it may have begun before a bend
+ROUND = 360 + 90  # degrees: a lap turns the robot by 360; 90 more, since it may have begun before a bend
 
 
 def place(column, row):
@@ -28,7 +28,7 @@ def place(column, row):
 
 
 def brightness(image, row):
-    """A row of a grey image. Of three rows the middle value counts, so that single wrong pixels do not."""
+    """A row of a grey image, as the median of three rows, which removes single wrong pixels."""
     above, here, below = (image[r * WIDTH : (r + 1) * WIDTH] for r in (row - 1, row, row + 1))
     return [sorted(levels)[1] for levels in zip(above, here, below)]
 
@@ -49,7 +49,7 @@ def dark_runs(levels):
 
 
 def line(image, column):
-    """Pixels of the line from near to far; `column` is where it is expected in the nearest row."""
+    """Pixels of the line from near to far; `column` is its expected column in the nearest row."""
     found = []
     for row in ROWS:
         runs = dark_runs(brightness(image, row))
@@ -61,7 +61,7 @@ def line(image, column):
 
 
 def show(image, found):
-    """What the robot sees, with a cross on each place of the line."""
+    """Shows the image, with a cross on each place of the line."""
     LCDImageGray(image)
     for column, row in found:
         LCDLine(int(column) - 4, row, int(column) + 4, row, RED)

@@ -1,11 +1,11 @@
 /* Follows the wall at its left for a minute.
  *
- * The sensor that looks diagonally ahead sees the wall a little before the robot is beside it. Turning towards the wall
- * makes its distance shorter, so it tells the heading too, and one factor is enough to steer. */
+ * The diagonal sensor sees the wall a little ahead of the robot. Its reading depends on the distance and on the heading, so one factor
+ * is enough to steer. */
 #include "eyebot.h"
 
 #define KEPT_MM  300   /* the distance that the diagonal sensor keeps */
-#define LOST_MM  500   /* what is farther is not the wall that it follows */
+#define LOST_MM  500   /* a farther wall is not the one being followed */
 #define AHEAD_MM 250   /* the least distance to a wall ahead */
 #define SPEED    0.2   /* m/s */
 #define RATE     1.2   /* rad/s, the fastest turn */

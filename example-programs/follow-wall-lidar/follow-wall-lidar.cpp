@@ -7,7 +7,7 @@
 
 namespace {
 
-constexpr int keep_mm = 250;     // from the wall, seen from the scanner
+constexpr int keep_mm = 250;     // distance from the wall to the scanner
 constexpr int speed_mm_s = 250;
 
 struct Reading {
@@ -53,7 +53,7 @@ struct Position {
   }
 };
 
-// Turns so that the nearest point of the wall is at 90 degrees, and no nearer or farther than it should be.
+// Steers so that the nearest point of the wall stays at 90 degrees, at the distance keep_mm.
 void steer(const Scan &scan)
 {
   const Reading wall = scan.nearest(-45, 150);
@@ -68,7 +68,7 @@ void steer(const Scan &scan)
 int main()
 {
   LIDARSet(360, 0, 360);
-  // To the wall first.
+  // Approach the wall first.
   while (Scan().nearest(-45, 150).distance > keep_mm + 20) {
     steer(Scan());
     OSWait(20);

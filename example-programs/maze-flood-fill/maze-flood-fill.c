@@ -1,8 +1,7 @@
 /* Explores a micro-mouse maze by flood fill and races to its middle on the shortest path.
  *
- * Every cell knows how many steps it is from the goal if there are no walls but those seen so far. The robot always goes
- * to a neighbour that is one step nearer. It drives to the goal and back until the shortest path that might exist is one
- * that exists for sure; then it races.
+ * Each cell holds its number of steps to the goal, assuming no walls but those seen so far. The robot always goes to a neighbour that
+ * is one step nearer. It drives to the goal and back until the shortest path that may exist is known to be free; then it races.
  *
  * The robot starts in the lower left cell and looks up. Directions are counted in quarter turns to the left from there:
  * 0 up, 1 left, 2 down, 3 right. */
@@ -28,7 +27,7 @@ static int  steps[SIZE][SIZE];     /* to the goal */
 
 static VWHandle  vw;
 static PSDHandle front, left, right;
-static int x, y, direction;        /* the robot's cell, and where it looks */
+static int x, y, direction;        /* the robot's cell and heading */
 
 static int is_inside(int cx, int cy)
 {
@@ -42,7 +41,7 @@ static int is_goal(Goal goal, int cx, int cy)
   return (cx == SIZE / 2 - 1 || cx == SIZE / 2) && (cy == SIZE / 2 - 1 || cy == SIZE / 2);
 }
 
-/* Notes one side of the robot's cell, which is the opposite side of its neighbour too. */
+/* Records one side of the robot's cell, which is also the opposite side of the neighbour. */
 static void note(int d, PSDHandle psd)
 {
   Side seen = PSDGet(psd) > FREE_MM ? OPEN : WALL;
@@ -54,14 +53,14 @@ static void note(int d, PSDHandle psd)
 
 static void look(void)
 {
-  OSWait(12);  /* two cycles of the sensors: one began and ended where the robot is now */
+  OSWait(12);  /* two cycles of the sensors: one of them lies entirely within the stop */
   note(direction, front);
   note((direction + 1) % 4, left);
   note((direction + 3) % 4, right);
 }
 
-/* Counts the steps from every cell to the goal; through a side that nobody has seen yet only if `hopeful`.
- * Returns those from the start. */
+/* Counts the steps from every cell to the goal; unknown sides are open if `hopeful`, else walls.
+ * Returns the steps from the start. */
 static int flood(Goal goal, int hopeful)
 {
   int queue[SIZE * SIZE][2], first = 0, last = 0, cx, cy, d;
@@ -92,7 +91,7 @@ static int flood(Goal goal, int hopeful)
   return steps[0][0];
 }
 
-/* The direction of a neighbour that is nearer to the goal; straight on if there is a choice. */
+/* Direction of a neighbour that is nearer to the goal, straight on if possible; -1 if there is none. */
 static int downhill(int hopeful)
 {
   int turn;
@@ -122,7 +121,7 @@ static void drive(int d, int cells, double speed)
   y += cells * dy[d];
 }
 
-/* Goes to the goal cell by cell with open eyes. Returns how many cells it went. */
+/* Drives to the goal cell by cell and records the walls. Returns the number of cells driven. */
 static int explore(Goal goal)
 {
   int cells = 0;
@@ -140,7 +139,7 @@ static int explore(Goal goal)
   }
 }
 
-/* Goes to the middle through known cells, each straight in one go. */
+/* Drives to the middle through known cells, each straight in one drive. Returns the number of cells driven. */
 static int race(void)
 {
   int cells = 0, d;

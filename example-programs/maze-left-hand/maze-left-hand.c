@@ -33,7 +33,7 @@ int main(int argc, char *argv[])
   while (x != goal_x || y != goal_y) {
     int turns;
 
-    OSWait(12);  /* two cycles of the sensors: one began and ended where the robot is now */
+    OSWait(12);  /* two cycles of the sensors: one of them lies entirely within the stop */
     turns = is_free(left) ? 1 : is_free(front) ? 0 : is_free(right) ? -1 : 2;
     if (turns != 0) {
       VWDriveTurn(vw, turns * M_PI / 2, RATE);

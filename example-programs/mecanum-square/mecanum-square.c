@@ -1,7 +1,7 @@
 /* Drives a square without turning, by the motors of four Mecanum wheels: ahead, left, back, right.
  *
  * All four wheels at one speed drive ahead. Wheels on one diagonal forwards and those on the other backwards drive to the
- * side; their rollers take up the rest. */
+ * side, since their rollers turn freely. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
@@ -22,7 +22,7 @@ static void drive(int ahead, int left)
   MOTORDrive(fl | br, POWER * (ahead - left));
   MOTORDrive(fr | bl, POWER * (ahead + left));
   while (fabs(QUADODORead(qfl)) < SIDE)
-    ;  /* each call takes its time */
+    ;  /* each call costs virtual time */
   MOTORDrive(fl | fr | bl | br, 0);
   OSWait(10);
 

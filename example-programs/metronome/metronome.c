@@ -3,7 +3,7 @@
 
 static volatile int beats;
 
-/* Called by the timer, within whatever call the program makes: it has to be short and must not wait. */
+/* Callback of the timer, called within any call of the program: it must be short and must not wait. */
 static void beat(void)
 {
   beats++;

@@ -1,16 +1,16 @@
-/* Looks at a place and tells when something moves there, and where in the image: what differs between two images, one after
-   the other. Ends with key 4, or after 25 s; others may be given: motion 60 */
+/* Watches a place and reports when something moves there, and where in the image, by the difference of two successive images.
+   Ends with key 4 or after 25 s; an argument sets other seconds: motion 60 */
 #include <stdio.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
 #define DIFFERENCE 30 /* between grey levels; noise makes smaller ones */
-#define PIXELS     4  /* that have to differ */
-#define QUIET      100 /* hundredths of a second without motion, after which it is told anew */
+#define PIXELS     4  /* least number of pixels that differ */
+#define QUIET      100 /* 1/100 s without motion, after which motion is reported again */
 
 static image frames[2], differences;
 
-/* How many pixels differ, and around which one. Noise makes single pixels that differ, so they count in pairs alone. */
+/* Counts the pixels that differ and finds their centre. Noise changes single pixels, so only pairs count. */
 static int moving(int *x, int *y)
 {
   int row, column, count = 0, sum_x = 0, sum_y = 0;
@@ -29,7 +29,7 @@ static int moving(int *x, int *y)
   return count;
 }
 
-/* The image, and around what moves a cross. */
+/* Shows the image, with a cross on the moving object. */
 static void show(image *frame, int is_moving, int x, int y)
 {
   LCDPutGraphic(frame);

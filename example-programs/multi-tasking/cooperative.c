@@ -1,5 +1,5 @@
-/* The classic example of multi-tasking, cooperative: the master spawns three tasks, which run until they let the next one run by
-   OSReschedule. When all have ended, processing returns to the master. */
+/* The classic example of multi-tasking, cooperative: the master spawns three tasks; each runs until it calls OSReschedule, which lets
+   the next one run. When all have ended, the master continues. */
 #include <stdio.h>
 #include "eyebot.h"
 

@@ -1,6 +1,6 @@
 /* The classic example of multi-tasking, pre-emptive: the master spawns three tasks. Two of the same priority take turns every 10 ms;
-   the third has a higher one and gets its turn as soon as it has slept. The master, which has the lowest, goes on when no
-   other is ready. */
+   the third has a higher priority and runs as soon as its sleep is over. The master, which has the lowest, runs when no other task is
+   ready. */
 #include <stdio.h>
 #include "eyebot.h"
 
@@ -23,7 +23,7 @@ static void work(void)
 
   for (step = 1; step <= STEPS; step++) {
     say("step", step);
-    OSWait(1);  /* is busy: others of its priority get their turn, the master does not */
+    OSWait(1);  /* busy wait: other tasks of its priority get their turn, the master does not */
   }
   running--;
 }
@@ -52,7 +52,7 @@ int main(void)
   for (i = 0; i < TASKS; i++)
     OSReady(task[i]);
   printf("master: ready\n");
-  OSPermit();  /* from here on tasks change by themselves */
+  OSPermit();  /* pre-emption begins here */
   while (running > 0)
     OSWait(1);
   printf("master: done\n");

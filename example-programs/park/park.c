@@ -10,12 +10,12 @@
 #define GAP     0.8   /* m, the shortest gap it takes */
 #define RADIUS  0.4   /* m, of the arcs */
 #define SIDE    0.38  /* m, how far it moves to the side */
-#define SENSOR  0.09  /* m, from the rear axle, where positions are measured, ahead to the sensor */
+#define SENSOR  0.09  /* m, from the rear axle (the origin of odometry) ahead to the sensor */
 
 static VWHandle vw;
 static PSDHandle right;
 
-/* Drives on until the sensor at the right sees a gap (or does not any more). Returns where, in m along the row. */
+/* Drives on until the sensor at the right sees a gap, or its end if `gap` is FALSE. Returns the place, in m along the row. */
 static double find(int gap)
 {
   PositionType position;

@@ -1,6 +1,7 @@
-/* For programs that plan in a world that they know: its walls as a grid of cells, and driving along a path. RoBIOS-7.
+/* Library for programs that plan in a known world: its walls as a grid of cells, and driving along a path. RoBIOS-7.
  *
- * A program defines WORLD, the name of its world, before it includes this. Plain worlds are read: `floor` and walls of a .wld file (no `push`), and the walls of a .maz file. */
+ * A program defines WORLD, the file of its world, before it includes this header. Supported: `floor` and walls of a .wld file (no
+ * `push`), and the walls of a .maz file. */
 #ifndef PLAN_H
 #define PLAN_H
 
@@ -21,7 +22,7 @@ typedef struct { double x, y; } Point; /* mm */
 
 static struct { Point a, b; } walls[MAX_WALLS];
 static int wall_count;
-static unsigned char occupied[GRID][GRID]; /* [row][column], row 0 at y = 0; outside of the floor, too */
+static unsigned char occupied[GRID][GRID]; /* [row][column], row 0 at y = 0; true outside the floor too */
 
 static inline void add_wall(double x1, double y1, double x2, double y2)
 {
@@ -32,7 +33,7 @@ static inline void add_wall(double x1, double y1, double x2, double y2)
   }
 }
 
-/* Rows of a maze from the top; an even column is a side of a cell, an odd one the cell with the wall below it. */
+/* Adds the walls of a maze, given as rows from the top: an even column is a side of a cell, an odd one the cell with its lower wall. */
 static inline void add_maze(char rows[][128], int count, double size)
 {
   int row, column;
@@ -61,7 +62,7 @@ static inline Point cell_centre(int row, int column)
   return (Point){(column + 0.5) * CELL, (row + 0.5) * CELL};
 }
 
-/* The file WORLD, relative to the program's folder, is built into the program: it is found from wherever a run is started. */
+/* The file WORLD, relative to the program's folder, is built into the program, which so does not depend on the run's current folder. */
 __asm__(".pushsection .rodata\nworld_text: .incbin \"" WORLD "\"\n.byte 0\n.popsection");
 extern const char world_text[] __attribute__((visibility("hidden")));
 
@@ -108,13 +109,13 @@ static inline double degrees(double radians)
   return radians * 180 / M_PI;
 }
 
-/* An angle as -180 to 180 degrees. */
+/* The angle wrapped to -180 to 180 degrees. */
 static inline double wrapped(double angle)
 {
   return remainder(angle, 360);
 }
 
-/* Where the robot starts is ground truth; from there on it counts on its wheels. */
+/* Sets odometry to the true start pose and returns its position; from then on the robot relies on odometry. */
 static inline Point start_in_world(void)
 {
   int x, y, z, phi;

@@ -1,9 +1,9 @@
 /* Plans with a quad-tree: splits the world into free squares, finds the shortest way from square to square with A*, and drives
- * along their centres. The goal, in mm, may be given as arguments. */
+ * along their centres. Optional arguments: the goal, X Y in mm. */
 #define WORLD "../../worlds/rooms.wld"
 #include "../plan/plan.h"
 
-#define RADIUS 130      /* of the robot, with a margin, mm */
+#define RADIUS 130      /* radius of the robot with a margin, mm */
 #define MAX_SQUARES 4096
 
 typedef struct { int row, column, size; } Square; /* in cells */
@@ -11,7 +11,7 @@ typedef struct { int row, column, size; } Square; /* in cells */
 static Square squares[MAX_SQUARES];
 static int square_count;
 
-/* Keeps a square if all of it is free; else splits it, unless it is occupied all over or has no parts. */
+/* Keeps a square that is entirely free, splits one that is partly occupied, and drops one that is entirely occupied. */
 static void split(int row, int column, int size)
 {
   int i, j, half = size / 2, count = 0;
@@ -43,7 +43,7 @@ static double distance(int a, int b)
   return hypot(p.x - q.x, p.y - q.y);
 }
 
-/* Whether two squares share a part of a side. The line between their centres then passes through that part. */
+/* Returns 1 if two squares share a part of a side; the line between their centres then passes through that part. */
 static int are_neighbours(int a, int b)
 {
   Square s = squares[a], t = squares[b];
@@ -65,7 +65,7 @@ static int square_at(Point p)
   return -1;
 }
 
-/* A*: the squares from `start` to `goal`, both included. Returns how many, 0 if there is no way. */
+/* A*: finds the squares from `start` to `goal`, both included. Returns their number, 0 if there is no path. */
 static int find_way(int start, int goal, int way[MAX_SQUARES])
 {
   static double cost[MAX_SQUARES];

@@ -1,5 +1,5 @@
-/* A control task beside a sensing task: one measures on and on, the other one steers by what was measured, and waits at a semaphore
-   for it meanwhile. The robot drives about for a minute and keeps clear of everything. */
+/* A sensing task beside a control task: the first measures periodically; the second waits on a semaphore for each measurement and
+   steers by it. The robot drives about for a minute and avoids all obstacles. */
 #include <stdio.h>
 #include "eyebot.h"
 
@@ -8,11 +8,11 @@
 #define PERIOD   6      /* 1/100 s: a cycle of the sensors */
 #define SPEED    0.3    /* m/s */
 #define RATE     2.0    /* rad/s */
-#define NEAR_MM  220    /* there it turns on the spot */
+#define NEAR_MM  220    /* nearer than this it turns on the spot */
 #define FAR_MM   600
 
-static struct sem measured;  /* passed once for each measurement */
-static struct sem access;    /* of what was measured */
+static struct sem measured;  /* signalled once for each measurement */
+static struct sem access;    /* guards the measurements */
 static int distance[SENSORS];
 static int measurements, commands;
 
@@ -52,7 +52,7 @@ static void steer(void)
     if (ahead < NEAR_MM) {
       VWSetSpeed(vw, 0, side * RATE);
     } else {
-      side = left < right ? -1 : 1;  /* where there is more room, until the way is free */
+      side = left < right ? -1 : 1;  /* the side with more room, kept until the way is free */
       VWSetSpeed(vw, SPEED * least(ahead, left + right) / FAR_MM, RATE * (left - right) / FAR_MM);
     }
     commands++;

@@ -1,6 +1,6 @@
-/* Three robots make one map of a maze of three lanes, over a radio that loses and garbles messages: shared-map in C, which
-   understands the one in Rust. Each tells the others what it finds, each for itself, until it is acknowledged (stop-and-wait). A
-   checksum tells what was garbled, which is as good as lost. */
+/* Three robots map a maze of three lanes together, over a radio that loses and garbles messages: shared-map in C, which interoperates
+   with the one in Rust. Each robot sends its findings to every other robot until they are acknowledged (stop-and-wait). A garbled
+   message is recognised by its checksum and counts as lost. */
 #include <stdio.h>
 #include <string.h>
 #include "eyebot.h"
@@ -10,7 +10,7 @@
 #define CELL     0.36f  /* m */
 #define SPEED    0.2f   /* m/s */
 #define NEAR     140    /* mm: a wall at the side is nearer */
-#define TIMEOUT  20     /* 1/100 s without an acknowledgement: tell again */
+#define TIMEOUT  20     /* 1/100 s without an acknowledgement: send again */
 #define LINGER   300    /* 1/100 s of silence at the end: an acknowledgement may be lost */
 #define UNKNOWN  4
 
@@ -18,7 +18,7 @@ enum kind { FOUND, ACK };
 
 struct report { BYTE kind, lane, column, walls; };  /* walls: 1 at the left, 2 at the right */
 
-/* What one other robot has not acknowledged. */
+/* Reports that one other robot has not acknowledged yet. */
 struct queue { struct report reports[COLUMNS]; int first, count, is_sent, sent; };
 
 static int me;
@@ -39,7 +39,7 @@ static unsigned checksum(struct report report)
   return crc;
 }
 
-/* As a message: a byte each for kind, lane, column and both walls, then the checksum, seven bits a byte, the lowest first. */
+/* Sends a report: a byte each for kind, lane, column and both walls, then the checksum, seven bits a byte, the lowest first. */
 static void send(int to, struct report report)
 {
   BYTE message[8] = { report.kind, report.lane, report.column, report.walls & 1, report.walls >> 1 };
@@ -53,7 +53,7 @@ static void send(int to, struct report report)
     OSWait(1);  /* the buffer is full */
 }
 
-/* What a message says; FALSE if it is garbled. */
+/* Decodes a message. Returns FALSE if it is garbled. */
 static int decode(const BYTE *message, int length, struct report *report)
 {
   unsigned sum = 0;
@@ -79,7 +79,7 @@ static void tell_all(struct report report)
       queues[other].reports[queues[other].count++] = report;
 }
 
-/* Whether somebody has yet to acknowledge something, or something is not known. */
+/* Returns TRUE while an acknowledgement or a part of the map is missing. */
 static int is_open(void)
 {
   int other;
@@ -90,7 +90,7 @@ static int is_open(void)
   return memchr(map, UNKNOWN, sizeof map) != NULL;
 }
 
-/* Sends the first report to everybody who has not acknowledged it in time. */
+/* Sends the first report of each queue, if it is new or its acknowledgement is overdue. */
 static void send_due(void)
 {
   int other;
@@ -134,7 +134,7 @@ static void hear(void)
   }
 }
 
-/* Sends and receives until a time; whether anything was heard. */
+/* Sends and receives until the time `end`. Returns TRUE if a message was received. */
 static int serve(int end)
 {
   int is_heard = FALSE;

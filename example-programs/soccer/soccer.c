@@ -1,5 +1,5 @@
-/* Soccer: the striker (robot 1) drives behind the ball, which lies at the kick-off point, looks whether it is there and
-   kicks it into the opposite goal; the others keep their goals, going up and down before them. */
+/* Soccer: the striker (robot 1) drives behind the ball at the kick-off point, checks that the ball is there and kicks it into
+   the opposite goal; the others keep their goals, driving up and down before them. */
 #include <math.h>
 #include "eyebot.h"
 
@@ -8,8 +8,8 @@
 #define BALL_Y   0.7
 #define GOAL_X   2.7
 #define GOAL_Y   0.7
-#define BEHIND   0.3    /* from the ball to where the run-up begins */
-#define NEAR     0.2    /* where the run-up ends: the ball is kicked on the way */
+#define BEHIND   0.3    /* from the ball to the start of the run-up */
+#define NEAR     0.2    /* length of the run-up, on which the ball is kicked */
 
 #define SPEED    0.3
 #define KICK     0.49
@@ -52,7 +52,7 @@ static int kick_off(VWHandle vw, PSDHandle front)
   distance = PSDGet(front);
   LCDSetPrintf(0, 0, "ball at %d mm", distance);
   if (distance > (int)(1000 * BEHIND))
-    return 1;                           /* nobody there */
+    return 1;                           /* no ball there */
 
   VWDriveStraight(vw, NEAR, KICK);
   VWDriveWait(vw);
@@ -62,7 +62,7 @@ static int kick_off(VWHandle vw, PSDHandle front)
   return 0;
 }
 
-/* Up and down, across the line to the other goal. */
+/* Drives up and down, across the line to the other goal. */
 static void keep_goal(VWHandle vw, int robot)
 {
   double side = robot == 3 ? -1 : 1;

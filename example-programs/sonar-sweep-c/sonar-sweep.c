@@ -1,4 +1,4 @@
-/* Turns a sonar on a servo from the right to the left and prints what it hears: direction, distance, energy of the echo. */
+/* Turns a sonar on a servo from the right to the left and prints each echo: direction, distance, energy. */
 #include "eyebot.h"
 #include <stdio.h>
 

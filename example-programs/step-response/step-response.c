@@ -1,11 +1,11 @@
-/* How long a robot takes to come to its speed, without and with the controller of the driving interface. */
+/* Measures the rise time of a robot's speed, without and with the controller of the driving interface. */
 #include "eyebot.h"
 
 #define SPEED 0.3  /* m/s */
 
 static VWHandle vw;
 
-/* Sets the speed from rest. Returns after how many hundredths of a second 90 % of it are reached. */
+/* Sets the speed from rest. Returns the rise time to 90 % of it, in 1/100 s. */
 static int rise(void)
 {
   SpeedType now;
@@ -37,7 +37,7 @@ int main(void)
   OSWait(200);
 
   VWSetPosition(vw, 0, 0, 0);
-  VWDriveStraight(vw, 0.5, SPEED);  /* a drive ends at its mark all the same */
+  VWDriveStraight(vw, 0.5, SPEED);  /* with the controller too, a drive ends at its target */
   VWDriveWait(vw);
   VWGetPosition(vw, &position);
   LCDPrintf("\nat %.3f m", position.x);

@@ -1,10 +1,10 @@
-/* Swings an arm with three range sensors from the floor upwards over a step, and prints what each of them reads.
-   Sensors and sweep are those of France et al. (1999): the laser loses what it meets at more than 45 degrees, the
-   ultrasonic sensor hears the face of the step alone, the reflectance sensor reads too far where it looks aslant. */
+/* Swings an arm with three range sensors from the floor upwards over a step, and prints their readings.
+   Sensors and sweep are those of France et al. (1999): the laser has no return beyond an incidence angle of 45 degrees, the
+   ultrasonic sensor hears only the face of the step, the reflectance sensor reads too far at oblique incidence. */
 #include "eyebot.h"
 #include <stdio.h>
 
-#define LASER 2         /* numbers of the robot's companion */
+#define LASER 2         /* numbers in the robot's companion */
 #define ULTRASONIC 3
 #define REFLECTANCE 4
 #define POSITION 12     /* positions of the servo between two readings */

@@ -1,15 +1,15 @@
-/* A token goes round a ring of robots over a radio that loses messages: stop-and-wait. Who has the token sends it to the next
-   one until that acknowledges it. A token has the number of its hop, so that a repeated one is known as such.
-   Arguments: how many robots, how many rounds. */
+/* A token goes round a ring of robots over a radio that loses messages: stop-and-wait. The holder sends the token to the next robot
+   until that robot acknowledges it. A token carries the number of its hop, by which duplicates are recognised.
+   Arguments: number of robots, number of rounds. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
-#define TOKEN    'T'   /* and the number of the hop, 4 bytes, the lowest first */
+#define TOKEN    'T'   /* followed by the number of the hop, 4 bytes, the lowest first */
 #define ACK      'A'   /* the same */
 #define LENGTH   5
 #define TIMEOUT  6     /* 1/100 s without an answer: send again */
-#define LINGER   300   /* 1/100 s at the end: the other's last acknowledgement may be lost */
+#define LINGER   300   /* 1/100 s at the end, since the last acknowledgement may be lost */
 
 static int me, previous, next;
 static unsigned taken;  /* the last hop that ended here */
@@ -23,7 +23,7 @@ static void send(int to, char kind, unsigned hop)
     OSWait(1);  /* the buffer is full */
 }
 
-/* Waits for a message and takes the token if it is one; the hop that it acknowledges, else 0. */
+/* Waits for a message and takes the token if it is one. Returns the hop of an acknowledgement, else 0. */
 static unsigned receive(void)
 {
   BYTE sender, message[MAXMSGLEN];
@@ -35,13 +35,13 @@ static unsigned receive(void)
   hop = message[1] | message[2] << 8 | message[3] << 16 | (unsigned)message[4] << 24;
   if (message[0] == ACK)
     return hop;
-  send(previous, ACK, hop);  /* also for an old one: its acknowledgement was lost */
+  send(previous, ACK, hop);  /* also for a duplicate, whose acknowledgement was lost */
   if (hop > taken)
     taken = hop;
   return 0;
 }
 
-/* Whether there is a message before a time. */
+/* Returns TRUE if a message arrives before the time `end`. */
 static int is_message(int end)
 {
   while (!RADIOCheck()) {
@@ -66,7 +66,7 @@ static void pass(unsigned hop)
     send(next, TOKEN, hop);
     end = OSGetCount() + TIMEOUT;
     while (is_message(end))
-      if (receive() == hop || taken > hop)  /* it may have come round before its acknowledgement */
+      if (receive() == hop || taken > hop)  /* the token may come round before its acknowledgement */
         return;
   }
 }

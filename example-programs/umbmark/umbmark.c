@@ -1,4 +1,4 @@
-/* Once around a square of 1 m: where does the robot believe to be, and where is it?
+/* Drives once around a square of 1 m and compares odometry with ground truth.
    After the benchmark UMBmark of Borenstein and Feng (1996). */
 #include "eyebot.h"
 #include <stdio.h>

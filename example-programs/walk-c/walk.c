@@ -1,4 +1,4 @@
-/* Walks ahead, to the side and around itself, and prints how its legs stand: any robot with legs. */
+/* Walks ahead, to the side and on the spot, and prints the posture of its legs. For any robot with legs. */
 #include <stdio.h>
 #include "eyebot.h"
 
@@ -7,7 +7,7 @@
 #define KNEE 4
 #define SHANK 2 /* link */
 
-/* One line a leg: angles of hip and knee in degrees, where its shank begins and how high, in mm, and its foot. */
+/* Prints a line for each leg: angles of hip and knee in degrees, place and height of the knee in mm, and contact of the foot. */
 static void show(const char *what)
 {
   float height, hip, knee, shank[6];
@@ -24,7 +24,7 @@ static void show(const char *what)
   }
 }
 
-/* Walks for 3 s and stops; what is true and what the robot believes at the end, in mm and degrees. */
+/* Walks for 3 s and stops; prints the odometry at the end, in mm and degrees. */
 static void walk(const char *what, int vx, int vy, int omega)
 {
   int i, x, y, phi;

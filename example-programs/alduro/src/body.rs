@@ -1,5 +1,4 @@
-//! What the program knows of ALDURO, as `robis/alduro.toml` has it: metres and radians in the robot's frame (x forward, y left, z up from
-//! the ground).
+//! Geometry of ALDURO, as in `robis/alduro.toml`: metres and radians in the robot's frame (x forward, y left, z up from the ground).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -7,7 +6,7 @@ use mapping::inverse::SonarPose;
 use mapping::{math, pose};
 use nalgebra::Vector3;
 
-/// A sonar on the body.
+/// Mounting pose of a sonar on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mount {
     pub place: Vector3<f64>,
@@ -15,7 +14,7 @@ pub struct Mount {
     pub pitch: f64,
 }
 
-/// Where the body is believed to be, in the frame of the odometry.
+/// Estimated pose of the body, in the odometry frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     pub ground: pose::Pose,
@@ -23,29 +22,29 @@ pub struct Pose {
     pub lift: f64,
 }
 
-/// Sonars on a bus at most (Gois and Hiller, section 6).
+/// Number of sonars, the most that one bus takes (Gois and Hiller, section 6).
 pub const SONARS: usize = 16;
-/// Those that look around; the others look down at the corners.
+/// Number of sonars that look around; the others look down at the corners.
 const AROUND: usize = 12;
-/// Height of those that look around, m: as high as a foot is lifted at most.
+/// Height of the sonars that look around, m: the greatest lift of a foot.
 const RING_HEIGHT: f64 = 0.6;
-/// Height of those that look down, m.
+/// Height of the sonars that look down, m.
 const CORNER_HEIGHT: f64 = 1.2;
-/// How far from the middle those sit that look around, m.
+/// Distance of the sonars that look around from the middle, m.
 const RING: f64 = 0.8;
-/// They look up by as much, so that they do not hear level ground, rad.
+/// Elevation of the sonars that look around, rad; level ground must stay out of their beams.
 const RING_PITCH: f64 = 25.0 / 180.0 * PI;
-/// Where those sit that look down, m ahead of and beside the middle.
+/// Position of the sonars that look down, m ahead of and beside the middle.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
-/// The room about the middle that the operator asks for, m. Feet reach out to 1.5 m ahead and behind, with corrections to 1.9 m; what is high
-/// has outlines on the map that are about a cell (0.5 m) too wide.
+/// Clearance around the middle that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m with corrections;
+/// high obstacles appear on the map with outlines about one cell (0.5 m) too wide.
 pub const RADIUS: f64 = 1.6;
 
 /// The sonar with this number, counted from 0.
 ///
 /// # Panics
-/// From [`SONARS`] on.
+/// If `number` is [`SONARS`] or more.
 pub fn mount(number: usize) -> Mount {
     if number < AROUND {
         let yaw = number as f64 * 2.0 * PI / AROUND as f64;
@@ -58,13 +57,13 @@ pub fn mount(number: usize) -> Mount {
 }
 
 impl Pose {
-    /// A place of the robot's frame.
+    /// Transforms a point from the robot's frame to the odometry frame.
     pub fn place(&self, in_robot: &Vector3<f64>) -> Vector3<f64> {
         let place = self.ground.outward(in_robot.xy().into());
         Vector3::new(place.x, place.y, self.lift + in_robot.z)
     }
 
-    /// Where a sonar is.
+    /// Pose of a sonar in the odometry frame.
     pub fn sonar(&self, mount: &Mount) -> SonarPose {
         SonarPose::new(self.place(&mount.place), self.ground.heading + mount.yaw, mount.pitch)
     }

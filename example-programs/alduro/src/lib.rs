@@ -1,10 +1,10 @@
-//! Walks over unstructured terrain on four legs, by a local map from sonar (Gois and Hiller).
+//! Walks over unstructured terrain on four legs, with a local map from sonar (Gois and Hiller).
 //!
-//! Arguments `survey DISTANCE`: drives so many metres straight ahead and measures on the way, for maps that are made later.
+//! Arguments `survey DISTANCE`: drives straight ahead for this many metres and measures on the way; maps are made afterwards.
 //!
-//! Arguments `X Y`: the goal in the world, in metres. The operator on board sees it and says in which direction it lies, to whole
-//! degrees, and when it is reached: the direction comes from the true pose, for odometry is lost after tens of metres. The map and
-//! all else know odometry, sonars and what the legs tell.
+//! Arguments `X Y`: the goal in the world, in metres. The operator on board sees the goal and gives its direction, to whole
+//! degrees, and its distance; both come from the true pose, since odometry is lost after tens of metres. All other parts of
+//! the program, such as the map, use only odometry, sonars and the encoders of the legs.
 
 mod body;
 #[cfg(test)]
@@ -23,16 +23,16 @@ use robios_api::robios7::{Leg, LegLink, Legs, Psd, TruePose};
 
 robios_api::program!(main);
 
-/// How often it measures and plans: with an echo from 6 m after 35 ms, sonars that look different ways measure at once.
+/// Period of measuring and planning. All sonars measure at once, since they look different ways; an echo from 6 m takes 35 ms.
 const CYCLE: Duration = Duration::from_millis(250);
-/// How often it measures on a survey, and how fast it drives.
+/// Measuring period and driving speed of a survey.
 const SCAN: Duration = Duration::from_millis(125);
 const SURVEY_SPEED: Speed = Speed::millimetres_per_second(500.0);
-/// The operator stops so near to the goal, m.
+/// Distance from the goal at which the operator stops, m.
 const ARRIVED: f64 = 0.5;
-/// From knee to tip, m; as in the robi.
+/// Length of a shank from knee to tip, m; as in the robi.
 const SHANK: f64 = 1.1;
-/// The map is told so often, in cycles.
+/// Period of printing the map, in cycles.
 const TOLD: u32 = 20;
 
 fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
@@ -44,7 +44,7 @@ fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-/// An argument: metres, no farther than ten kilometres.
+/// Parses an argument in metres, at most ten kilometres.
 fn metres(word: &str) -> std::result::Result<f64, String> {
     let value = word.parse().ok().filter(|metres: &f64| metres.abs() <= 10_000.0);
     value.ok_or_else(|| format!("`{word}`: expected a number of metres from -10000 to 10000"))
@@ -105,7 +105,7 @@ fn sonars(robot: &Robot) -> Result<Vec<Psd<'_>>> {
     (1..=SONARS as u8).map(|number| robot.psd(PsdAt::Other(number))).collect()
 }
 
-/// Where odometry and the legs believe the body to be.
+/// Pose of the body, estimated from odometry and the legs.
 fn pose(robot: &Robot, legs: &Legs) -> Result<Pose> {
     let position = robot.drive().position();
     let lift = legs.height()?.as_metres();
@@ -113,14 +113,14 @@ fn pose(robot: &Robot, legs: &Legs) -> Result<Pose> {
     Ok(Pose { ground, lift })
 }
 
-/// What the operator sees of the goal: its bearing from straight ahead, rad to whole degrees, and its distance, m.
+/// The operator's view of the goal: bearing from straight ahead, rad in whole degrees, and distance, m.
 fn seen(own: &TruePose, (x, y): (f64, f64)) -> (f64, f64) {
     let (x, y) = (x - own.position.x.as_metres(), y - own.position.y.as_metres());
     let bearing = math::atan2(y, x) - own.position.phi.as_radians();
     (bearing.to_degrees().round().to_radians(), math::hypot(x, y))
 }
 
-/// A leg by its encoders.
+/// State of a leg, from its encoders.
 fn state(legs: &Legs, leg: Leg) -> Result<LegState> {
     let link = legs.link(leg, LegLink::Shank)?;
     let [x, y, z] = [link.x, link.y, link.z].map(Length::as_metres);
@@ -133,8 +133,8 @@ fn state(legs: &Legs, leg: Leg) -> Result<LegState> {
     Ok(LegState { shank: knee + down / 2.0, tip: knee + down, is_in_the_air: !legs.is_on_ground(leg)? })
 }
 
-/// Prints the map: a line `map X Y HEADING LOW_X LOW_Y CELL COLUMNS` (where the robot believes it is and the middle of the cell with the
-/// least x and y, in the frame of the odometry; side of a cell; m and rad), and a line `row` of heights in cm for each row from the least y.
+/// Prints the map: a line `map X Y HEADING LOW_X LOW_Y CELL COLUMNS` (estimated pose of the robot and centre of the cell with the
+/// least x and y, in the odometry frame; side of a cell; m and rad), then a line `row` of heights in cm for each row from the least y.
 fn tell(robot: &Robot, pose: &Pose, map: &LocalMap) {
     let partition = map.surface().partition();
     let (x, y) = partition.centre(partition.low);

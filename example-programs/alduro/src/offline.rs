@@ -1,5 +1,5 @@
-//! The planner without a simulator: a robot that goes exactly where it is told, over level ground with boulders that are parabolic
-//! domes, which rays meet in closed form.
+//! Tests of the planner without a simulator: a robot that follows every command exactly, on level ground with boulders that are
+//! parabolic domes, whose ray hits have a closed form.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -14,7 +14,7 @@ use nalgebra::{Vector2, Vector3};
 use crate::body::{self, Pose, SONARS};
 use crate::planner::{LegState, Planner, Reading};
 
-/// Numbers in [0, 1), always the same of one seed.
+/// Pseudo-random numbers in [0, 1), determined by the seed.
 struct Numbers(u64);
 
 impl Numbers {
@@ -35,13 +35,13 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
-    /// About normal: the sum of twelve.
+    /// Approximately normal number: the sum of twelve uniform ones.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.next()).sum::<f64>() - 6.0
     }
 }
 
-/// Height top (1 - (distance / radius)^2) where that is positive.
+/// Dome of the height top (1 - (distance / radius)^2) where that is positive.
 struct Dome {
     x: f64,
     y: f64,
@@ -55,7 +55,7 @@ impl Dome {
         (self.top * (1.0 - (dx * dx + dy * dy) / (self.radius * self.radius))).max(0.0)
     }
 
-    /// Distance along a ray to its surface from outside, and the cosine of the incidence.
+    /// Distance along a ray from outside to the surface, and the cosine of the incidence angle.
     fn met(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64)> {
         let (dx, dy) = (origin.x - self.x, origin.y - self.y);
         let curve = self.top / (self.radius * self.radius);
@@ -73,7 +73,7 @@ impl Dome {
     }
 }
 
-/// What an SRF08 hears first, m, as docs/sensors.md has it.
+/// Distance of the first echo that an SRF08 hears, m, by the model of docs/sensors.md.
 fn heard(domes: &[Dome], sonar: &SonarPose) -> Option<f64> {
     const RAYS: usize = 80;
     let near: Vec<&Dome> = domes
@@ -135,18 +135,18 @@ impl Ground {
     }
 }
 
-/// Places of the robot where nothing high should be, m ahead of and to the left of its middle: about as far as feet come.
+/// Points of the robot below which nothing high may stand, m ahead of and to the left of its middle: about the reach of the feet.
 const UNDER: [(f64, f64); 9] =
     [(0.0, 0.0), (1.5, 1.0), (1.5, 0.0), (1.5, -1.0), (0.0, 1.0), (0.0, -1.0), (-1.5, 1.0), (-1.5, 0.0), (-1.5, -1.0)];
 
 struct Outcome {
     length: f64,
-    /// The highest that stood at those places, m.
+    /// Greatest height of the ground at the points [`UNDER`], m.
     under: f64,
     left: f64,
 }
 
-/// A walk with 1 % of the echoes lost, 0.5 % of error, and a heading that drifts without the odometry's knowledge.
+/// Simulates a walk with 1 % of the echoes lost, errors of 0.5 %, and a drift of the heading that odometry does not see.
 fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
     let mut planner = Planner::new(0.0);
     let mut truth = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };

@@ -1,7 +1,7 @@
-//! The operator's part: a direction of travel for the body, chosen on the local map.
+//! Model of the operator, who chooses the body's direction of travel on the local map.
 //!
-//! The paper leaves the direction to a person with a joystick, who sees where the goal is. The cheapest way over the map stands in for
-//! that one: to the goal, or to the border of the map and on from there as the crow flies.
+//! In the paper the operator is a person with a joystick who sees the goal. Here the direction is that of the cheapest path over the
+//! map: to the goal, or to the border of the map and from there in a straight line.
 
 use mapping::astar::{costs, shortest_path};
 use mapping::distance::distances;
@@ -9,23 +9,23 @@ use mapping::grid::{Cell, Frame, Grid};
 use mapping::math;
 use mapping::pose::Point;
 
-/// How far ahead on the way the operator looks, m.
+/// Look-ahead distance along the path, m.
 const AHEAD: f64 = 1.5;
-/// By how much dearer than over free ground a way is right through what is high. Nothing is forbidden: of a map with phantoms on it one
-/// cannot be sure.
+/// Additional cost of a path right through high cells, as a multiple of the cost over free ground. No cell is forbidden, since the
+/// map may contain phantoms.
 const DEAR: f64 = 20.0;
 
-/// What the operator does with the joystick.
+/// Joystick command of the operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
     /// Direction of travel, rad.
     pub direction: f64,
-    /// From the way ahead to the nearest high thing, m; infinite where there is none.
+    /// Distance from the path ahead to the nearest high cell, m; infinite if there is none.
     pub room: f64,
 }
 
-/// Where to go from `robot` towards `goal`, over a map whose cells say whether something high stands there. The middle of the robot
-/// needs `needed` m of room.
+/// Chooses the direction from `robot` towards `goal`, on a map whose cells are true where an obstacle is high. The middle of the
+/// robot needs `needed` m of clearance.
 pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Command {
     let room = distances(is_high, |is_high| *is_high);
     let way = way(&room, robot, goal, needed);
@@ -35,7 +35,7 @@ pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Com
     Command { direction: math::atan2(target.y - robot.y, target.x - robot.x), room }
 }
 
-/// The points of the cheapest way over the map, without where the robot stands; with the goal, if it is on the map.
+/// Points of the cheapest path over the map, without the robot's own cell; with the goal, if it is on the map.
 fn way(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Point> {
     let frame = room.frame();
     let factor = |cell: Cell| Some(1.0 + DEAR * (1.0 - room[cell] / needed).max(0.0));
@@ -65,7 +65,7 @@ mod tests {
 
     const ROBOT: Point = Point::new(0.25, 0.25);
 
-    /// 20 m x 20 m with the robot in the middle and something high where it is said.
+    /// A map of 20 m x 20 m with the robot in the middle.
     fn map(is_high: impl Fn(Point) -> bool) -> Grid<bool> {
         let frame = Frame::new(Point::new(-10.0, -10.0), 0.5, 41, 41);
         Grid::from_fn(frame, |cell| is_high(frame.centre(cell)))
@@ -99,7 +99,7 @@ mod tests {
         assert!(beside.room >= 2.0, "{beside:?}");
     }
 
-    /// A dead end that no rule of nearest free directions leaves.
+    /// A dead end from which choosing the nearest free direction never escapes.
     #[test]
     fn it_walks_out_of_a_dead_end() {
         let pocket = |point: Point| {

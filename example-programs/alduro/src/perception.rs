@@ -1,7 +1,7 @@
-//! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): what is around it, as two vectors towards it.
+//! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): two vectors towards the obstacles around it.
 //!
-//! Eq. 4 and 5 print the length of each p_k without its direction, though sums of them are taken and are to have one: here each
-//! has the unit vector from the shank to the point.
+//! Eq. 4 and 5 print only the length of each p_k, although the p_k are summed as vectors: here each has the direction of the unit
+//! vector from the shank to the point.
 
 use mapping::local_map::Patch;
 use nalgebra::{Vector2, Vector3};
@@ -9,9 +9,9 @@ use nalgebra::{Vector2, Vector3};
 /// The two fuzzy sets of heights above the ground that the robot stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heights {
-    /// Below the first it is ground, from the second on it is low, m.
+    /// Ramp from ground to low, m: ground below the first height, low from the second on.
     pub low: (f64, f64),
-    /// Up to the first it is low alone, from the second on high alone, m.
+    /// Ramp from low to high, m: only low up to the first height, only high from the second on.
     pub high: (f64, f64),
 }
 
@@ -21,7 +21,7 @@ impl Heights {
         ramp(height, self.high)
     }
 
-    /// Membership in the set `low`, which a simple step overcomes: a ramp up from the ground, and down where `high` begins.
+    /// Membership in the set `low` of obstacles that a simple step overcomes: a ramp up from the ground, and down where `high` begins.
     pub fn low(&self, height: f64) -> f64 {
         ramp(height, self.low) * (1.0 - self.high(height))
     }
@@ -31,8 +31,8 @@ fn ramp(value: f64, (from, to): (f64, f64)) -> f64 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// P_H of Eq. 4: towards the high points around `shank`, in the plane; its length is that of the nearest, 1 at the shank itself and 0 from
-/// `reach` m on. Points count by their membership in `high` (our choice; it makes a fuzzy rule of the equation).
+/// P_H of Eq. 4: vector towards the high points around `shank`, in the plane. Its length is that of the nearest point's p_k, 1 at the
+/// shank and 0 from `reach` m on. Points are weighted by their membership in `high` (our choice; it makes the equation a fuzzy rule).
 pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch, f64)>) -> Vector2<f64> {
     let vectors = points.filter_map(|(patch, membership)| {
         let offset = Vector2::new(patch.x, patch.y) - shank;
@@ -41,8 +41,8 @@ pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch
     combined(vectors, Vector2::zeros())
 }
 
-/// P_L of Eq. 5: towards the low points around the place to which the tip of the shank, at `tip`, goes within the next moment, `ahead` m
-/// from there. The paper takes the points at the distance `reach`, which would leave them all with p_k about 0; ours are those within it.
+/// P_L of Eq. 5: vector towards the low points around the position that the shank's tip, now at `tip`, reaches within the next moment,
+/// `ahead` m farther. The paper takes the points at the distance `reach`, whose p_k would all be about 0; ours are the points within it.
 pub fn low(
     tip: Vector3<f64>,
     ahead: Vector3<f64>,
@@ -58,15 +58,15 @@ pub fn low(
 
 type Vector<const N: usize> = nalgebra::SVector<f64, N>;
 
-/// p_k: (l_max - l_k) / l_max along the unit vector to the point; none beyond l_max, and none of a point at the reference itself, which has no
-/// direction.
+/// p_k: (l_max - l_k) / l_max along the unit vector to the point. `None` beyond l_max, and for a point at the reference itself,
+/// which has no direction.
 fn vector<const N: usize>(offset: Vector<N>, reach: f64, membership: f64) -> Option<Vector<N>> {
     let length = offset.norm();
     (length > 0.0 && length < reach && membership > 0.0)
         .then(|| offset / length * (membership * (reach - length) / reach))
 }
 
-/// The greatest length of all along the direction of their sum; zero where there is none.
+/// Direction of the sum of all vectors, with the greatest of their lengths; `none` if the sum is zero.
 fn combined<const N: usize>(vectors: impl Iterator<Item = Vector<N>>, none: Vector<N>) -> Vector<N> {
     let (sum, greatest) = vectors.fold((none, 0.0f64), |(sum, greatest), p| (sum + p, greatest.max(p.norm())));
     let length = sum.norm();

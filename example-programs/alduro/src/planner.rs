@@ -1,5 +1,5 @@
-//! The reactive planner (Gois and Hiller, section 5): readings into the local map, from it what each shank perceives, from that corrections of
-//! the steps, and what is too much for a leg goes over to the body.
+//! The reactive planner (Gois and Hiller, section 5): fuses readings into the local map, computes the perception of each shank and from
+//! it the corrections of the steps; the part of a correction that exceeds a leg's limit moves the body.
 
 use std::f64::consts::PI;
 
@@ -15,45 +15,45 @@ use crate::perception::{self, Heights};
 
 /// Side of a cell of the local map, m.
 const CELL: f64 = 0.5;
-/// How far the map reaches to every side, m: twice as far as the sonars, or the robot would forget why it turned back.
+/// Reach of the map to every side, m: twice the range of the sonars, else the robot would forget why it turned back.
 const REACH: f64 = 14.0;
-/// Estimated heights of what a step overcomes and of what it does not, m. Rocks come out lower than they are: a ring of sonars at 0.6 m tells
-/// no more of what is higher, and the surface blunts it.
+/// Estimated heights of obstacles that a step overcomes and of those that it does not, m. Rocks are estimated lower than they are:
+/// a ring of sonars at 0.6 m tells nothing about greater heights, and the surface smooths them.
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
-/// The operator keeps away from a point whose membership in `high` is as much.
+/// Membership in `high` from which on a point blocks the operator's path.
 const BLOCKS: f64 = 0.5;
-/// To both sides of its line of sight a sonar surely hears what is high, rad: a little less than half of what lies between two of them. What is
-/// between is cleared when the robot has gone on.
+/// Half angle about its line of sight within which a sonar surely hears high obstacles, rad: a little less than half the angle between
+/// two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
-/// Up to so far it surely does, m; and so far if it hears nothing at all, which may be a mistake.
+/// Distance up to which a sonar surely hears them, m; and the distance assumed without any echo, which may be a dropout, m.
 const SURE: f64 = 3.5;
 const SILENT: f64 = 2.0;
-/// What is lower than this the sonars that look around do not hear, m: what they clear comes down to it, and so to the border of what blocks. A doubt
-/// is left of what has echoed once.
+/// Height of obstacles below which the sonars that look around hear nothing, m: cells are cleared down to it, that is, to the border of
+/// what blocks. Some doubt remains about a cell that has echoed once.
 const UNHEARD: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
 const HIGH_REACH: f64 = 1.6;
 /// l_max of Eq. 5, m from the tip of a leg.
 const LOW_REACH: f64 = 1.0;
-/// The moment ahead of Eq. 5, s.
+/// Look-ahead time of Eq. 5, s.
 const AHEAD_S: f64 = 0.5;
-/// How far a foothold is shifted by a P_H of 1, m.
+/// Shift of a foothold for a P_H of 1, m.
 const SHIFT: f64 = 0.6;
-/// A leg takes no greater shift than this, m; the rest goes over to the body.
+/// Greatest shift of a leg, m; the body takes the rest.
 const LEG_LIMIT: f64 = 0.2;
 /// Speed of the body for each metre of a shift that the legs could not take, 1/s.
 const BODY_GAIN: f64 = 1.5;
-/// How much higher a foot is lifted by a P_L of 1, m.
+/// Additional lift of a foot for a P_L of 1, m.
 const LIFT: f64 = 0.4;
 /// Speed of the body on a free way, m/s.
 const SPEED: f64 = 0.3;
-/// Least speed, m/s, however near something high is: slowly it may still find out that nothing is there.
+/// Least speed, m/s, however near a high obstacle is: a slow approach may show that it is a phantom.
 const LEAST_SPEED: f64 = 0.06;
-/// The first heading is held with so many rad/s for each rad, and with no more than so many rad/s.
+/// Gain of the controller that holds the first heading, rad/s per rad, and its limit, rad/s.
 const HEADING_GAIN: f64 = 0.8;
 const TURN: f64 = 0.1;
 
-/// A leg as it is now, in the frame of the robot.
+/// Current state of a leg, in the robot's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegState {
     /// The middle of the shank, m.
@@ -68,20 +68,20 @@ pub struct LegState {
 pub struct Reading {
     /// Number of the sonar, from 0.
     pub sonar: usize,
-    /// Where the robot was believed to be.
+    /// Estimated pose of the robot at the reading.
     pub pose: Pose,
     /// m; `None` without an echo.
     pub distance: Option<f64>,
 }
 
-/// What the legs are told.
+/// Commands to the legs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orders {
     /// Velocity of the body in the frame of the robot, m/s.
     pub velocity: Vector2<f64>,
     /// Turning speed, rad/s.
     pub turn: f64,
-    /// Of each leg: shift of its foothold in the frame of the robot (x, y), and how much higher it is lifted (z), m.
+    /// Correction of each leg: shift of its foothold in the robot's frame (x, y) and additional lift (z), m.
     pub corrections: Vec<Vector3<f64>>,
 }
 
@@ -91,15 +91,15 @@ pub struct Planner {
     map: LocalMap,
     /// The heading that is held, rad.
     heading: f64,
-    /// The last order, in the frame of the odometry, m/s.
+    /// Last commanded velocity, in the odometry frame, m/s.
     velocity: Vector2<f64>,
 }
 
 impl Planner {
-    /// Knows nothing yet; will hold `heading`, rad.
+    /// A planner with an empty map, which holds `heading`, rad.
     pub fn new(heading: f64) -> Self {
-        // Not the most exact surface but one that rises quickly where something may stand: a rock ahead is heard some times only before the robot is
-        // there. Odometry drifts, so what is old is forgotten.
+        // Tuned to rise quickly at a possible obstacle rather than for accuracy: a rock ahead is heard only a few times before the robot
+        // reaches it. Old readings are forgotten, since odometry drifts.
         let settings = Settings {
             order: Order::Zero,
             fusion: Fusion::Cells { above: 0.3 },
@@ -109,7 +109,7 @@ impl Planner {
             forgetting: 0.98,
             ..Settings::default()
         };
-        // Of the skirts of its beam a single reading tells little, and would close gaps.
+        // A single reading tells little about the edge of its beam, and would close gaps.
         let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, REACH, model, settings);
         Self { map, heading, velocity: Vector2::zeros() }
@@ -136,7 +136,7 @@ impl Planner {
         }
     }
 
-    /// What to do now, for a goal that is `distance` m away to `bearing` (rad, in the frame of the odometry).
+    /// Computes the commands for a goal `distance` m away in the direction `bearing` (rad, in the odometry frame).
     pub fn plan(&mut self, pose: &Pose, bearing: f64, distance: f64, legs: &[LegState]) -> Orders {
         let patches = self.map.grid();
         let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
@@ -160,8 +160,8 @@ impl Planner {
         Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
     }
 
-    /// The two rules for one leg: away from what is high, higher over what is low. What of the shift is too much for the leg, in the frame
-    /// of the odometry, is the second.
+    /// Applies the two rules to one leg: away from high points, higher over low ones. The second value is the part of the shift that
+    /// exceeds the leg's limit, in the odometry frame.
     fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
         let above = |patch: &Patch| patch.z - pose.lift;
         let shank = pose.place(&leg.shank);
@@ -170,7 +170,7 @@ impl Planner {
         let shift = limited(away, LEG_LIMIT);
         let lift = match leg.is_in_the_air {
             true => {
-                // A foot in the air gains on the body: it goes about twice as fast.
+                // A foot in the air moves about twice as fast as the body.
                 let ahead = 2.0 * AHEAD_S * self.velocity;
                 let low = patches.iter().map(|patch| (*patch, HEIGHTS.low(above(patch))));
                 let perceived =
@@ -184,7 +184,7 @@ impl Planner {
     }
 }
 
-/// The same direction, no longer than `most`.
+/// The vector, shortened to `most` if it is longer.
 fn limited(vector: Vector2<f64>, most: f64) -> Vector2<f64> {
     let length = vector.norm();
     if length > most { vector * (most / length) } else { vector }
@@ -198,7 +198,7 @@ mod tests {
 
     use super::*;
 
-    /// Where the odometry's x axis is to the robot's right.
+    /// A pose in which the odometry's x axis points to the robot's right.
     fn pose() -> Pose {
         Pose { ground: Planar::new(5.0, 2.0, FRAC_PI_2), lift: 0.1 }
     }
@@ -207,7 +207,7 @@ mod tests {
         LegState { shank: Vector3::new(1.0, 0.5, 0.6), tip: Vector3::new(1.0, 0.5, 0.1), is_in_the_air }
     }
 
-    /// A patch of the map at a place of the robot's frame.
+    /// A patch of the map at a point of the robot's frame.
     fn patch(x: f64, y: f64, z: f64) -> Patch {
         let place = pose().place(&Vector3::new(x, y, z));
         Patch { x: place.x, y: place.y, z: place.z, sigma: 0.1 }

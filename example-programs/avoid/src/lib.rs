@@ -1,10 +1,10 @@
-//! Drives about at random and avoids obstacles, for ever: looks with eight PSD sensors and sets its speed every 50 ms.
+//! Drives about at random and avoids obstacles, forever: reads eight PSD sensors and sets its speed every 50 ms.
 
 use robios_api::prelude::*;
 
 robios_api::program!(main);
 
-/// How often it looks.
+/// Control period.
 const PERIOD: Duration = Duration::from_millis(50);
 /// The sensors, from the left over the front to the right, then the back.
 const SENSORS: [PsdAt; 8] = [
@@ -17,11 +17,11 @@ const SENSORS: [PsdAt; 8] = [
     PsdAt::Right,
     PsdAt::Back,
 ];
-/// How far it looks: what the sensors see beyond counts as free.
+/// Range within which obstacles count; farther readings are free.
 const RANGE: Length = Length::metres(2.0);
-/// Nearer than this in front it turns on the spot.
+/// Free distance ahead below which the robot turns on the spot.
 const NEAR: Length = Length::metres(0.25);
-/// How long it keeps a random curve when nothing is near.
+/// Number of periods for which the robot keeps a random curve when nothing is near.
 const CURVE_PERIODS: u32 = 40;
 const CRUISE: Speed = Speed::metres_per_second(0.3);
 const TURN: TurnRate = TurnRate::radians_per_second(1.5);
@@ -40,10 +40,10 @@ fn main(robot: &Robot) -> Result {
     }
 }
 
-/// What the robot is about.
+/// State of the behaviour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mood {
-    /// Drives along a curve for some more periods.
+    /// Drives along a curve for `left` more periods.
     Cruise { curve: TurnRate, left: u32 },
     /// Turns on the spot until the way is free.
     Turn { rate: TurnRate },
@@ -69,14 +69,14 @@ impl Mood {
     }
 }
 
-/// The way that is free ahead.
+/// Free distance ahead.
 fn ahead(distances: &[Length; 8]) -> Length {
     let [_, left_diagonal, front_left, front, front_right, right_diagonal, _, _] = *distances;
     // Diagonally there may be less room.
     front.min(front_left).min(front_right).min(left_diagonal * 1.4).min(right_diagonal * 1.4)
 }
 
-/// To the side with more room; at random if it is the same.
+/// Turn rate to the side with more room; a random side if both have the same.
 fn away(distances: &[Length; 8], robot: &Robot) -> TurnRate {
     let room = |side: &[Length]| side.iter().fold(Length::ZERO, |sum, distance| sum + *distance);
     let (left, right) = (room(&distances[..3]), room(&distances[4..7]));
@@ -89,10 +89,10 @@ mod tests {
     use super::*;
     use robios_api::fake::{Fake, Run};
 
-    /// Where the sensors of the robot `ring` look, in the order of [`SENSORS`].
+    /// Directions of the sensors of the robot `ring`, in the order of [`SENSORS`].
     const DIRECTIONS_DEG: [i32; 8] = [90, 45, 20, 0, -20, -45, -90, 180];
 
-    /// A robot in a free plane but for a wall at x = 1 m.
+    /// A robot in a free plane with a single wall at x = 1 m.
     fn drive_at_a_wall(seed: u64) -> Run {
         let mut fake = Fake::new().seed(seed).until(20.seconds());
         for (at, direction_deg) in SENSORS.into_iter().zip(DIRECTIONS_DEG) {

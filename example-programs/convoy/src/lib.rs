@@ -1,7 +1,8 @@
-//! A convoy: robot 1 drives an eight and half a circle; each other one follows the robot with the number before its own on its very trail.
+//! A convoy: robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with the number
+//! before its own.
 //!
-//! Everybody broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while. Arguments: where it
-//! starts, in mm and degrees, so that all mean the same by a pose. `convoy-c` is the same in C and drives with it.
+//! Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two seconds. Arguments:
+//! the start pose, in mm and degrees, so that all robots share one frame. `convoy-c` is the same program in C and drives with it.
 
 use std::collections::VecDeque;
 use std::error::Error;
@@ -12,14 +13,14 @@ use robios_api::{Position, Radio, RobotNumber};
 robios_api::program!(main);
 
 const LEADER: RobotNumber = RobotNumber(1);
-/// Of each half of the eight.
+/// Radius of each half of the eight.
 const RADIUS: Length = Length::metres(0.8);
-/// To the one ahead, along its trail.
+/// Gap to the robot ahead, along its trail.
 const GAP: Length = Length::metres(0.35);
-/// To the place of the trail that it steers for.
+/// Distance to the target point on the trail.
 const AHEAD: Length = Length::metres(0.12);
 const PERIOD: Duration = Duration::from_millis(100);
-/// Without a word for so long: the one ahead has ended.
+/// Silence after which the robot ahead counts as ended.
 const SILENCE: Duration = Duration::from_secs(2);
 
 fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
@@ -71,7 +72,7 @@ fn follow(robot: &Robot, drive: &Drive, radio: &Radio, leader: RobotNumber) -> R
     Ok(())
 }
 
-/// A message: x and y in mm, two bytes each, the lower one first.
+/// Broadcasts the position: x and y in mm, two bytes each, the lower byte first.
 fn broadcast_pose(drive: &Drive, radio: &Radio) -> Result {
     let at = drive.position();
     let [x, y] = [at.x, at.y].map(|length| (length.as_millimetres().round() as i16).to_le_bytes());
@@ -84,12 +85,12 @@ fn place_of(message: &[u8]) -> Option<Position> {
     Some(Position { x, y, ..Position::default() })
 }
 
-/// Where the one ahead has been, as far as this one has not.
+/// Part of the trail of the robot ahead that this robot has not driven yet.
 #[derive(Default)]
 struct Trail(VecDeque<Position>);
 
 impl Trail {
-    /// Speeds that lead along the trail, the faster the more of it lies ahead.
+    /// Speeds that lead along the trail; the more of it lies ahead, the faster.
     fn steer(&mut self, at: Position) -> Option<(Speed, TurnRate)> {
         while self.0.front()?.distance_to(at) <= AHEAD {
             self.0.pop_front();
@@ -100,7 +101,7 @@ impl Trail {
         let way = places.clone().zip(places.skip(1)).fold(distance, |way, (from, to)| way + from.distance_to(*to));
         let speed = (1.5 * (way - GAP).as_metres()).clamp(0.0, 0.35);
         let angle = Angle::towards(target.x - at.x, target.y - at.y) - at.phi;
-        // An arc through the place.
+        // An arc through the target point.
         let rate = speed * 2.0 * angle.sin() / distance.as_metres();
         Some((speed.metres_per_second(), rate.radians_per_second()))
     }

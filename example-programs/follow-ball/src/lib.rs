@@ -1,10 +1,10 @@
 //! Finds a ball by its colour, drives to it and stops before it.
 //!
-//! A pixel is taken for the ball if it has the ball's hue and is saturated: brown has the hue of orange, but less of it. Pixels
-//! are counted by columns, so that a single one that noise has coloured does not matter: the ball is the run of columns with
-//! most of them. How wide it is tells how far away the ball is.
+//! A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
+//! are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with most of them.
+//! Its width gives the distance of the ball.
 //!
-//! The hue may be given, 0 to 255: `follow-ball 65`.
+//! Optional argument: the hue, 0 to 255: `follow-ball 65`.
 
 use robios_api::robios7::prelude::*;
 use robios_api::robios7::{ColorImage, GrayImage, ImageSize, Lcd};
@@ -15,14 +15,14 @@ robios_api::program!(main);
 const ORANGE: u8 = 65;
 const HUE_ERROR: u8 = 10;
 const LEAST_SATURATION: u8 = 175;
-/// What is nearly black has any hue.
+/// Nearly black pixels have any hue.
 const LEAST_INTENSITY: u8 = 25;
 
 const RADIUS: Length = Length::metres(0.05);
-/// Distance from the camera to the ball's middle at which the robot is there.
+/// Distance from the camera to the ball's middle at which the robot stops.
 const STOP: Length = Length::metres(0.13);
 const SPEED: Speed = Speed::metres_per_second(0.25);
-/// How fast it looks around, and turns at most.
+/// Turn rate of the search, and greatest turn rate.
 const TURN: TurnRate = TurnRate::degrees_per_second(60.0);
 const ONCE_AROUND: Duration = Duration::from_millis(6700);
 
@@ -38,7 +38,7 @@ struct Ball {
 }
 
 impl Ball {
-    /// The longest run of columns with pixels of the ball, by their number.
+    /// Finds the run of columns with the most pixels of the ball.
     fn find(mask: &GrayImage) -> Option<Self> {
         let columns = mask.size().columns();
         let mut counts = vec![0; usize::from(columns)];
@@ -61,13 +61,13 @@ impl Ball {
         best.1
     }
 
-    /// Distance of its middle from the camera.
+    /// Distance of the ball's middle from the camera.
     fn distance(self) -> Length {
         let half_width = f64::from(self.right - self.left + 1) / 2.0;
         RADIUS * ((half_width * half_width + FOCAL_PX * FOCAL_PX).sqrt() / half_width)
     }
 
-    /// Its direction, to the left.
+    /// Direction of the ball, positive to the left.
     fn direction(self) -> Angle {
         let off = (f64::from(SIZE.columns() - 1) - f64::from(self.left + self.right)) / 2.0;
         Angle::towards(Length::metres(FOCAL_PX), Length::metres(off))
@@ -86,7 +86,7 @@ fn mask_of([hue, saturation, intensity]: &[GrayImage; 3], wanted: u8) -> GrayIma
     mask
 }
 
-/// What the robot sees at the left, what it takes for the ball at the right.
+/// Shows the camera image at the left and the pixels of the ball at the right.
 fn show(lcd: Lcd<'_>, image: &ColorImage, mask: &GrayImage, ball: Option<Ball>) -> Result {
     lcd.image(Pixel { x: 0, y: 0 }, image);
     lcd.binary_image(Pixel { x: SIZE.columns().into(), y: 0 }, mask);
@@ -100,7 +100,7 @@ fn show(lcd: Lcd<'_>, image: &ColorImage, mask: &GrayImage, ball: Option<Ball>) 
     write!(lcd.at(10, 0), "ball at {distance:4.0} mm, {direction:3.0} degrees  ")
 }
 
-/// Drives to another place, where there is room.
+/// Drives ahead to another place, as far as there is room.
 fn move_on(robot: &Robot) -> Result {
     let room = robot.psd(PsdAt::Front)?.distance().map_or(0.7.metres(), |free| free - 0.3.metres());
     let way = if room < Length::ZERO { -0.1.metres() } else { room.min(0.7.metres()) };
@@ -145,7 +145,7 @@ fn main(robot: &Robot) -> Result {
     write!(lcd.at(12, 0), "there")
 }
 
-/// Speed and rate of turn towards a ball: slower where it is near, so that the robot stops before it.
+/// Speed and turn rate towards a ball: slower near the ball, so that the robot stops before it.
 fn steer(ball: Ball) -> (Speed, TurnRate) {
     let forward = Speed::metres_per_second((ball.distance() - STOP).as_metres() + 0.04);
     let turn = TurnRate::degrees_per_second(2.0 * ball.direction().as_degrees());

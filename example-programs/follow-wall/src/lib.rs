@@ -1,7 +1,7 @@
-//! Follows the wall at its left, for ever: turns away from walls ahead and around corners.
+//! Follows the wall at its left, forever: turns away from walls ahead and around corners.
 //!
-//! The sensor that looks diagonally ahead sees the wall a little before the robot is beside it. Turning towards the wall
-//! makes its distance shorter, so it tells the heading too, and one factor is enough to steer.
+//! The diagonal sensor sees the wall a little ahead of the robot. Its reading depends on the distance and on the heading, so one gain
+//! is enough to steer.
 
 use robios_api::prelude::*;
 
@@ -9,12 +9,12 @@ robios_api::program!(main);
 
 /// The distance that the diagonal sensor keeps.
 const KEPT: Length = Length::metres(0.3);
-/// What is farther is not the wall that it follows.
+/// Readings beyond this are not of the wall being followed.
 const LOST: Length = Length::metres(0.5);
 /// The least distance to a wall ahead.
 const AHEAD: Length = Length::metres(0.25);
 const CRUISE: Speed = Speed::metres_per_second(0.2);
-/// The fastest turn; also what half of `KEPT` too far or too near asks for.
+/// Greatest turn rate, reached at a distance error of half of `KEPT`.
 const TURN: TurnRate = TurnRate::radians_per_second(1.0);
 /// Around a corner: with `CRUISE` a circle of 0.36 m.
 const CORNER: TurnRate = TurnRate::radians_per_second(0.55);
@@ -30,7 +30,7 @@ fn main(robot: &Robot) -> Result {
     }
 }
 
-/// Speed and rate of turn for what the sensors see.
+/// Speed and turn rate for the sensors' readings.
 fn steer(diagonal: Option<Length>, front: Option<Length>) -> (Speed, TurnRate) {
     if front.is_some_and(|front| front < AHEAD) {
         return (Speed::ZERO, -TURN);

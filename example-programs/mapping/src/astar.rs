@@ -1,11 +1,11 @@
 //! Shortest paths on grids: A* and Dijkstra over eight neighbours.
 //!
-//! A step leads to one of the eight neighbours; a diagonal one only where both cells beside it may be entered too, so that no
-//! corner is cut. It costs its length in metres times the factor of the cell that it enters. Of equally short paths the one found
-//! is always the same.
+//! A step leads to one of the eight neighbours; a diagonal step requires that both cells beside it may be entered, so no corner is
+//! cut. A step costs its length in metres times the factor of the cell that it enters. The choice among equally cheap paths is
+//! deterministic.
 //!
-//! For clearance let `factor` refuse cells that are too near to obstacles by [`distance`](crate::distance), and make those dearer
-//! that are nearly so.
+//! For clearance, `factor` refuses cells that are too near to obstacles (see [`distance`](crate::distance)) and raises the cost of
+//! cells that are nearly too near.
 //!
 //! Source: Hart, Nilsson & Raphael 1968; the rule about corners is our choice.
 
@@ -15,7 +15,7 @@ use std::f64::consts::SQRT_2;
 
 use crate::grid::{Cell, Frame, Grid};
 
-/// A way from cell to neighbouring cell.
+/// A path from cell to neighbouring cell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Path {
     /// The cells, the start and the goal among them.
@@ -26,8 +26,8 @@ pub struct Path {
 
 /// A cheapest path from `start` to `goal`; `None` where there is none.
 ///
-/// `factor` is by how much dearer than its length a step into a cell is, at least 1, or `None` where a cell must not be entered. The
-/// start is never asked for, so that a robot gets away from where it should not be.
+/// `factor` is the cost of a step into a cell per metre of its length, at least 1, or `None` if the cell must not be entered. It is never
+/// called for the start, so that a robot can leave a forbidden cell.
 ///
 /// # Panics
 /// If start or goal lie beyond the frame, or a factor is below 1 (the estimate of what is left would be too high).
@@ -49,7 +49,7 @@ pub fn nearest(
     search(frame, factor, start, is_goal, |_| 0.0)
 }
 
-/// What the cheapest path from `start` to each cell costs; infinite where there is none.
+/// Cost of the cheapest path from `start` to each cell; infinite if there is none.
 ///
 /// # Panics
 /// As [`shortest_path`].
@@ -59,7 +59,7 @@ pub fn costs(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell) -
     search.costs
 }
 
-/// The least number of cells' sides that lead from one cell to the other over eight neighbours.
+/// Length of the shortest path between two cells over eight neighbours, without obstacles, in sides of a cell.
 fn octile(from: Cell, to: Cell) -> f64 {
     let (columns, rows) = (from.column.abs_diff(to.column) as f64, from.row.abs_diff(to.row) as f64);
     columns.max(rows) + (SQRT_2 - 1.0) * columns.min(rows)
@@ -81,7 +81,7 @@ fn search(
     None
 }
 
-/// A search under way: costs and predecessors of the cells seen, and those that are still to be looked at.
+/// State of a search: costs and predecessors of the cells seen, and the open cells.
 struct Search {
     frame: Frame,
     costs: Grid<f64>,
@@ -98,7 +98,7 @@ impl Search {
         Self { frame: *frame, costs, from: Grid::new(*frame, None), is_done: Grid::new(*frame, false), open }
     }
 
-    /// The next cell whose cost is final, with its neighbours looked at.
+    /// Returns the next cell whose cost is final, after updating its neighbours.
     fn next(&mut self, factor: &impl Fn(Cell) -> Option<f64>, estimate: &impl Fn(Cell) -> f64) -> Option<Cell> {
         let cell = loop {
             let Open { cell, .. } = self.open.pop()?;
@@ -121,7 +121,7 @@ impl Search {
         Some(cell)
     }
 
-    /// What a step between neighbours costs; `None` where it must not be made.
+    /// Cost of a step between neighbours; `None` if the step is forbidden.
     fn step(&self, from: Cell, to: Cell, factor: &impl Fn(Cell) -> Option<f64>) -> Option<f64> {
         let times = factor(to)?;
         assert!(times >= 1.0, "a factor of {times} for {to:?}");
@@ -140,7 +140,7 @@ impl Search {
     }
 }
 
-/// A cell to be looked at: the cheapest first, of equal ones the least cell.
+/// An open cell; the cheapest comes first, ties are broken by the least cell.
 struct Open {
     total: f64,
     cell: Cell,

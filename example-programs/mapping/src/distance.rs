@@ -1,17 +1,17 @@
-//! How far each cell of a grid is from the nearest of some cells: the exact Euclidean distance transform.
+//! Exact Euclidean distance transform: the distance of each cell of a grid from the nearest feature cell.
 //!
-//! Two passes in whole numbers, so nothing is rounded: the distance along each column, then in each row the lower envelope of the
-//! parabolas over them. Linear in the number of cells.
+//! Two passes in integers, so nothing is rounded: the distance along each column, then in each row the lower envelope of the
+//! parabolas over these distances. Linear in the number of cells.
 //!
 //! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time"; the same
 //! parabolas, in floating point, are those of Felzenszwalb & Huttenlocher 2012.
 
 use crate::grid::{Cell, Frame, Grid};
 
-/// Metres from the middle of each cell to the middle of the nearest cell for which `is_feature` holds; 0 for those themselves,
-/// infinite where there is none at all.
+/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` holds; 0 for feature
+/// cells, infinite if there is no feature.
 ///
-/// The way from the middle of a cell to the *edge* of the nearest one is shorter, by up to half of a cell's diagonal.
+/// The distance to the *edge* of the nearest feature cell is shorter, by up to half of a cell's diagonal.
 pub fn distances<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<f64> {
     let size = grid.frame().cell_size();
     squared_in_cells(grid, is_feature).map(|squared| match squared {
@@ -20,7 +20,7 @@ pub fn distances<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<f64
     })
 }
 
-/// The square of the distance in cells, exactly; `None` where there is no feature at all.
+/// Exact square of the distance in cells; `None` if there is no feature.
 pub fn squared_in_cells<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Option<u64>> {
     let frame = *grid.frame();
     let column_distances = along_columns(grid, is_feature);
@@ -35,7 +35,7 @@ pub fn squared_in_cells<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> G
     squares
 }
 
-/// Rows to the nearest feature of the same column.
+/// Number of rows to the nearest feature of the same column.
 fn along_columns<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Option<i64>> {
     let frame: Frame = *grid.frame();
     let mut distances = Grid::new(frame, None);
@@ -63,7 +63,7 @@ fn sweep<T>(
     }
 }
 
-/// For each column x the least (x - i)^2 + heights[i]^2; columns without a height give no parabola.
+/// Least (x - i)^2 + heights[i]^2 for each column x; columns without a height give no parabola.
 fn lower_envelope(heights: &[Option<i64>]) -> Vec<Option<u64>> {
     let value = |x: i64, (at, height): (i64, i64)| (x - at) * (x - at) + height * height;
     // The last column at which the parabola of `left` is not above that of `right`.
@@ -71,7 +71,7 @@ fn lower_envelope(heights: &[Option<i64>]) -> Vec<Option<u64>> {
         let difference = right.0 * right.0 - left.0 * left.0 + right.1 * right.1 - left.1 * left.1;
         difference.div_euclid(2 * (right.0 - left.0))
     };
-    // The parabolas of the envelope, each with the first column that is its own.
+    // The parabolas of the envelope, each with the first column in which it is the lowest.
     let mut envelope: Vec<((i64, i64), i64)> = Vec::new();
     for (x, height) in heights.iter().enumerate() {
         let Some(height) = height else { continue };

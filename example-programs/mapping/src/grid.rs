@@ -1,7 +1,7 @@
 //! Maps of square cells, and pictures of them.
 //!
-//! A [`Frame`] says where the cells lie in the world; a [`Grid`] holds a value for each. Columns go along x, rows along y, both from
-//! the frame's origin, its corner of least x and y. Every cell has its lower and left edges and not its upper and right ones.
+//! A [`Frame`] places the cells in the world; a [`Grid`] holds a value for each. Columns go along x, rows along y, both from the
+//! frame's origin, its corner of least x and y. A cell includes its lower and left edges, not its upper and right ones.
 
 use std::io::Cursor;
 use std::ops::{Index, IndexMut};
@@ -25,7 +25,7 @@ impl Cell {
         Self { column, row }
     }
 
-    /// The cell so many columns and rows on; `None` below 0.
+    /// The cell offset by `columns` and `rows`; `None` if an index becomes negative.
     pub fn offset(self, columns: i64, rows: i64) -> Option<Self> {
         let column = usize::try_from(self.column as i64 + columns).ok()?;
         let row = usize::try_from(self.row as i64 + rows).ok()?;
@@ -33,7 +33,7 @@ impl Cell {
     }
 }
 
-/// Where the cells of a grid lie in the world.
+/// Position, size and number of a grid's cells in the world.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
     origin: Point,
@@ -74,17 +74,17 @@ impl Frame {
         self.size
     }
 
-    /// How many cells there are along x.
+    /// Number of cells along x.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// How many cells there are along y.
+    /// Number of cells along y.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Whether there is such a cell.
+    /// Returns true if the cell lies in the grid.
     pub fn has(&self, cell: Cell) -> bool {
         cell.column < self.columns && cell.row < self.rows
     }
@@ -102,7 +102,7 @@ impl Frame {
         Point::from((point - self.origin) / self.size)
     }
 
-    /// The middle of a cell, in metres; cells beyond the grid have one too.
+    /// The middle of a cell, in metres; also for cells beyond the grid.
     pub fn centre(&self, cell: Cell) -> Point {
         let middle = |index: usize| (index as f64 + 0.5) * self.size;
         Point::new(self.origin.x + middle(cell.column), self.origin.y + middle(cell.row))
@@ -128,7 +128,7 @@ impl Frame {
             .filter(move |cell| (frame.centre(*cell) - point).norm() <= radius)
     }
 
-    /// The up to eight neighbours of a cell: right, upper right, and on counter-clockwise.
+    /// The up to eight neighbours of a cell: right, upper right, and so on counter-clockwise.
     pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
         const AROUND: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
         let frame = *self;
@@ -152,12 +152,12 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// A grid with the value that `value` gives for each cell, asked row by row.
+    /// A grid whose values `value` computes, called cell by cell, row by row.
     pub fn from_fn(frame: Frame, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
 
-    /// Where the cells lie.
+    /// The frame of the cells.
     pub fn frame(&self) -> &Frame {
         &self.frame
     }
@@ -167,7 +167,7 @@ impl<T> Grid<T> {
         self.frame.has(cell).then(|| &self[cell])
     }
 
-    /// The value of a cell, to be changed; `None` beyond the grid.
+    /// Mutable access to the value of a cell; `None` beyond the grid.
     pub fn get_mut(&mut self, cell: Cell) -> Option<&mut T> {
         if self.frame.has(cell) { Some(&mut self[cell]) } else { None }
     }
@@ -187,12 +187,12 @@ impl<T> Grid<T> {
         &self.values
     }
 
-    /// The values, row by row from the origin, to be changed.
+    /// Mutable access to the values, row by row from the origin.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
-    /// The same cells with what `change` makes of their values.
+    /// A grid of the same frame with `change` applied to each value.
     pub fn map<U>(&self, change: impl FnMut(&T) -> U) -> Grid<U> {
         Grid { frame: self.frame, values: self.values.iter().map(change).collect() }
     }
@@ -243,7 +243,7 @@ pub fn grey(probability: f64) -> [u8; 3] {
 /// A picture as the bytes of a PNG file.
 ///
 /// # Errors
-/// What the encoder refuses, e.g. a picture without pixels.
+/// If the encoder refuses the picture, e.g. one without pixels.
 pub fn png(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, ImageFormat::Png)?;

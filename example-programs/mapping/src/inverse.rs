@@ -1,4 +1,4 @@
-//! What a reading of a wide sonar says: a fuzzy set of the points that may have echoed, and its shadow on the plane of a map.
+//! Inverse model of a wide sonar: a fuzzy set of the points that may have echoed, and its shadow on the plane of a map.
 //!
 //! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in [0, 2 pi) and r in
 //! [0, r_max].
@@ -9,12 +9,12 @@ use nalgebra::Vector3;
 
 use crate::math;
 
-/// Where a sonar is and whereto it looks, in the frame of the map (z up, m).
+/// Position and line of sight of a sonar, in the frame of the map (z up, m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SonarPose {
-    /// Its place, m.
+    /// Position, m.
     pub origin: Vector3<f64>,
-    /// Its line of sight, of length 1.
+    /// Unit vector along the line of sight.
     pub axis: Vector3<f64>,
 }
 
@@ -25,7 +25,7 @@ impl SonarPose {
         Self { origin, axis: Vector3::new(level * math::cos(yaw), level * math::sin(yaw), math::sin(pitch)) }
     }
 
-    /// The place `distance` m ahead.
+    /// The point `distance` m ahead.
     pub fn ahead(&self, distance: f64) -> Vector3<f64> {
         self.origin + self.axis * distance
     }
@@ -38,12 +38,12 @@ impl SonarPose {
     }
 }
 
-/// Which of the two points at which a vertical line meets the sphere of a reading counts.
+/// Choice between the two points at which a vertical line meets the sphere of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// That with the greater membership, the lower of two with the same: the supremum of the paper.
+    /// The point with the greater membership, the lower one of equals: the supremum of the paper.
     MostPossible,
-    /// The lower one, however high the sonar looks: the ground is no higher than that (our choice).
+    /// The lower point, however high the sonar looks: the ground is no higher than that (our choice).
     Lower,
 }
 
@@ -60,12 +60,12 @@ pub struct SonarModel {
     pub least: f64,
 }
 
-/// A point of the plane below or above which a reading's fuzzy set has something.
+/// Projection of a reading's fuzzy set at a point of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// The greatest membership over all heights there.
+    /// The greatest membership over all heights at that point.
     pub membership: f64,
-    /// The height of that, m: the most possible one.
+    /// The height of the greatest membership, m.
     pub height: f64,
 }
 
@@ -83,7 +83,7 @@ impl SonarModel {
         if alpha > FRAC_PI_2 { 0.0 } else { math::exp(-2.0 * LN_2 * ratio * ratio) }
     }
 
-    /// Membership of a turn about the line of sight in the set B: 1, whatever it is.
+    /// Membership of a rotation about the line of sight in the set B: always 1.
     pub fn membership_of_beta(&self, _beta: f64) -> f64 {
         1.0
     }
@@ -106,8 +106,8 @@ impl SonarModel {
             * self.membership_of_r(r, measured)
     }
 
-    /// The shadow of a reading at the point (x, y) of the plane: the supremum over z of S, where R is taken for exact, so that S is a
-    /// spherical cap, of which one `side` counts. `None` where it is less than [`least`](Self::least).
+    /// Shadow of a reading at the point (x, y) of the plane: the supremum of S over z. R is taken as exact, so S is a spherical cap, of
+    /// which `side` chooses a point. `None` if the membership is below [`least`](Self::least).
     ///
     /// Source: Gois and Hiller, section 3 (R neglected, the projection in closed form).
     pub fn shadow(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<Shadow> {
@@ -126,7 +126,7 @@ impl SonarModel {
         (membership >= self.least).then_some(Shadow { membership, height: sonar.origin.z + rise })
     }
 
-    /// The same with R: the supremum of S over `steps` heights around the cap. For comparison: it costs as many times more.
+    /// Shadow that includes R: the supremum of S over `steps` heights around the cap. For comparison: it costs `steps` times as much.
     pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
         let reach = measured * (1.0 + 2.0 * self.epsilon);
         let height = |step: usize| sonar.origin.z + reach * (2.0 * step as f64 / steps as f64 - 1.0);
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(model.shadow(&level, 2.0, -2.0, 0.0, Side::MostPossible), None);
     }
 
-    /// How little the neglect of R changes, within its own width: the reason for which the paper does it.
+    /// Neglecting R changes little, within R's own width, which is the paper's reason for it.
     #[test]
     fn with_the_range_it_is_nearly_the_same_where_the_beam_falls_steeply() {
         let model = SonarModel::srf08();

@@ -1,6 +1,6 @@
 //! Maps from range sensors, for robot programs.
 //!
-//! Nothing here knows a robot or a simulator: poses and readings go in, maps come out. Lengths in metres, angles in radians
+//! The library is independent of robots and simulators: poses and readings go in, maps come out. Lengths in metres, angles in radians
 //! counter-clockwise, `f64`. The same input gives the same bits on every platform.
 
 #![warn(missing_docs)]

@@ -1,8 +1,8 @@
-//! Which cells a straight line passes: three answers.
+//! Cells on a straight line, by three algorithms.
 //!
 //! - [`supercover`]: all cells that the line touches, exactly;
 //! - [`point_by_point`]: steps along one axis at a time, chosen by the sign of a deviation, as numerically controlled machines do:
-//!   additions of whole numbers alone, so an 8-bit controller does it (Wu et al. 2013, "Local Model Establishment");
+//!   only integer additions, which suit an 8-bit controller (Wu et al. 2013, "Local Model Establishment");
 //! - [`dda`]: the digital differential analyser, one step along the longer axis at a time, the other one rounded ("digital
 //!   integration" in the same section).
 //!
@@ -13,8 +13,7 @@
 use crate::grid::{Cell, Frame};
 use crate::pose::Point;
 
-/// The cells of `frame` whose square, edges and corners among it, has a point of the line from `from` to `to` (in metres), column
-/// by column.
+/// The cells of `frame` whose closed square touches the line from `from` to `to` (in metres), column by column.
 pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
     let (from, to) = (frame.in_cells(from), frame.in_cells(to));
     let (left, right) = if from.x <= to.x { (from, to) } else { (to, from) };
@@ -22,7 +21,7 @@ pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
         let share = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
         left.y + share * (right.y - left.y)
     };
-    // One cell more to each side, since what is on an edge belongs to both cells; then each is looked at exactly.
+    // One cell more to each side, since a point on an edge belongs to both cells; then each cell is tested exactly.
     let range = |least: f64, greatest: f64, count: usize| {
         let bound = |steps: f64| steps.clamp(0.0, count as f64) as usize;
         bound(least.floor() - 1.0)..bound(greatest.floor() + 2.0)
@@ -39,7 +38,7 @@ pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
     cells
 }
 
-/// Whether the closed square of a cell has a point of a line, in units of cells: no axis parts them.
+/// Returns true if the closed square of a cell touches a line, in units of cells (separating axis test).
 fn touches(cell: Cell, from: Point, to: Point) -> bool {
     let (x, y) = (cell.column as f64, cell.row as f64);
     let overlaps = |a: f64, b: f64, least: f64| a.max(b) >= least && a.min(b) <= least + 1.0;
@@ -52,11 +51,11 @@ fn touches(cell: Cell, from: Point, to: Point) -> bool {
         && sides.iter().any(|side| *side <= 0.0)
 }
 
-/// The cells from `from` to `to` by point-by-point comparison, both among them.
+/// The cells from `from` to `to` by point-by-point comparison, both included.
 ///
-/// Let (x, y) be the steps done along either axis and (X, Y) all that are to do. The deviation F = X y - Y x is above 0 where the last
-/// cell lies to the side of the steps along y: then the next step goes along x, else along y. A deviation of 0 steps along x: our
-/// choice.
+/// Let (x, y) be the steps done along the axes and (X, Y) all steps to do. If the deviation F = X y - Y x is above 0, the last cell
+/// lies off the line in the direction of the y steps, and the next step goes along x; if F is below 0, along y; if F is 0, along x
+/// (our choice).
 pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
     let (all_x, all_y, towards) = steps(from, to);
     let (mut x, mut y, mut deviation) = (0, 0, 0);
@@ -74,9 +73,9 @@ pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
     cells
 }
 
-/// The cells from `from` to `to` by DDA, both among them.
+/// The cells from `from` to `to` by DDA, both included.
 ///
-/// Whole numbers alone: both axes add their number of steps to an accumulator of the larger number's size at every beat, and step
+/// Integers only: at every beat each axis adds its number of steps to an accumulator, whose size is the larger number, and steps
 /// when it overflows. Accumulators begin half full, so the shorter axis is rounded to the nearest cell.
 pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
     let (all_x, all_y, towards) = steps(from, to);
@@ -85,7 +84,7 @@ pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
     (0..=beats).map(|beat| towards(along(all_x, beat), along(all_y, beat))).collect()
 }
 
-/// Steps along x and y between two cells, and the cell after so many of them.
+/// Steps along x and y between two cells, and a function that gives the cell after some of them.
 fn steps(from: Cell, to: Cell) -> (i64, i64, impl Fn(i64, i64) -> Cell) {
     let towards = move |start: usize, end: usize, steps: i64| {
         if end >= start { start + steps as usize } else { start - steps as usize }
@@ -107,8 +106,8 @@ mod tests {
         Frame::new(Point::origin(), 1.0, SIDE, SIDE)
     }
 
-    /// Whether a line between points in eighths of a cell has a point in a closed square, by cutting it off at the
-    /// square's sides, in whole numbers.
+    /// Returns true if a line between points in eighths of a cell touches a closed square, by clipping the line at the square's sides,
+    /// in integers.
     fn meets(cell: Cell, from: (i64, i64), to: (i64, i64)) -> bool {
         // The part of the line that is left: from `first` to `last` of `parts`, as fractions compared crosswise.
         let (mut first, mut last) = ((0, 1), (1, 1));
@@ -187,7 +186,7 @@ mod tests {
             for step in by_points.windows(2) {
                 prop_assert_eq!(step[0].column.abs_diff(step[1].column) + step[0].row.abs_diff(step[1].row), 1);
             }
-            // DDA passes no cell that the line does not; point by point none whose neighbours it does not.
+            // DDA passes only cells that the line touches, point by point only such cells and their neighbours.
             prop_assert!(by_dda.iter().all(|cell| touched.contains(cell)));
             let near = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
             prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| near(*cell, *other))));

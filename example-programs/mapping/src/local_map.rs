@@ -1,7 +1,7 @@
-//! The ground around a robot: a TSK surface that goes along with its body.
+//! Map of the ground around a robot: a TSK surface that moves with the body.
 //!
-//! Source: Gois and Hiller, section 3. The map keeps the directions of the axes of the robot's odometry and is shifted by whole
-//! cells, so that nothing is ever resampled (our choice).
+//! Source: Gois and Hiller, section 3. The axes of the map are parallel to those of odometry, and the map moves by whole cells, so
+//! nothing is ever resampled (our choice).
 
 use crate::grid::{Frame, Grid};
 use crate::inverse::{SonarModel, SonarPose};
@@ -9,23 +9,23 @@ use crate::math;
 use crate::pose::Point;
 use crate::tsk::{Activation, Partition, Settings, Tsk};
 
-/// A square of ground whose middle cell is the one that the body is in.
+/// A square of ground; the body is in its middle cell.
 #[derive(Clone, Debug)]
 pub struct LocalMap {
     tsk: Tsk,
     model: SonarModel,
 }
 
-/// What is known of a cell.
+/// Estimate of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// Its middle, in the frame of the odometry, m.
+    /// x of its middle, in the odometry frame, m.
     pub x: f64,
-    /// Its middle, in the frame of the odometry, m.
+    /// y of its middle, in the odometry frame, m.
     pub y: f64,
-    /// Estimated height there, m.
+    /// Estimated height, m.
     pub z: f64,
-    /// Standard deviation of it, m.
+    /// Standard deviation of the height, m.
     pub sigma: f64,
 }
 
@@ -41,7 +41,7 @@ impl LocalMap {
         Self { tsk: Tsk::new(partition, settings), model }
     }
 
-    /// Goes along with a body that is at (x, y) now: what falls out at the far side is forgotten.
+    /// Moves the map along with a body that is now at (x, y); cells that fall out are forgotten.
     pub fn follow(&mut self, x: f64, y: f64) {
         let partition = *self.tsk.partition();
         let (column, row) = partition.place(x, y);
@@ -51,7 +51,7 @@ impl LocalMap {
         }
     }
 
-    /// Fuses a reading of a sonar that was at `sonar` in the frame of the odometry. How many cells it told of.
+    /// Fuses a reading of a sonar that was at `sonar` in the odometry frame. Returns the number of cells updated.
     ///
     /// # Panics
     /// If a number is not finite.
@@ -59,12 +59,12 @@ impl LocalMap {
         self.tsk.fuse(&self.model, sonar, measured)
     }
 
-    /// Takes it that nothing higher than `height` m stands nearer than `distance` m before a sonar, within `half_angle` rad to
-    /// both sides of where it looks: it would have been heard. Cells that are estimated to be higher are told so, with the gain
-    /// of the beam squared as the weight, for there and back.
+    /// Lowers the ground before a sonar: nothing higher than `height` m stands nearer than `distance` m within `half_angle` rad to both
+    /// sides of its line of sight, else the sonar would have heard it. Each cell that is estimated to be higher takes this height as a
+    /// reading, weighted by the squared gain of the beam (there and back).
     ///
-    /// That a reading says as well what is empty is an idea of occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and
-    /// Venditelli 1999); Gois and Hiller have only the set of what is occupied. For sonars that look about level.
+    /// That a reading also tells about empty space is an idea of occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
+    /// 1999); Gois and Hiller have only the set of occupied points. For sonars that look about level.
     ///
     /// # Panics
     /// If a number is not finite.
@@ -103,7 +103,7 @@ impl LocalMap {
         })
     }
 
-    /// All cells as a grid in the frame of the odometry.
+    /// All cells as a grid in the odometry frame.
     pub fn grid(&self) -> Grid<Patch> {
         let partition = *self.tsk.partition();
         let (column, row) = partition.low;
@@ -170,7 +170,7 @@ mod tests {
         assert!(heights(&map).0 < 0.4 && heights(&map).1 > 0.5, "{:?}", heights(&map));
     }
 
-    /// A sonar that looks level says that something stands where its echo is, and nothing before it.
+    /// A level sonar raises the map at its echo, and nothing before it.
     #[test]
     fn an_obstacle_ahead_stands_out_of_the_free_ground_before_it() {
         let settings = Settings { floor: 0.0, ..Settings::default() };

@@ -1,8 +1,8 @@
 //! Bayesian occupancy: each cell holds the logarithm of its odds of being occupied, and readings are added to it.
 //!
 //! l = ln(p / (1 - p)); independent readings z with the inverse sensor model p(occupied | z) change it by
-//! ln(p(occupied | z) / (1 - p(occupied | z))), with even odds at the start. So what was wrong is corrected by as much evidence as
-//! it was wrong by, at most by [`LIMIT`].
+//! ln(p(occupied | z) / (1 - p(occupied | z))), with even odds at the start. Correcting a wrong cell therefore takes as much evidence
+//! as made it wrong, and at most [`LIMIT`].
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The model of the beam's numbers is our choice.
 
@@ -10,7 +10,7 @@ use crate::grid::{Frame, Grid};
 use crate::math;
 use crate::sonar::{Beam, Echo};
 
-/// Log-odds are cut to this, either way: a probability of 0.999, so that a map can change its mind.
+/// Limit of log-odds in either direction: a probability of 0.999, so that a cell can still be corrected.
 pub const LIMIT: f64 = 6.9;
 
 /// The log-odds of a probability in (0, 1).
@@ -18,13 +18,13 @@ pub fn log_odds(probability: f64) -> f64 {
     math::ln(probability / (1.0 - probability))
 }
 
-/// The probability whose log-odds these are.
+/// The probability for given log-odds.
 pub fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + math::exp(-log_odds))
 }
 
-/// What a reading says of the cells of its beam, in the middle of it; at its edges it says nothing, and between as 1 - (angle /
-/// half angle)^2 of it.
+/// Evidence of a reading for the cells of its beam: full in the middle of the beam, 0 at its edges, in between scaled by
+/// 1 - (angle / half angle)^2.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SonarModel {
     /// The beam.
@@ -51,7 +51,7 @@ pub struct LogOddsGrid {
 }
 
 impl LogOddsGrid {
-    /// A grid of which nothing is known.
+    /// A grid without evidence: even odds in each cell.
     pub fn new(frame: Frame) -> Self {
         Self { cells: Grid::new(frame, 0.0) }
     }
@@ -66,14 +66,14 @@ impl LogOddsGrid {
         self.cells.map(|log_odds| probability(*log_odds))
     }
 
-    /// Adds what is known about a cell, as log-odds; a cell beyond the grid is no matter.
+    /// Adds evidence about a cell, as log-odds; cells beyond the grid are ignored.
     pub fn add(&mut self, cell: crate::grid::Cell, log_odds: f64) {
         if let Some(value) = self.cells.get_mut(cell) {
             *value = (*value + log_odds).clamp(-LIMIT, LIMIT);
         }
     }
 
-    /// Puts a reading of a sonar in: the arc is one cell thick.
+    /// Adds a reading of a sonar; its arc is one cell thick.
     pub fn add_echo(&mut self, echo: Echo, model: &SonarModel) {
         let frame = *self.cells.frame();
         let half_cell = 0.5 * frame.cell_size();

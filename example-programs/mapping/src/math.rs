@@ -1,4 +1,4 @@
-//! Sine, exponential and the like, with the same bits on every platform: `libm`, and nothing else, as the simulator does.
+//! Elementary functions with the same bits on every platform: only from `libm`, as in the simulator.
 
 /// Sine of an angle in rad.
 pub fn sin(angle: f64) -> f64 {
@@ -20,12 +20,12 @@ pub fn tan(angle: f64) -> f64 {
     libm::tan(angle)
 }
 
-/// Angle whose sine is `value`, rad in [-pi/2, pi/2]; what lies outside [-1, 1] by rounding is taken for the limit.
+/// Angle whose sine is `value`, rad in [-pi/2, pi/2]; values that rounding has put outside [-1, 1] are clamped.
 pub fn asin(value: f64) -> f64 {
     libm::asin(value.clamp(-1.0, 1.0))
 }
 
-/// Angle whose cosine is `value`, rad in [0, pi]; what lies outside [-1, 1] by rounding is taken for the limit.
+/// Angle whose cosine is `value`, rad in [0, pi]; values that rounding has put outside [-1, 1] are clamped.
 pub fn acos(value: f64) -> f64 {
     libm::acos(value.clamp(-1.0, 1.0))
 }

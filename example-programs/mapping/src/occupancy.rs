@@ -1,4 +1,4 @@
-//! An occupancy grid in space after Moravec and Elfes: what a sonar reading says is empty and what is occupied, kept apart.
+//! Three-dimensional occupancy grid after Moravec and Elfes, with separate certainties for empty and for occupied.
 //!
 //! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and Hiller, sections 3
 //! and 4). The gain of [`SonarModel`] is the profile over the angle.
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::inverse::{SonarModel, SonarPose};
 use crate::tsk::{Partition, Place};
 
-/// The grid: boxes over the cells of a partition, one above the other.
+/// The grid: boxes stacked over the cells of a partition.
 #[derive(Clone, Debug)]
 pub struct OccupancyGrid {
     partition: Partition,
@@ -23,7 +23,7 @@ pub struct OccupancyGrid {
 }
 
 impl OccupancyGrid {
-    /// Nothing known: `layers` boxes of `step` m above each cell, from the height `bottom` m on.
+    /// A grid without readings: `layers` boxes of `step` m above each cell, from the height `bottom` m upwards.
     pub fn new(partition: Partition, bottom: f64, step: f64, layers: usize) -> Self {
         let count = partition.columns * partition.rows * layers;
         Self { partition, step, bottom, layers, empty: vec![0.0; count], occupied: vec![0.0; count] }
@@ -34,10 +34,10 @@ impl OccupancyGrid {
         &self.partition
     }
 
-    /// Fuses a reading: boxes within the beam and nearer than it become emptier, those about as far away more occupied, the
-    /// less so the more boxes there are and the emptier they are known to be. How many boxes it touched.
+    /// Fuses a reading: boxes within the beam and nearer than the reading become emptier, those at about its distance more occupied. Their
+    /// gain decreases with their number and with the certainty that they are empty. Returns the number of boxes touched.
     pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) -> usize {
-        // A band that is thinner than the boxes would miss them.
+        // A band thinner than the boxes would miss them.
         let band = (model.epsilon * measured).max(self.step.max(self.partition.cell) / 2.0);
         let mut touched = 0;
         let mut hits = Vec::new();
@@ -99,7 +99,7 @@ impl OccupancyGrid {
         ((0.0..self.layers as f64).contains(&layer)).then(|| (self.empty[index], self.occupied[index]))
     }
 
-    /// One reading has one echo: what its boxes gain sums up to no more than 1.
+    /// Raises the certainties for one echo: the boxes of a reading gain no more than 1 in total.
     fn occupy(&mut self, hits: &mut [(usize, f64)]) {
         for (index, gain) in &mut *hits {
             *gain *= 1.0 - self.empty[*index];

@@ -7,10 +7,10 @@ use crate::math;
 /// A point of the plane, in metres.
 pub type Point = nalgebra::Point2<f64>;
 
-/// A way or a direction in the plane, in metres.
+/// A displacement or direction in the plane, in metres.
 pub type Vector = nalgebra::Vector2<f64>;
 
-/// Where a frame lies in another one, its parent: its origin, and how far it is turned counter-clockwise.
+/// Pose of a frame in its parent frame: its origin, and its rotation, counter-clockwise.
 ///
 /// Heading 0 looks along the parent's x axis; a robot's own x axis points forward, its y axis to the left.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -27,17 +27,17 @@ impl Pose {
         Self { position: Point::new(x, y), heading }
     }
 
-    /// A point of this frame, told in its parent.
+    /// Transforms a point from this frame to its parent.
     pub fn outward(&self, point: Point) -> Point {
         self.position + rotated(point.coords, self.heading)
     }
 
-    /// A point of the parent, told in this frame.
+    /// Transforms a point from the parent to this frame.
     pub fn inward(&self, point: Point) -> Point {
         Point::from(rotated(point - self.position, -self.heading))
     }
 
-    /// The pose in the parent of what has the pose `other` in this frame.
+    /// Composition: the pose `other`, given in this frame, in the parent.
     pub fn then(&self, other: &Self) -> Self {
         Self { position: self.outward(other.position), heading: wrapped(self.heading + other.heading) }
     }
@@ -55,7 +55,7 @@ pub fn rotated(vector: Vector, angle: f64) -> Vector {
     Vector::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
 }
 
-/// The same angle in [-pi, pi), in radians.
+/// The angle wrapped to [-pi, pi), in radians.
 pub fn wrapped(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }

@@ -1,7 +1,7 @@
 //! Recursive least squares in UD form: the covariance is U D U^T with U unit upper triangular and D diagonal, so it is symmetric
-//! and positive by its making, however long the recursion runs and however poor the regressors are.
+//! and positive by construction, however long the recursion runs and however poor the regressors are.
 //!
-//! It is regularised by a prior, whose covariance is never exceeded, and forgets only what is measured anew.
+//! A prior regularises the estimate, and its covariance is never exceeded. Only directions that are measured anew are forgotten.
 
 /// Estimates the parameters p of y = phi . p from one equation at a time.
 ///
@@ -14,7 +14,7 @@ pub struct Rls {
     upper: Vec<f64>,
     diagonal: Vec<f64>,
     forgetting: f64,
-    /// Of an update, kept so that none allocates: U^T phi, and P phi as it grows.
+    /// Buffers of an update, reused: U^T phi, and P phi.
     projected: Vec<f64>,
     gain: Vec<f64>,
 }
@@ -28,12 +28,12 @@ pub enum RlsError {
     /// The variance is not above 0.
     #[error("the variance of a measured value must be above 0")]
     Variance,
-    /// A regressor names a parameter that is not there.
+    /// A regressor names a parameter that does not exist.
     #[error("parameter {index} of {parameters}")]
     Index {
         /// The parameter that was named.
         index: usize,
-        /// How many there are.
+        /// Number of parameters.
         parameters: usize,
     },
 }
@@ -44,7 +44,7 @@ fn start(j: usize) -> usize {
 }
 
 impl Rls {
-    /// Parameters that are known beforehand as `mean`, each with its own variance, independent of each other.
+    /// Parameters with the prior `mean` and `variance`, independent of each other.
     ///
     /// `forgetting` in (0, 1]: 1 forgets nothing; below that the variance of what an equation measures is never less than
     /// (1 - forgetting) times that of the equation, so that about 1 / (1 - forgetting) equations are remembered.
@@ -88,10 +88,10 @@ impl Rls {
         (from..self.parameters.len()).map(|j| self.unit(first, j) * self.unit(second, j) * self.diagonal[j]).sum()
     }
 
-    /// Takes the equation `value` = sum of factor * parameter over `regressor` (pairs of a parameter's number and its factor;
-    /// parameters that are not named have the factor 0), of which the error has the variance `variance`.
+    /// Takes the equation `value` = sum of factor * parameter over `regressor` (pairs of a parameter's index and its factor; parameters
+    /// that are not named have the factor 0), whose error has the variance `variance`.
     ///
-    /// The covariance never grows by it. A regressor of zeros changes nothing. Costs n^2 operations for n parameters.
+    /// The covariance never grows. A regressor of zeros changes nothing. Costs n^2 operations for n parameters.
     ///
     /// # Errors
     /// [`RlsError`]; nothing is changed then.
@@ -108,7 +108,7 @@ impl Rls {
             return Ok(());
         }
         let error = value - regressor.iter().map(|(index, factor)| factor * self.parameters[*index]).sum::<f64>();
-        // Forgetting acts along what is measured alone, and only so far that the covariance does not grow.
+        // Forgetting acts only along the measured direction, and only so far that the covariance does not grow.
         let forgotten = predicted / self.forgetting;
         let kept = (forgotten * variance / (forgotten + variance)).min(predicted);
         let scale = forgotten / (predicted * (forgotten + variance));
@@ -124,14 +124,13 @@ impl Rls {
         Ok(())
     }
 
-    /// Forgets all about one parameter: it has `mean` and `variance` again, independent of the others, of which what is known
-    /// stays what it is.
+    /// Resets one parameter to `mean` and `variance`, independent of the others; the knowledge about the others is kept.
     ///
     /// # Panics
     /// If there is no such parameter or `variance` is not above 0 and finite.
     pub fn reset(&mut self, index: usize, mean: f64, variance: f64) {
         assert!(variance > 0.0 && variance.is_finite(), "a variance above 0");
-        // What column `index` tells of the parameters before it goes over to theirs.
+        // The contribution of column `index` to the covariance of the parameters before it moves to their columns.
         let mut dyad = self.upper[start(index)..start(index) + index].to_vec();
         let weight = self.diagonal[index];
         self.add_dyad(&mut dyad, weight);
@@ -321,7 +320,7 @@ mod tests {
             assert_eq!((rls.parameters()[5], rls.variance(5)), (0.0, 1e4), "nothing was said of it");
             let eigenvalues = covariance.symmetric_eigenvalues();
             assert!(eigenvalues.max() <= 1e4 * (1.0 + 1e-9), "no wind-up: {eigenvalues}");
-            // Rounding of the product by which the test looks at it.
+            // Tolerance for rounding in the product that the test forms.
             assert!(eigenvalues.min() > -1e-10 * 1e4, "positive: {eigenvalues}");
             let sum = rls.parameters()[0] + rls.parameters()[1] - rls.parameters()[2];
             assert!((sum - 1.0).abs() < 0.01, "the one thing that is measured: {sum}");

@@ -1,4 +1,4 @@
-//! What a map says of a cell, and how often it is right.
+//! Classification of a map's cells, and its score against the truth.
 
 use crate::grid::{Cell, Grid};
 
@@ -8,19 +8,19 @@ pub const OCCUPIED: f64 = 0.6;
 /// Greatest probability at which a cell counts as free: that of Wu et al. 2013, Eq. 2.
 pub const FREE: f64 = 0.4;
 
-/// What a map says of a cell.
+/// Classification of a cell by a map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Occupancy {
-    /// Nothing is there.
+    /// Free space.
     Free,
-    /// Something is there.
+    /// An obstacle is there.
     Occupied,
-    /// The map does not say.
+    /// Neither is certain enough.
     Unknown,
 }
 
 impl Occupancy {
-    /// What a probability of being occupied says: at least [`OCCUPIED`], at most [`FREE`], or neither.
+    /// Classifies a probability of being occupied: at least [`OCCUPIED`], at most [`FREE`], or neither.
     pub fn of(probability: f64) -> Self {
         if probability >= OCCUPIED {
             Self::Occupied
@@ -32,29 +32,29 @@ impl Occupancy {
     }
 }
 
-/// What a cell truly is.
+/// True state of a cell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Truth {
-    /// Nothing is there, and a robot could be.
+    /// Free space in which a robot could be.
     Free,
-    /// A surface that can be seen from free cells passes it.
+    /// A surface that is visible from free cells passes through the cell.
     Surface,
-    /// Behind a surface: within a thing, or beyond the walls.
+    /// Behind a surface: inside an obstacle, or beyond the walls.
     Hidden,
 }
 
-/// How a map compares with the truth.
+/// Comparison of a map with the truth.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Score {
-    /// Cells that are said to be free and are, or occupied and are a surface or hidden.
+    /// Cells classified as free that are free, or as occupied that are a surface or hidden.
     pub right: usize,
-    /// Cells that are said to be free or occupied and are not.
+    /// Cells wrongly classified as free or occupied.
     pub wrong: usize,
-    /// Free cells and surfaces of which the map says nothing.
+    /// Free cells and surfaces that the map leaves unknown.
     pub unknown: usize,
-    /// Share of the cells said to be occupied that have a surface in themselves or a neighbour; NaN without any.
+    /// Share of the cells classified as occupied that are a surface or have one as a neighbour; NaN without any.
     pub precision: f64,
-    /// Share of the surfaces that are said to be occupied, in themselves or a neighbour; NaN without any.
+    /// Share of the surfaces that are classified as occupied or have such a neighbour; NaN without any.
     pub recall: f64,
 }
 
@@ -62,7 +62,7 @@ impl Score {
     /// Compares a map with the truth; both have the same frame.
     ///
     /// # Panics
-    /// If they have not.
+    /// If their frames differ.
     pub fn of(map: &Grid<Occupancy>, truth: &Grid<Truth>) -> Self {
         assert_eq!(map.frame(), truth.frame(), "maps of different frames");
         let count = |is_counted: fn(Occupancy, Truth) -> bool| {
@@ -83,7 +83,7 @@ impl Score {
         }
     }
 
-    /// Share of the cells of which the map says anything that are right.
+    /// Share of right cells among those classified as free or occupied.
     pub fn accuracy(&self) -> f64 {
         self.right as f64 / (self.right + self.wrong) as f64
     }

@@ -1,11 +1,11 @@
-//! Lines between the readings of neighbouring sonars, put into a grid: the map of Wu et al. 2013.
+//! Map of Wu et al. 2013: lines between the readings of neighbouring sonars, drawn into a grid.
 //!
-//! Sonars sit on the rim of a round robot, a sector apart, each with a beam as wide as its sector. A reading is an arc on which the
-//! nearest surface of its sector touches somewhere; what the neighbours read says where. A [`Fan`] makes that a [`Model`] of
-//! lines, a [`SectorMap`] puts the models of a stop into a local grid (Eq. 2 and 3) and that into the global one (Eq. 4).
+//! Sonars sit on the rim of a round robot, a sector apart, each with a beam as wide as its sector. A reading is an arc that the
+//! nearest surface of its sector touches somewhere; the neighbours' readings tell where. A [`Fan`] converts readings to a [`Model`] of
+//! lines; a [`SectorMap`] draws the models of a stop into a local grid (Eq. 2 and 3) and merges it into the global one (Eq. 4).
 //!
-//! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". What the text prints wrong or leaves out, and
-//! what is done here, stands at each item and in `docs/mapping.md`.
+//! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". Each item, and `docs/mapping.md`, names the errors
+//! and omissions of the text and our solutions.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -33,11 +33,11 @@ pub struct Fan {
     pub farthest: f64,
 }
 
-/// What the readings of two neighbours are to each other ("Sensor Number and Definitions").
+/// Relation between the readings of two neighbours ("Sensor Number and Definitions").
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Relation {
-    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall may give both. Printed as "d_A cos a", which
-    /// no d_B can be below: a wall whose foot lies at the far edge of A's sector is heard by B at the near edge of its own.
+    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall may give both. The limit is a wall whose foot lies at
+    /// the far edge of A's sector, which B hears at the near edge of its own. The paper prints "d_A cos a", which no d_B satisfies.
     Continuous,
     /// d_A / cos a < d_B <= d_A + 2 r: too far apart for one wall, too near for the robot to pass.
     Interval,
@@ -47,7 +47,7 @@ pub enum Relation {
     Open,
 }
 
-/// Which of the section's cases a sector is ("Modeling Process").
+/// Cases of a sector ("Modeling Process").
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Case {
     /// Continuous on both sides, the reading between its neighbours' (Figure 2a): a wall whose foot is in the nearer
@@ -76,31 +76,29 @@ pub struct Line {
     pub to: Point,
 }
 
-/// What a sector holds.
+/// Surfaces in a sector.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Model {
-    /// Which case it is.
+    /// Case of the sector.
     pub case: Case,
     /// The lines, clockwise to counter-clockwise, in the sector's frame: origin in the robot's middle, x axis through the sonar.
     pub lines: Vec<Line>,
 }
 
-/// The share of a sector, about its middle, over which the short line of a fault on both sides goes. The paper says "short": our
-/// choice.
+/// Share of a sector, about its middle, that the short line of a fault on both sides covers. The paper says only "short": our choice.
 const SHORT: f64 = 0.5;
 
-/// Readings that differ by no more are the same, in metres: two steps of a sonar that tells centimetres. Our choice.
+/// Greatest difference of readings that count as equal, in metres: two steps of a sonar with a resolution of 1 cm. Our choice.
 pub const SAME: f64 = 0.02;
 
 impl Fan {
-    /// What two neighbouring readings are to each other; `None` is one without an echo.
+    /// Relation between two neighbouring readings; `None` is a reading without an echo.
     ///
-    /// Distances in metres from the rim, as the sonars measure them; they are compared as seen from the robot's middle, where the
-    /// sectors meet.
+    /// Distances in metres from the rim, as the sonars measure them; they are compared from the robot's middle, where the sectors meet.
     pub fn relation(&self, a: Option<f64>, b: Option<f64>) -> Relation {
         let (Some(a), Some(b)) = (a, b) else { return Relation::Open };
         let (near, far) = (a.min(b) + self.radius, a.max(b) + self.radius);
-        // The limit is a wall's whose foot is at the far edge: rounding must not part it.
+        // The limit belongs to a wall whose foot is at the far edge: rounding must not exclude it.
         if far <= near / math::cos(self.sector) * (1.0 + 1e-9) {
             Relation::Continuous
         } else if far <= near + 2.0 * self.radius {
@@ -112,13 +110,13 @@ impl Fan {
 
     /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
     ///
-    /// What the text leaves out, and what is done:
-    /// - readings that are the same, to within [`SAME`]: all three as a wall ahead, two of them as a wall beside on the side of
-    ///   the neighbour that is not farther, so that a corner at a common edge is not cut off;
+    /// Solutions for what the text omits:
+    /// - equal readings, to within [`SAME`]: three as a wall ahead, two as a wall beside on the side of the neighbour that is not farther,
+    ///   so that a corner at a common edge is not cut off;
     /// - open on both sides (a post): as other faults on both sides;
-    /// - a sector at the end of the fan has one neighbour: let the other be `None`, open;
-    /// - how far a line of a one-sided fault goes (`FaultBeyond`): to the middle of the sector, for only its edge is known;
-    ///   (`FaultBefore`): to the tangent's point, which is what echoed.
+    /// - a sector at the end of the fan has one neighbour: the other is `None`, open;
+    /// - length of the line of a one-sided fault: to the middle of the sector (`FaultBeyond`), since only its edge is known; to the
+    ///   tangent point (`FaultBefore`), which echoed.
     pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
         let Some(own_distance) = own else { return Model { case: Case::Silent, lines: Vec::new() } };
         let continuous = |other: Option<f64>| match other {
@@ -138,7 +136,7 @@ impl Fan {
         Model { case, lines }
     }
 
-    /// Continuous on both sides. All distances from the middle of the robot.
+    /// Lines of a sector that is continuous on both sides. All distances are from the middle of the robot.
     fn wall(&self, right: f64, own: f64, left: f64) -> (Case, Vec<Line>) {
         let half = 0.5 * self.sector;
         let order = |other: f64| if (other - own).abs() <= SAME { Ordering::Equal } else { other.total_cmp(&own) };
@@ -154,7 +152,7 @@ impl Fan {
             let (from, middle, to) = (from.into(), middle.into(), to.into());
             (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
         } else {
-            // Of neighbours that are the same but for rounding, the tangent is that at the edge.
+            // If the neighbours are equal except for rounding, the tangent is that at the edge.
             let tangent = Tangent::at_right(self, right.min(left).min(own), own);
             let end = tangent.normal + math::acos(tangent.distance / right.max(left).max(own));
             let tangent = tangent.between(-half, end.clamp(-half, half));
@@ -162,7 +160,7 @@ impl Fan {
         }
     }
 
-    /// Continuous to the right alone.
+    /// Lines of a sector that is continuous only to the right.
     fn fault(&self, right: f64, own: f64) -> (Case, Vec<Line>) {
         let half = 0.5 * self.sector;
         if right <= own {
@@ -181,20 +179,20 @@ impl Fan {
         Tangent { normal: 0.0, distance: own }.between(-end, end)
     }
 
-    /// The probability of the cells of a line, and of the free ones before it, by the reading of their sector (Eq. 2).
+    /// Probabilities of the cells of a line and of the free cells before it, for the reading of their sector (Eq. 2).
     pub fn probabilities(&self, distance: f64) -> (f64, f64) {
         let share = ((distance - self.nearest) / (self.farthest - self.nearest)).clamp(0.0, 1.0);
         ((1.0 - share * share).max(0.6), (share * share).min(0.4))
     }
 
-    /// The probability of the cells of a sector without an echo (Eq. 3): half of it a mirror's, of which nothing is known (the
-    /// constant S is 0.5: our choice), half of it that of free cells before an echo at R_max.
+    /// Probability of the cells of a sector without an echo (Eq. 3): the mean of the probability behind a mirror, which is unknown (the
+    /// constant S is 0.5: our choice), and that of free cells before an echo at R_max.
     pub fn silent_probability(&self) -> f64 {
         0.5 * (self.probabilities(self.farthest).1 + UNKNOWN)
     }
 }
 
-/// A straight line by the direction of its foot from the origin, in radians, and its distance from there.
+/// A straight line, given by the direction of its foot from the origin, in radians, and its distance from there.
 #[derive(Clone, Copy, Debug)]
 struct Tangent {
     normal: f64,
@@ -212,7 +210,7 @@ impl Tangent {
         Self { normal: -self.normal, ..self }
     }
 
-    /// Its point in a direction.
+    /// Point of the line in a direction.
     fn point(self, angle: f64) -> Point {
         Point::from(direction(angle) * (self.distance / math::cos(angle - self.normal)))
     }
@@ -221,7 +219,7 @@ impl Tangent {
         Line { from: self.point(first), to: self.point(last) }
     }
 
-    /// Where it meets another line that is not parallel.
+    /// Intersection with another line that is not parallel.
     fn meeting(self, other: Self) -> Point {
         let (a, b) = (direction(self.normal), direction(other.normal));
         let determinant = a.x * b.y - a.y * b.x;
@@ -232,14 +230,14 @@ impl Tangent {
     }
 }
 
-/// The line on the other side of the x axis.
+/// The line mirrored at the x axis.
 fn mirrored(line: Line) -> Line {
     let flipped = |point: Point| Point::new(point.x, -point.y);
     Line { from: flipped(line.to), to: flipped(line.from) }
 }
 
 impl Line {
-    /// How far from the origin a ray in a direction (radians) meets it, in metres.
+    /// Distance from the origin at which a ray in a direction (radians) hits the line, in metres.
     fn distance_along(&self, angle: f64) -> Option<f64> {
         let (from, along, ray) = (self.from.coords, self.to - self.from, direction(angle));
         let cross = |a: crate::pose::Vector, b: crate::pose::Vector| a.x * b.y - a.y * b.x;
@@ -249,35 +247,35 @@ impl Line {
 }
 
 impl Model {
-    /// How far nothing is in a direction from the sector's middle (radians), from the robot's middle: up to the line, or the arc
-    /// where there is none.
+    /// Free distance from the robot's middle in a direction from the sector's middle (radians): up to the line or the arc, whichever is
+    /// nearer.
     fn free_distance(&self, own: f64, angle: f64) -> f64 {
         self.lines.iter().find_map(|line| line.distance_along(angle)).map_or(own, |line| line.min(own))
     }
 }
 
-/// How lines are put into the grid.
+/// Algorithm that draws lines into the grid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Raster {
-    /// By point-by-point comparison, as the paper does.
+    /// Point-by-point comparison, as the paper uses.
     PointByPoint,
-    /// By DDA, which it names too.
+    /// DDA, which the paper names too.
     Dda,
 }
 
 /// A reading of one sector.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Reading {
-    /// The robot's middle, in the map's frame, turned to the middle of the sector.
+    /// Pose of the robot's middle in the map's frame, with the heading of the sector's middle.
     pub axis: Pose,
     /// The distance from the rim, in metres; `None` without an echo.
     pub distance: Option<f64>,
 }
 
-/// What all sonars read at once.
+/// Readings of all sonars at one instant.
 ///
-/// Its text, for a program to print and others to read again to the bit: the robot's x, y and heading, then the distances from right
-/// to left, `-` without an echo; metres and radians.
+/// As text, printed and parsed without loss: the robot's x, y and heading, then the distances from right to left, `-` without an
+/// echo; metres and radians.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Look {
     /// The robot's pose in the map's frame.
@@ -296,7 +294,7 @@ impl Look {
         })
     }
 
-    /// Whether a sector that hears something has a fault on a side: the robot has to turn, to look at it once more.
+    /// Returns true if a sector that hears something has a fault on a side: the robot must turn and observe it again.
     pub fn has_fault(&self, fan: &Fan) -> bool {
         self.distances
             .windows(2)
@@ -315,7 +313,7 @@ impl fmt::Display for Look {
     }
 }
 
-/// A text that is no [`Look`].
+/// The error for a text that is no [`Look`].
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("`{0}` is no x, y, heading and distances")]
 pub struct NoLook(String);
@@ -345,7 +343,7 @@ pub struct SectorMap {
 }
 
 impl SectorMap {
-    /// A map of which nothing is known.
+    /// A map with all cells unknown.
     pub fn new(frame: Frame, fan: Fan, raster: Raster) -> Self {
         Self { fan, raster, cells: Grid::new(frame, UNKNOWN) }
     }
@@ -355,7 +353,7 @@ impl SectorMap {
         &self.cells
     }
 
-    /// Puts in what was read at one stop, in all directions to which the robot turned there.
+    /// Adds the readings of one stop, in all directions to which the robot turned there.
     pub fn add(&mut self, readings: &[Reading]) {
         let local = local_map(self.cells.frame(), &self.fan, self.raster, readings);
         for (value, new) in self.cells.values_mut().iter_mut().zip(local.values()) {
@@ -364,19 +362,19 @@ impl SectorMap {
     }
 }
 
-/// The global probability of a cell after a local one (Eq. 4): whichever is farther from 0.5, the old one if both are equally far.
+/// Global probability of a cell after merging a local one (Eq. 4): the one farther from 0.5, the old one if both are equally far.
 ///
-/// So what was once said with confidence is never corrected by anything said with less, however often; log-odds
-/// ([`log_odds`](crate::log_odds)) are.
+/// A confident error is therefore never corrected by less confident readings, however many; log-odds
+/// ([`log_odds`](crate::log_odds)) correct it.
 pub fn updated(old: f64, new: f64) -> f64 {
     if (new - UNKNOWN).abs() > (old - UNKNOWN).abs() { new } else { old }
 }
 
-/// The grid of one stop: what the models of all sectors say, in the cells of the global frame.
+/// Local grid of one stop: the models of all sectors, in the cells of the global frame.
 ///
-/// The body's cells are free. Where sectors overlap, as they do when the robot has turned at a fault to look again, a line's cell
-/// is dropped that lies well within another sector and nearer than its arc, since from there it would have been heard; then
-/// occupied goes before free, and the more certain before the less.
+/// The body's cells are free. Where sectors overlap, as after turning at a fault, a line's cell is dropped if it lies well within
+/// another sector and nearer than its arc, since that sector would have heard it. Then occupied takes precedence over free, and the
+/// more certain value over the less certain one.
 pub fn local_map(frame: &Frame, fan: &Fan, raster: Raster, readings: &[Reading]) -> Grid<f64> {
     let sectors: Vec<Sector> = readings.iter().map(|reading| Sector::new(fan, reading, readings)).collect();
     let mut occupied = Grid::new(*frame, UNKNOWN);
@@ -400,10 +398,10 @@ struct Sector {
     model: Model,
 }
 
-/// How far neighbours may be from a sector apart, as a share of it.
+/// Greatest deviation of neighbours from being a sector apart, as a share of a sector.
 const TOLERANCE: f64 = 0.2;
 
-/// The share of a sector, about its middle, in which it surely hears.
+/// Share of a sector, about its middle, within which its sonar surely hears.
 const CORE: f64 = 0.8;
 
 impl Sector {
@@ -417,8 +415,8 @@ impl Sector {
         Self { axis: reading.axis, distance: reading.distance, model }
     }
 
-    /// The cells before its lines. From the rim on, though nothing nearer than R_min is heard: an echo from there would have hidden
-    /// this one.
+    /// Marks the cells before the lines as free. They begin at the rim, although nothing nearer than R_min is heard: an echo from there
+    /// would have hidden this one.
     fn put_free(&self, fan: &Fan, free: &mut Grid<f64>) {
         let frame = *free.frame();
         let (reach, probability) = match self.distance {
@@ -437,7 +435,7 @@ impl Sector {
         }
     }
 
-    /// The cells of its lines that no other sector hears through.
+    /// Marks the cells of the lines as occupied, except those through which another sector hears.
     fn put_lines(&self, fan: &Fan, raster: Raster, sectors: &[Self], occupied: &mut Grid<f64>) {
         let Some(distance) = self.distance else { return };
         let frame = *occupied.frame();
@@ -451,7 +449,7 @@ impl Sector {
         }
     }
 
-    /// Whether a surface in a cell would have been heard before what was.
+    /// Returns true if this sector would have heard a surface in the cell before its own echo.
     fn hears_through(&self, fan: &Fan, frame: &Frame, cell: Cell) -> bool {
         let Some(own) = self.distance else { return false };
         let (distance, angle) = polar(self.axis, frame.centre(cell));
@@ -459,7 +457,7 @@ impl Sector {
     }
 }
 
-/// The cells of a line; what of it lies beyond the grid is left away.
+/// Cells of a line within the grid.
 fn cells_of(frame: &Frame, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
     // Whole steps may lead out of the grid and back, so a larger one holds the line.
     let margin = ((to - from).norm() / frame.cell_size()).ceil() + 2.0;
@@ -487,7 +485,7 @@ mod tests {
     const FAN: Fan = Fan { sector: PI / 6.0, radius: 0.12, nearest: 0.03, farthest: 4.0 };
     const HALF: f64 = PI / 12.0;
 
-    /// What a sector reads of a straight wall, infinitely long: the nearest point within the sector, as seen from the middle.
+    /// Reading of a sector facing an infinite straight wall: the nearest point within the sector, as seen from the middle.
     fn of_wall(sector: f64, foot: f64, distance: f64) -> Option<f64> {
         let off = (wrapped(foot - sector).abs() - HALF).max(0.0);
         (off < 0.5 * PI - 1e-6).then(|| distance / math::cos(off) - FAN.radius).filter(|read| *read <= FAN.farthest)

@@ -7,20 +7,20 @@ use crate::pose::{Point, Pose, wrapped};
 /// A reading of a sonar.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Echo {
-    /// Where the sonar is, in the map's frame; its x axis is the middle of the beam.
+    /// Pose of the sonar in the map's frame; its x axis is the middle of the beam.
     pub sonar: Pose,
-    /// The distance to what echoed, in metres; `None` where nothing did.
+    /// Distance to the surface that echoed, in metres; `None` without an echo.
     pub distance: Option<f64>,
 }
 
-/// A sonar's beam: a cone, or what of it lies in the plane of the map.
+/// A sonar's beam: a cone, or its section in the plane of the map.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Beam {
     /// The angle between the middle and the edge, in radians.
     pub half_angle: f64,
-    /// What is nearer is not heard, in metres.
+    /// Least distance that is heard, in metres.
     pub nearest: f64,
-    /// What is farther is not heard, in metres.
+    /// Greatest distance that is heard, in metres.
     pub farthest: f64,
 }
 
@@ -29,9 +29,9 @@ pub struct Beam {
 pub struct InBeam {
     /// The cell.
     pub cell: Cell,
-    /// From the sonar to the middle of the cell, in metres.
+    /// Distance from the sonar to the middle of the cell, in metres.
     pub distance: f64,
-    /// From the middle of the beam, counter-clockwise, in radians.
+    /// Angle from the middle of the beam, counter-clockwise, in radians.
     pub angle: f64,
 }
 

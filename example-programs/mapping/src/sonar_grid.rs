@@ -1,7 +1,7 @@
 //! The plain sonar grid: each reading makes its cone free and its arc occupied.
 //!
-//! Cells count how often they were in an arc and how often in a cone before it; the share of the arcs is their occupancy. It is
-//! what [`sector`](crate::sector) is compared with.
+//! Each cell counts how often it was in an arc and how often in a cone before the arc; its occupancy is the share of the arcs. The
+//! grid is the reference for [`sector`](crate::sector).
 //!
 //! Source: arcs and cones as in Moravec & Elfes 1985; counted as in the histogram grids of Borenstein & Koren 1991 and the counting
 //! model of Hähnel et al. 2003. Without weights over the beam: our choice.
@@ -9,10 +9,10 @@
 use crate::grid::{Frame, Grid};
 use crate::sonar::{Beam, Echo};
 
-/// What a reading without an echo says.
+/// Interpretation of a reading without an echo.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Silence {
-    /// Nothing: it may come from a mirror.
+    /// No information: it may come from a mirror.
     Nothing,
     /// The beam is free up to its farthest distance.
     Free,
@@ -27,12 +27,12 @@ pub struct SonarGrid {
 }
 
 impl SonarGrid {
-    /// A grid of which nothing is known.
+    /// A grid without readings.
     pub fn new(frame: Frame, beam: Beam, silence: Silence) -> Self {
         Self { beam, silence, counts: Grid::new(frame, (0, 0)) }
     }
 
-    /// Puts a reading in: the arc is one cell thick.
+    /// Adds a reading; its arc is one cell thick.
     pub fn add(&mut self, echo: Echo) {
         let frame = *self.counts.frame();
         let half_cell = 0.5 * frame.cell_size();

@@ -1,8 +1,8 @@
 //! A surface of heights as a Takagi-Sugeno-Kang system: one rule for each cell of a partition of the plane, with a constant or a
 //! plane as its output, fitted to sonar readings by recursive least squares.
 //!
-//! Source: Gois and Hiller, section 3. Their Eq. 3 leaves out the division by the sum of the activations that makes a weighted average
-//! of it, which the text asks for; here it is.
+//! Source: Gois and Hiller, section 3. Their Eq. 3 omits the division by the sum of the activations, which the weighted average of the
+//! text requires; it is included here.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::inverse::{Side, SonarModel, SonarPose};
 use crate::math;
 use crate::rls::Rls;
 
-/// Points in which a cell is looked at along each side for the greatest membership within it.
+/// Sampling points along each side of a cell in the search for its greatest membership.
 const LOOKS: usize = 3;
 
 /// A cell of the unbounded lattice that partitions the plane: column along x, row along y.
@@ -18,7 +18,7 @@ pub type Place = (i64, i64);
 
 /// A rectangle of square cells of the lattice whose point (0, 0) is a corner of cells.
 ///
-/// Each cell of it has a slot, that of its place modulo the size: when the rectangle moves, cells that stay in it keep their slots.
+/// Each cell has a slot, its place modulo the size: when the rectangle moves, cells that stay in it keep their slots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Partition {
     /// Side of a cell, m.
@@ -72,7 +72,7 @@ impl Partition {
     }
 }
 
-/// What the rules put out.
+/// Output function of the rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// A constant: f = d.
@@ -82,7 +82,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// Parameters of a rule.
+    /// Number of parameters of a rule.
     pub fn parameters(self) -> usize {
         match self {
             Order::Zero => 1,
@@ -91,41 +91,41 @@ impl Order {
     }
 }
 
-/// How a reading becomes equations of the parameters.
+/// Conversion of a reading to equations of the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fusion {
-    /// One equation a reading, Eq. 3 as it stands: the weighted average of the rules' outputs is that of the cap's heights.
+    /// One equation for each reading, Eq. 3: the weighted averages of the rules' outputs and of the cap's heights are equal.
     Average,
-    /// One equation for each rule that is activated: its output is the height of the cap over its cell, with the activation as
-    /// the weight. Our choice, and the better one: the average of many cells leaves their differences to the noise.
+    /// One equation for each activated rule: its output is the height of the cap over its cell, weighted by the activation. Our choice,
+    /// and more accurate: the average of many cells leaves their differences to the noise.
     ///
-    /// What echoed is the nearest thing in the beam, so the ground touches the cap somewhere and lies below it everywhere
-    /// else. Hence an equation that would raise the height counts only `above` of its weight (asymmetric least squares, Newey and
-    /// Powell 1987); 1 makes no difference between the two.
+    /// The echo comes from the nearest surface in the beam, so the ground touches the cap somewhere and lies below it everywhere
+    /// else. An equation that would raise the height therefore counts only `above` of its weight (asymmetric least squares, Newey and
+    /// Powell 1987); with 1, both directions count alike.
     Cells {
-        /// Share in (0, 1] of the weight of what would raise the height.
+        /// Factor in (0, 1] on the weight of equations that would raise the height.
         above: f64,
     },
 }
 
-/// What the system is made of, what it takes for granted before anything is measured, and how far it believes a reading: our choice.
+/// Structure, prior and measurement error of the system: our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Output functions.
+    /// Output function of the rules.
     pub order: Order,
-    /// Equations of a reading.
+    /// Conversion of readings to equations.
     pub fusion: Fusion,
-    /// Height of a cell of which nothing is known, m.
+    /// Prior height of a cell, m.
     pub height: f64,
-    /// Its standard deviation, m.
+    /// Standard deviation of the prior height, m.
     pub height_sigma: f64,
-    /// Standard deviation of the slopes of a plane, m/m.
+    /// Prior standard deviation of the slopes of a plane, m/m.
     pub slope_sigma: f64,
-    /// Standard deviation of the height that a reading tells, m.
+    /// Standard deviation of the height in a reading, m.
     pub reading_sigma: f64,
-    /// Height below which there is no ground, m: caps that reach below count as there. Minus infinity if nothing is known of it.
+    /// Least height of the ground, m: lower points of a cap count as at this height. Minus infinity if unknown.
     pub floor: f64,
-    /// As of [`Rls::new`].
+    /// Forgetting factor, as in [`Rls::new`].
     pub forgetting: f64,
 }
 
@@ -153,15 +153,15 @@ pub struct Activation {
     pub slot: usize,
     /// Activation w: the greatest membership within the cell.
     pub weight: f64,
-    /// The point of the cell where it is so, m.
+    /// x of the cell's point of greatest membership, m.
     pub x: f64,
-    /// The point of the cell where it is so, m.
+    /// y of the cell's point of greatest membership, m.
     pub y: f64,
-    /// The height of the reading's cap there, m.
+    /// Height of the reading's cap at that point, m.
     pub height: f64,
 }
 
-/// The cells of a partition on which the shadow of a reading lies, with the lower side of its cap or the most possible one.
+/// Cells of a partition on which the shadow of a reading lies; `side` is the lower or the most possible side of its cap.
 pub fn activations(
     partition: &Partition,
     model: &SonarModel,
@@ -174,7 +174,7 @@ pub fn activations(
         let slot = partition.slot(place)?;
         let centre = partition.centre(place);
         let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
-        // The rim of the cap is where a level sonar hears best, and its band is narrower than what lies between two looks.
+        // A level sonar hears best at the rim of the cap, whose band is narrower than the distance between two sampling points.
         let rim = rim(sonar, measured, centre).filter(|(x, y)| partition.place(*x, *y) == place);
         within
             .chain(rim)
@@ -187,19 +187,19 @@ pub fn activations(
     partition.places_around(sonar.origin.x, sonar.origin.y, measured).filter_map(look_at).collect()
 }
 
-/// The point of the plane that is as far from a sonar as it measured, towards a place; `None` where that is at the sonar.
+/// Point of the plane at the measured distance from a sonar, in the direction of a place; `None` for a place at the sonar.
 fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64)) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let length = math::hypot(dx, dy);
-    // A little less: on the rim itself rounding decides whether the cap is met.
+    // A little less, since on the rim itself rounding decides whether the cap is hit.
     let scale = measured * (1.0 - 1e-9) / length;
     (length > 0.0).then(|| (sonar.origin.x + scale * dx, sonar.origin.y + scale * dy))
 }
 
 /// The surface.
 ///
-/// The planes of a rule are about the middle of its cell and in cells, a x' + b y' + c with x' and y' in [-1/2, 1/2]: the same planes as those
-/// of the paper, with numbers that stay near 1.
+/// The plane of a rule is relative to the middle of its cell and in units of cells, a x' + b y' + c with x' and y' in [-1/2, 1/2]: the
+/// same plane as in the paper, with coefficients near 1.
 #[derive(Clone, Debug)]
 pub struct Tsk {
     partition: Partition,
@@ -210,14 +210,14 @@ pub struct Tsk {
 /// Parameters of the rules: those of a slot side by side (height, then slopes a cell along x and y).
 #[derive(Clone, Debug)]
 enum Estimate {
-    /// Of all rules in one, as their averages need: n^2 numbers for n parameters.
+    /// One estimate for all rules, as their averages require: n^2 numbers for n parameters.
     Joint(Rls),
-    /// Slot by slot: equations of single rules tie no two of them together.
+    /// One estimate for each slot: equations of single rules do not couple them.
     Apart(Vec<Rls>),
 }
 
 impl Tsk {
-    /// Nothing measured yet.
+    /// A surface with the prior only, without readings.
     ///
     /// # Panics
     /// If a standard deviation is not above 0, or `forgetting` not in (0, 1].
@@ -240,7 +240,7 @@ impl Tsk {
         &self.partition
     }
 
-    /// Fuses a reading. How many rules it activated.
+    /// Fuses a reading. Returns the number of rules activated.
     ///
     /// # Panics
     /// If a number of the reading is not finite.
@@ -265,8 +265,8 @@ impl Tsk {
         activations.len()
     }
 
-    /// Takes one equation: the weighted averages of the rules' outputs and of the heights in `activations` are equal but for the error of
-    /// a reading. If the rules are estimated one by one, an average is an equation for each of them.
+    /// Takes one equation: the weighted averages of the rules' outputs and of the heights in `activations` are equal, except for the error
+    /// of a reading. If each rule has its own estimate, an average is an equation for each of them.
     ///
     /// # Panics
     /// If a number is not finite, or a slot is not one of the partition.
@@ -293,7 +293,7 @@ impl Tsk {
         }
     }
 
-    /// Takes one equation with a weight: the output of a rule is the height in `activation` but for the error of a reading.
+    /// Takes one equation with a weight: the output of a rule is the height in `activation`, except for the error of a reading.
     ///
     /// # Panics
     /// If a number is not finite, or the slot is not one of the partition.
@@ -327,7 +327,7 @@ impl Tsk {
     }
 
     /// Standard deviation of the height in the middle of the cell with the point (x, y), m; `None` outside the partition. It begins at
-    /// the prior's and falls with what is measured.
+    /// the prior's and falls with the readings.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.place(x, y))?;
         let variance = match &self.estimate {
@@ -337,8 +337,7 @@ impl Tsk {
         Some(variance.sqrt())
     }
 
-    /// Moves the partition so that `low` is its cell with the least x and y. Cells that fall out are forgotten; new ones are as the
-    /// settings say.
+    /// Moves the partition so that `low` is its cell with the least x and y. Cells that fall out are forgotten; new ones have the prior.
     pub fn move_to(&mut self, low: Place) {
         let before = self.partition;
         self.partition.low = low;
@@ -355,7 +354,7 @@ impl Tsk {
         }
     }
 
-    /// What the rule of a cell puts out at a point of it.
+    /// Output of a cell's rule at a point of the cell.
     fn output(&self, activation: &Activation) -> f64 {
         let parameters = match &self.estimate {
             Estimate::Joint(rls) => &rls.parameters()[activation.slot * self.settings.order.parameters()..],
@@ -364,7 +363,7 @@ impl Tsk {
         self.rule(activation).zip(parameters).map(|(factor, parameter)| parameter * factor).sum()
     }
 
-    /// The factors with which the parameters of a rule make its output.
+    /// Factors of a rule's parameters in its output.
     fn rule(&self, activation: &Activation) -> impl Iterator<Item = f64> + use<> {
         let (x, y) = self.partition.centre(activation.place);
         let (x, y) = ((activation.x - x) / self.partition.cell, (activation.y - y) / self.partition.cell);
@@ -372,7 +371,7 @@ impl Tsk {
     }
 }
 
-/// Mean and variance of a parameter, before anything is measured.
+/// Prior mean and variance of a parameter.
 fn prior(partition: &Partition, settings: &Settings, index: usize) -> (f64, f64) {
     let (mean, sigma) = match index % settings.order.parameters() {
         0 => (settings.height, settings.height_sigma),
@@ -397,7 +396,7 @@ mod tests {
         SonarPose::new(Vector3::new(x, y, 2.0), 0.0, -FRAC_PI_2)
     }
 
-    /// Its band behind the rim is 2 cm wide here, less than what lies between two looks.
+    /// The band of the cap behind its rim is 2 cm wide here, less than the distance between two sampling points.
     #[test]
     fn a_level_sonar_is_heard_on_the_rim_of_its_cap() {
         let partition = Partition { cell: 0.5, columns: 12, rows: 3, low: (0, -1) };

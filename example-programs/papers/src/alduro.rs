@@ -1,4 +1,4 @@
-//! Gois and Hiller: local maps from sonar for the walking machine ALDURO, and the planner that walks by them.
+//! Gois and Hiller: local maps from sonar for the walking machine ALDURO, and the planner that uses them.
 
 mod ground;
 mod picture;
@@ -8,7 +8,7 @@ mod walk;
 use crate::page::Page;
 use crate::run::Job;
 
-/// Random terrains of either study.
+/// Number of random terrains in each study.
 const TERRAINS: usize = 20;
 
 /// Makes the page.

@@ -30,19 +30,19 @@ impl Doc {
         Ok(Self { path: path.to_owned(), text })
     }
 
-    /// Puts the tables of a paper into their places.
+    /// Writes the tables of a paper into their places.
     ///
     /// # Errors
     /// No place for the claims; a place for a table that the paper does not have, or without an end.
     pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
-        // From the last to the first, so that those that follow stay where they are.
+        // From the last to the first, so that the earlier places stay valid.
         for (place, table) in self.places(paper, page)?.into_iter().rev() {
             self.text.replace_range(place, &table);
         }
         Ok(())
     }
 
-    /// The lines in which the tables of a paper differ from what stands in their places, a message each.
+    /// Differences between the tables of a paper and the page, as one message for each line.
     ///
     /// # Errors
     /// No place for the claims; a place for a table that the paper does not have, or without an end.
@@ -76,7 +76,7 @@ impl Doc {
         fs::write(&self.path, self.text).with_context(|| format!("cannot write `{}`", self.path.display()))
     }
 
-    /// The places of a paper's tables, from top to bottom, with what belongs there.
+    /// Places of a paper's tables, from top to bottom, each with its new content.
     ///
     /// # Errors
     /// No place for the claims; a place for a table that the paper does not have, or without an end.

@@ -1,7 +1,7 @@
-//! France et al. 1999, sections 5 and 6: what proximity sensors on the leg of a walking robot tell of the ground.
+//! France et al. 1999, sections 5 and 6: proximity sensors on the leg of a walking robot.
 //!
 //! The biped walks through a dining room towards a small obstacle, once with each sensor at each place, without noise and with
-//! that of section 5. Its program computes the profile; here it is set beside the truth.
+//! that of section 5. Its program computes the profile of the ground; this module compares the profile with the truth.
 
 mod side;
 mod walk;
@@ -20,16 +20,16 @@ pub use walk::{Kind, Met, Moment, Place, SCENE, Sample, Thing, Truth, Walk};
 
 /// The speed of the walk, mm/s: the stride of the gait (1.43 m for legs of this length) once in its period.
 pub const SPEED_MM_S: u32 = 1300;
-/// Incidences on the ground that section 6.3 gives, degrees, and how near ours have to be.
+/// Incidence angles on the ground in section 6.3, degrees, and the tolerance of ours.
 const INCIDENCES: [f64; 2] = [33.0, 78.0];
 const INCIDENCE_ERROR: f64 = 5.0;
 /// The paper's standard deviation of N.
 const SIGMA: f64 = 0.01;
-/// What a profile without noise may be off, m: readings, positions and postures are read within 1 ms of each other, the first two
+/// Tolerance of a profile without noise, m: readings, positions and postures are read within 1 ms of each other, the first two
 /// in whole millimetres.
 const EXACT: f64 = 0.01;
 
-/// The robot of the scene where nothing is in its way.
+/// Scene of the robot without an obstacle.
 const FREE: &str = r#"[scene]
 until_s = 15
 
@@ -45,7 +45,7 @@ y_mm = 1500
 api = 7
 "#;
 
-/// What the joints may be off from the source of the gait, root mean square over the cycle, degrees.
+/// Tolerance of the joint angles against the source of the gait, root mean square over the cycle, degrees.
 const GAIT_ERROR: f64 = 5.0;
 
 /// The walks of all sensors at all places, with and without noise.
@@ -57,12 +57,12 @@ pub struct Walks {
     pub free: Walk,
 }
 
-/// Whether the sensors make errors.
+/// Noise of the sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Noise {
-    /// They do not.
+    /// No noise.
     Without,
-    /// Those of section 5.
+    /// The noise of section 5.
     Paper,
 }
 
@@ -71,13 +71,13 @@ impl Noise {
 }
 
 impl Walks {
-    /// Runs them.
+    /// Runs all walks.
     ///
     /// # Errors
     /// A walk that does not run to its end.
     pub fn run(job: &Job) -> anyhow::Result<Self> {
         let truth = Truth::read()?;
-        // Short, since the true posture is told at their ends; nothing else depends on them.
+        // Short slots, since the trace has the true posture only at a slot's end; nothing else depends on them.
         let slot = Some(Time::from_millis(2));
         let mut runs = Vec::new();
         let mut cases = Vec::new();
@@ -110,25 +110,25 @@ impl Walks {
         Ok(Self { truth, walks, free })
     }
 
-    /// One of them.
+    /// The walk with a sensor at a place, with or without noise.
     pub fn of(&self, place: Place, kind: Kind, noise: Noise) -> &Walk {
         &self.walks[(place as usize * Kind::ALL.len() + kind as usize) * Noise::ALL.len() + noise as usize]
     }
 }
 
 impl Walk {
-    /// Readings that gave a point of the profile, and what is there in truth.
+    /// Readings that gave a point of the profile and whose true hit is on `thing`.
     pub fn points_on(&self, thing: Thing) -> impl Iterator<Item = &Sample> {
         self.samples.iter().filter(move |sample| sample.point.is_some() && sample.truth.thing == thing)
     }
 
-    /// When the small obstacle was detected first, s.
+    /// Time of the first detection of the small obstacle, s.
     pub fn first_obstacle(&self) -> Option<f64> {
         self.points_on(Thing::Obstacle).next().map(|sample| sample.at)
     }
 
-    /// Stretches of readings that see the ground before the obstacle is detected, between readings that see nothing: each with its
-    /// begin and its end, s.
+    /// Stretches of readings that see the ground before the obstacle is detected, separated by readings that do not: begin and end of
+    /// each, s.
     pub fn ground_periods(&self) -> Vec<(f64, f64)> {
         let until = self.first_obstacle().unwrap_or(f64::INFINITY);
         let mut periods: Vec<(f64, f64)> = Vec::new();
@@ -145,15 +145,15 @@ impl Walk {
         periods
     }
 
-    /// Distances of the profile's points from what was met in truth, m.
+    /// Distances of the profile's points from the true hits, m.
     pub fn profile_errors(&self) -> Vec<f64> {
         let error = |sample: &Sample| Some((sample.point? - sample.truth.point).length());
         self.samples.iter().filter_map(error).collect()
     }
 }
 
-/// Least and greatest incidence on the floor within a sensor's range while the robot moves, degrees, at every moment that the trace
-/// tells.
+/// Least and greatest incidence angle on the floor within a sensor's range while the robot moves, degrees, over all moments of the
+/// trace.
 pub fn incidences(truth: &Truth, walk: &Walk, place: Place, kind: Kind) -> Option<(f64, f64)> {
     let on_floor = walk.moments.iter().filter(|moment| moment.at <= walk.stopped()).filter_map(|moment| {
         let met = truth.met(&truth.ray(place, kind, moment));
@@ -236,13 +236,13 @@ fn gait(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Joints of a leg that turn in the plane of the walk: name, place in the leg.
+/// Joints of a leg that turn in the plane of the walk: name, index in the leg.
 const JOINTS: [(&str, usize); 3] = [("thigh, forward", 2), ("knee, bent", 3), ("ankle, toes up", 4)];
-/// Joints of a leg of the biped.
+/// Number of joints in a leg of the biped.
 const JOINTS_OF_LEG: usize = 5;
 
-/// Angles of the right leg's joints as shares of the gait cycle go by, from one footfall to the next, degrees; the last whole cycle
-/// before the robot stops. `None` where there is none.
+/// Angles of the right leg's joints at each percent of the gait cycle, from one footfall to the next, degrees; the last whole cycle
+/// before the robot stops. `None` if there is none.
 pub fn cycle_angles(walk: &Walk) -> Option<Vec<[f64; 3]>> {
     let stopped = walk.stopped();
     let pair = walk.footfalls.windows(2).rfind(|pair| pair[1] <= stopped)?;
@@ -251,7 +251,7 @@ pub fn cycle_angles(walk: &Walk) -> Option<Vec<[f64; 3]>> {
     Some((0..=100).map(angles).collect())
 }
 
-/// Root mean square of the differences of ours from the source's angles over the cycle, degrees, joint by joint.
+/// Root mean square difference between our angles and the source's over the cycle, degrees, joint by joint.
 pub fn source_differences(angles: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|joint| {
         let difference = |(percent, ours): (usize, &[f64; 3])| ours[joint] - source(percent)[joint];
@@ -354,7 +354,7 @@ fn curves(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The points of a profile over the true one.
+/// Series of a profile's points, and of the true profile.
 fn profile(walks: &Walks, kind: Kind) -> Vec<Series> {
     let points = |noise| {
         let samples = walks.of(Place::Tibia, kind, noise).samples.iter();
@@ -376,7 +376,7 @@ fn mean_and_most(values: &[f64]) -> (f64, f64) {
     (sum / values.len().max(1) as f64, values.iter().fold(0.0, |most, value| value.max(most)))
 }
 
-/// All walks in numbers.
+/// Table of all walks.
 fn places(walks: &Walks) -> Table {
     let head = [
         "place",
@@ -421,7 +421,7 @@ fn places(walks: &Walks) -> Table {
     table
 }
 
-/// What sections 6.2 and 6.3 say.
+/// Claims of sections 5 to 6.3, compared with our results.
 pub fn claims(walks: &Walks) -> Vec<Claim> {
     let tibia = |kind| walks.of(Place::Tibia, kind, Noise::Without);
     let [ideal, laser, ultrasonic, reflectance] = Kind::ALL.map(tibia);

@@ -1,8 +1,8 @@
-//! The scenes of three papers, run with `eyesim`, and what they say set beside what we find.
+//! Runs the scenes of three papers with `eyesim` and compares the papers' claims with our results.
 //!
 //! One module a paper. Each runs its scenes ([`run`]), reads their traces ([`trace`]) and makes a page of figures, tables and
-//! claims ([`page`]); [`doc`] puts the tables into a page of the docs, or finds out whether they are there. Nothing here is
-//! known to a robot program.
+//! claims ([`page`]); [`doc`] writes the tables into a page of the docs, or compares them with it. Robot programs do not depend on
+//! this crate.
 
 pub mod alduro;
 pub mod doc;

@@ -10,11 +10,11 @@ use papers::page::Page;
 use papers::run::Job;
 use papers::{alduro, france, wu};
 
-/// The heap is not libc's: a robot program that faults may have left that one locked or broken.
+/// The host's heap is not libc's, which a faulting robot program may leave locked or broken.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// A claim that must hold does not, or a page of the docs is not what was found.
+/// A claim that must hold does not, or a page of the docs differs from the results.
 const EXIT_CLAIM: u8 = 1;
 /// The command line is wrong, or something could not be run, read or written.
 const EXIT_ERROR: u8 = 2;
@@ -98,7 +98,7 @@ fn reproduce(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(if fails { ExitCode::from(EXIT_CLAIM) } else { ExitCode::SUCCESS })
 }
 
-/// Makes a folder if it is not there, and finds out whether files can be made in it.
+/// Makes a folder if it does not exist, and checks that files can be made in it.
 fn check_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.exists() && !folder.is_dir() {
         bail!("it is a file, expected a folder");

@@ -1,6 +1,6 @@
-//! A page that sets what we find beside what a paper says: text, figures, tables, and claims with a number each.
+//! A page that compares a paper's claims with our results: text, figures, tables, and claims with a number each.
 //!
-//! It is written as one HTML file that needs nothing else, with its figures, tables and claims as files beside it.
+//! It is written as one self-contained HTML file, with its figures, tables and claims as files beside it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,13 +15,13 @@ use sim_host::plot::chart;
 /// The page of a paper.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// What stands above it.
+    /// Title.
     pub title: String,
-    /// Authors, title, year: whose claims these are.
+    /// Authors, title and year of the paper.
     pub source: String,
-    /// What is set beside what the paper says, shown first.
+    /// Claims of the paper with our results, shown first.
     pub claims: Vec<Claim>,
-    /// What follows, from top to bottom.
+    /// Parts below the claims, from top to bottom.
     pub parts: Vec<Part>,
 }
 
@@ -38,18 +38,18 @@ pub enum Part {
     Table(Table),
 }
 
-/// A picture with what it shows.
+/// A picture with its caption and its claim.
 #[derive(Clone, Debug)]
 pub struct Figure {
     /// Name of its file, without the extension; unique in the page.
     pub name: String,
-    /// Which of the paper's figures it stands beside, or what it is: `Figure 8`.
+    /// Figure of the paper with which it is compared (`Figure 8`), or its subject.
     pub label: String,
-    /// What is to be seen.
+    /// Description of the picture.
     pub caption: String,
-    /// What it shows to be so, in words.
+    /// Statement that the picture supports, in words.
     pub claim: String,
-    /// The number that says how much, with its unit.
+    /// Number that quantifies the statement, with its unit.
     pub number: String,
     /// The picture.
     pub picture: Picture,
@@ -64,7 +64,7 @@ pub enum Picture {
     Png {
         /// The file.
         bytes: Vec<u8>,
-        /// Pixels of the screen for one of the picture.
+        /// Pixels of the screen for each pixel of the picture, along a side.
         scale: u32,
     },
 }
@@ -74,7 +74,7 @@ pub enum Picture {
 pub struct Table {
     /// Name of its file, without the extension; unique in the page.
     pub name: String,
-    /// What stands in it.
+    /// Description of the table.
     pub caption: String,
     /// Heads of the columns, with units.
     pub head: Vec<String>,
@@ -82,34 +82,34 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-/// What the paper says and what we find.
+/// A claim of the paper and our result.
 #[derive(Clone, Debug)]
 pub struct Claim {
-    /// Where the paper says so: `6.3`; or what else demands it.
+    /// Section of the claim, such as `6.3`, or another source of it.
     pub place: String,
-    /// What it says, in our words.
+    /// The claim, in our words.
     pub paper: String,
-    /// What we find.
+    /// Our result.
     pub ours: String,
     /// The number behind it, with its unit.
     pub number: String,
-    /// Whether what we find is what the paper says.
+    /// Our result agrees with the claim.
     pub holds: bool,
-    /// What follows if it is not.
+    /// Consequence if it does not agree.
     pub weight: Weight,
 }
 
-/// What follows from a claim that does not hold.
+/// Consequence of a claim that does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// The command fails.
     Must,
-    /// It is told: the paper's own claim may be wrong, or hold under other conditions.
+    /// The page reports it: the paper's own claim may be wrong, or hold under other conditions.
     Told,
 }
 
 impl Page {
-    /// A page without anything on it.
+    /// An empty page.
     pub fn new(title: &str, source: &str) -> Self {
         Self { title: title.to_owned(), source: source.to_owned(), claims: Vec::new(), parts: Vec::new() }
     }
@@ -142,7 +142,7 @@ impl Page {
         })
     }
 
-    /// Whether a claim that must hold does not.
+    /// Returns true if a claim that must hold does not.
     pub fn has_failed(&self) -> bool {
         self.claims.iter().any(|claim| claim.weight == Weight::Must && !claim.holds)
     }
@@ -158,7 +158,7 @@ impl Page {
         Table { name: "claims".to_owned(), caption: "What the paper says, and what we find".to_owned(), head, rows }
     }
 
-    /// The claims for people at a terminal, a line or two each.
+    /// The claims as text for a terminal, two lines each.
     pub fn summary(&self) -> String {
         let mut text = format!("{}\n", self.title);
         for claim in &self.claims {
@@ -220,7 +220,7 @@ impl Page {
 }
 
 impl Claim {
-    /// `yes`, or `no` and what follows.
+    /// `yes`, `no`, or `FAILS` for a claim that must hold and does not.
     pub fn verdict(&self) -> &'static str {
         match (self.holds, self.weight) {
             (true, _) => "yes",
@@ -244,7 +244,7 @@ impl Picture {
 impl Figure {
     fn html(&self) -> String {
         let picture = match &self.picture {
-            // Without the declaration that a file of its own has.
+            // Without the XML declaration, which belongs to a separate file.
             Picture::Svg(svg) => svg.find("<svg").map_or(svg.as_str(), |start| &svg[start..]).to_owned(),
             Picture::Png { bytes, scale } => {
                 let zoom = format!("image-rendering:pixelated;zoom:{scale}");
@@ -262,7 +262,7 @@ impl Figure {
 }
 
 impl Table {
-    /// A table of these columns without rows.
+    /// An empty table with these columns.
     pub fn new(name: &str, caption: &str, head: &[&str]) -> Self {
         let head = head.iter().map(|&text| text.to_owned()).collect();
         Self { name: name.to_owned(), caption: caption.to_owned(), head, rows: Vec::new() }
@@ -271,14 +271,14 @@ impl Table {
     /// Adds a row.
     ///
     /// # Panics
-    /// When it has another number of cells than there are heads.
+    /// If the number of cells is not that of the heads.
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl ToString>) {
         let cells: Vec<String> = cells.into_iter().map(|cell| cell.to_string()).collect();
         assert_eq!(cells.len(), self.head.len(), "cells and heads of the table `{}`", self.name);
         self.rows.push(cells);
     }
 
-    /// As comma-separated values (RFC 4180), with a line of heads.
+    /// The table as comma-separated values (RFC 4180), with a line of heads.
     pub fn csv(&self) -> String {
         let cell = |text: &String| {
             let is_plain = !text.contains(['"', ',', '\n', '\r']);
@@ -288,7 +288,7 @@ impl Table {
         std::iter::once(&self.head).chain(&self.rows).map(line).collect()
     }
 
-    /// As a table in Markdown.
+    /// The table in Markdown.
     pub fn markdown(&self) -> String {
         let line = |cells: &Vec<String>| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|").replace('\n', " ")).collect();
@@ -311,7 +311,7 @@ impl Table {
     }
 }
 
-/// Text as it stands in HTML, also in quotation marks.
+/// Text escaped for HTML, also within the quotation marks of an attribute.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,4 +1,4 @@
-//! Runs scenes, two at a time, and keeps what their pages are made of.
+//! Runs scenes, two at a time, and reads their traces.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,21 +16,21 @@ use sim_host::record::Sink;
 
 use crate::trace::Trace;
 
-/// Runs at one time: a machine for which the papers' pages are made has two processors.
+/// Number of simultaneous runs: the machine on which the pages are made has two processors.
 const AT_ONCE: usize = 2;
 
 /// A scene to run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Of its trace and, where it has none yet, of its scene's file.
+    /// Name of its trace and, for a scene given as text, of the scene's file.
     pub name: String,
-    /// What is run.
+    /// The scene.
     pub scene: Scene,
-    /// What the run is told beside its scene: its seed, its noise.
+    /// Options beside the scene: the seed, the noise.
     pub options: Options,
 }
 
-/// Where a scene comes from.
+/// Source of a scene.
 #[derive(Clone, Debug)]
 pub enum Scene {
     /// A file of the checkout, relative to it: `sims/walker.scene.toml`.
@@ -39,7 +39,7 @@ pub enum Scene {
     Text(String),
 }
 
-/// The work on one paper: where its files go, and the seed of its scenes.
+/// The work on one paper: folder of its files, and seed of its scenes.
 #[derive(Debug)]
 pub struct Job {
     paper: String,
@@ -67,22 +67,21 @@ impl Job {
         self.seed
     }
 
-    /// What its runs are told: the seed.
+    /// Default options of its runs: the seed.
     pub fn options(&self) -> Options {
         Options { seed: Some(self.seed), ..Options::default() }
     }
 
-    /// Says on standard error what is going on.
+    /// Prints a progress message on standard error.
     pub fn tell(&self, what: &str) {
         eprintln!("{}: {what}", self.paper);
     }
 
-    /// Runs `runs`, two at a time, and reads the trace of each with `read` as soon as it is there; what was read stands in the order
-    /// of the runs. Scenes and traces stay in the folder `runs` of the paper's.
+    /// Runs `runs`, two at a time, and reads the trace of each with `read` as soon as it is complete; the results are in the order
+    /// of the runs. Scenes and traces stay in the paper's folder `runs`.
     ///
     /// # Errors
-    /// A scene that cannot be run, a program that fails, a trace that cannot be written; what `read` finds. No further run is begun
-    /// then.
+    /// If a scene cannot be run, a program fails, a trace cannot be written, or `read` fails. No further run is started then.
     pub fn run<T: Send>(
         &self,
         runs: &[Run],

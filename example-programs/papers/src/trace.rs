@@ -1,4 +1,4 @@
-//! What a run records of which pages are made: a sink that keeps its events, typed.
+//! Typed events of a run, from which pages are made: a sink that keeps them.
 
 use sim_core::record::{self, Digest, Kind, KindSet, Record, WORLD};
 use sim_core::time::Time;
@@ -7,7 +7,7 @@ use sim_host::record::{RecordError, Sink};
 /// A finished run.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Its events in the order of the run, without those that no page is made of.
+    /// Its events in the order of the run, only the kinds that [`Event`] has.
     pub entries: Vec<Entry>,
     /// Simulated time at its end, s.
     pub end: f64,
@@ -75,7 +75,7 @@ const KINDS: [Kind; 9] = [
 ];
 
 impl Event {
-    /// What is kept of an event; none of one of another kind.
+    /// Typed copy of an event; `None` for other kinds.
     fn of(event: &record::Event<'_>) -> Option<Self> {
         use record::Event as Recorded;
         Some(match *event {

@@ -1,8 +1,7 @@
 //! Wu et al. 2013: grid maps from seven ultrasonic sectors.
 //!
-//! The robot of `sims/sonar-map*.scene.toml` prints all that it hears, and where it believes to be. From the very same readings every
-//! map is built here again: that of the paper, a plain sonar grid, a grid of log-odds; and each is compared with the walls of the
-//! scene.
+//! The robot of `sims/sonar-map*.scene.toml` prints all its readings and its odometry. From the same readings this module builds every
+//! map again (that of the paper, a plain sonar grid, a grid of log-odds) and compares each with the walls of the scene.
 
 mod case;
 mod maps;
@@ -20,7 +19,7 @@ use crate::run::{Job, Run, Scene};
 use maps::{Kind, Mapped};
 use sim_host::launch::Options;
 
-/// What is run: a name, the scene's file, and its noise: a preset, or the noise of sonars alone.
+/// The runs: a name, the scene's file, and its noise (a preset, or the noise of sonars alone).
 const RUNS: [(&str, &str, &str); 7] = [
     ("room", "sims/sonar-map.scene.toml", "none"),
     ("room-sonar-noise", "sims/sonar-map.scene.toml", SONAR_NOISE),
@@ -31,7 +30,7 @@ const RUNS: [(&str, &str, &str); 7] = [
     ("corridor-noise", "sims/sonar-map-corridor.scene.toml", "real"),
 ];
 
-/// A profile: the sonars are those of `real`, drive and odometry are without errors.
+/// Noise profile with the sonars of `real`, and without errors of drive and odometry.
 const SONAR_NOISE: &str = "[sonar]\nsigma_mm = 5\nsigma_percent = 0.5\nstep_mm = 10\noutlier = 0.002\ndropout = 0.01\n";
 
 /// Makes the page.
@@ -78,7 +77,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// A share in percent; `-` for that of nothing.
+/// A share in percent; `-` for NaN, the share of nothing.
 fn percent(share: f64) -> String {
     if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) }
 }
@@ -321,7 +320,7 @@ fn drives(mapped: &[Mapped]) -> Table {
     table
 }
 
-/// A cell that is free and was once said to be occupied from near by, then is said to be free from farther away, again and again.
+/// History of a free cell: once classified as occupied from near by, then classified as free from farther away, again and again.
 fn equation_4() -> anyhow::Result<Figure> {
     const WRONG: f64 = 0.98;
     const RIGHT: f64 = 0.06;

@@ -1,4 +1,4 @@
-//! What must hold of Gois and Hiller's maps and walks, on a few of the terrains of the page.
+//! Claims of Gois and Hiller on maps and walks that must hold, on a few of the terrains of the page.
 
 use papers::alduro;
 use papers::page::Weight;

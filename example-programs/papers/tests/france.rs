@@ -1,4 +1,4 @@
-//! What France et al. 1999 say of sensors on the leg of a walking robot holds in our walks.
+//! Claims of France et al. 1999 on sensors on the leg of a walking robot hold in our walks.
 
 use papers::france::{self, Kind, Noise, Place, Thing, Walks};
 use papers::page::Weight;

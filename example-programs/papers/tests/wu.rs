@@ -1,4 +1,4 @@
-//! What must hold of the maps of Wu et al., on the scenes that come with the simulator.
+//! Claims of Wu et al. on maps that must hold, on the scenes that come with the simulator.
 
 use papers::page::Weight;
 use papers::run::Job;

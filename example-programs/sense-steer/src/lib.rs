@@ -1,5 +1,5 @@
-//! A control task beside a sensing task: one measures on and on, the other one steers by what was measured, and waits at a semaphore
-//! for it meanwhile. The robot drives about for a minute and keeps clear of everything.
+//! A sensing task beside a control task: the first measures periodically; the second waits on a semaphore for each measurement and
+//! steers by it. The robot drives about for a minute and avoids all obstacles.
 
 use robios_api::prelude::*;
 use robios_api::{Priority, Semaphore, Shared, TaskMode};
@@ -10,11 +10,11 @@ robios_api::program!(main);
 const PERIOD: Duration = Duration::from_millis(60);
 const SPEED: Speed = Speed::metres_per_second(0.3);
 const RATE: TurnRate = TurnRate::radians_per_second(2.0);
-/// There it turns on the spot.
+/// Free distance below which the robot turns on the spot.
 const NEAR: Length = Length::millimetres(220.0);
 const FAR: Length = Length::millimetres(600.0);
 
-/// What both tasks know.
+/// State shared by both tasks.
 #[derive(Clone, Copy, Default)]
 struct Known {
     /// Distances from left to right, [`FAR`] at most.
@@ -66,7 +66,7 @@ fn steer(robot: &Robot, known: &Shared<Known>, measured: &Semaphore) -> Result {
         if ahead < NEAR {
             drive.set_speed(0.metres_per_second(), side * RATE)?;
         } else {
-            // Where there is more room, until the way is free.
+            // The side with more room, kept until the way is free.
             side = if left < right { -1.0 } else { 1.0 };
             drive.set_speed(SPEED * (ahead.min(left + right) / FAR), RATE * ((left - right) / FAR))?;
         }

@@ -1,8 +1,8 @@
-//! Three robots make one map of a maze of three lanes, over a radio that loses and garbles messages.
+//! Three robots map a maze of three lanes together, over a radio that loses and garbles messages.
 //!
-//! Each drives along the lane of its number, from the lowest up, and looks in every cell for walls at both sides. What it finds it
-//! tells the others, each for itself, until it is acknowledged (stop-and-wait). A checksum tells what was garbled, which is as good as
-//! lost. In the end all have the same map.
+//! Each robot drives along the lane of its number, counted from the lowest, and senses the walls at both sides of every cell. It sends
+//! its findings to every other robot until they are acknowledged (stop-and-wait). A garbled message is recognised by its checksum and
+//! counts as lost. In the end all robots have the same map.
 
 mod link;
 
@@ -13,14 +13,14 @@ use link::{Link, Walls};
 
 robios_api::program!(main);
 
-/// How many lanes, and robots.
+/// Number of lanes, and of robots.
 const LANES: u8 = 3;
 const COLUMNS: u8 = 8;
 const CELL: Length = Length::millimetres(360.0);
-/// A wall at the side is nearer than this to a sensor at the robot's side, 80 mm off its centre; a robot in the next lane is not.
+/// Threshold for a wall at the side, from a sensor at the robot's side, 80 mm off its centre; a robot in the next lane is farther.
 const NEAR: Length = Length::millimetres(140.0);
 
-/// What is known, lane by lane.
+/// Known walls, lane by lane.
 type Map = [[Option<Walls>; COLUMNS as usize]; LANES as usize];
 
 fn main(robot: &Robot) -> Result {

@@ -1,5 +1,4 @@
-//! Telling what was found so that it arrives: a queue for each other robot, of which the first report is repeated until it is
-//! acknowledged.
+//! Reliable delivery of findings: a queue for each other robot, whose first report is repeated until it is acknowledged.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Map;
 
-/// Without an acknowledgement for so long, a report is repeated.
+/// Time without an acknowledgement after which a report is repeated.
 const TIMEOUT: Duration = Duration::from_millis(200);
 
 /// The walls at both sides of a cell.
@@ -19,7 +18,7 @@ pub struct Walls {
     pub right: bool,
 }
 
-/// What is said.
+/// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Report {
     kind: Kind,
@@ -31,11 +30,11 @@ struct Report {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Kind {
     Found,
-    /// The same report has come.
+    /// Acknowledges the report with the same lane, column and walls.
     Ack,
 }
 
-/// A report as it is sent.
+/// A report with its checksum, as it is sent.
 #[derive(Debug, Serialize, Deserialize)]
 struct Packet {
     report: Report,
@@ -59,7 +58,7 @@ impl Report {
     }
 }
 
-/// The way to the other robots.
+/// Connection to the other robots.
 pub struct Link {
     radio: Radio,
     queues: BTreeMap<RobotNumber, Queue>,
@@ -67,11 +66,11 @@ pub struct Link {
     garbled: u32,
 }
 
-/// What one other robot has not acknowledged.
+/// Reports that one other robot has not acknowledged yet.
 #[derive(Default)]
 struct Queue {
     reports: VecDeque<Report>,
-    /// When the first of them was sent last.
+    /// Time at which the first report was last sent.
     sent: Option<Duration>,
 }
 
@@ -80,18 +79,18 @@ impl Link {
         Self { radio, queues: others.map(|other| (other, Queue::default())).collect(), repeats: 0, garbled: 0 }
     }
 
-    /// Tells everybody, sooner or later.
+    /// Queues a report for every other robot.
     pub fn tell_all(&mut self, lane: u8, column: u8, walls: Walls) {
         let report = Report { kind: Kind::Found, lane, column, walls };
         self.queues.values_mut().for_each(|queue| queue.reports.push_back(report));
     }
 
-    /// Whether somebody has yet to acknowledge something.
+    /// Returns true while an acknowledgement is missing.
     pub fn is_telling(&self) -> bool {
         self.queues.values().any(|queue| !queue.reports.is_empty())
     }
 
-    /// Sends and receives for a time.
+    /// Sends and receives for the time `span`.
     pub fn serve(&mut self, robot: &Robot, span: Duration, map: &mut Map) -> Result {
         self.send_due(robot)?;
         let end = robot.now() + span;
@@ -102,7 +101,7 @@ impl Link {
         Ok(())
     }
 
-    /// Answers until nobody has said anything for a time.
+    /// Answers until no message has arrived for the time `span`.
     pub fn serve_until_silent(&mut self, robot: &Robot, span: Duration, map: &mut Map) -> Result {
         while let Some(message) = self.radio.receive_within(span)? {
             self.hear(&message, map)?;
@@ -119,7 +118,7 @@ impl Link {
         self.garbled
     }
 
-    /// Sends the first report to everybody who has not acknowledged it in time.
+    /// Sends the first report of each queue, if it is new or its acknowledgement is overdue.
     fn send_due(&mut self, robot: &Robot) -> Result {
         for (other, queue) in &mut self.queues {
             let Some(report) = queue.reports.front() else { continue };

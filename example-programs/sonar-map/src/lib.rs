@@ -1,11 +1,11 @@
 //! Maps a room with seven ultrasonic sensors, by lines between neighbouring readings (Wu et al. 2013).
 //!
-//! Again and again the robot stops and looks at its surroundings, turns by half a sector where it finds a fault and looks again, turns
-//! around and does the same behind, and puts it all into its map. Then it drives to the nearest place from which it can see what it
-//! does not know. It ends when there is none.
+//! At each stop the robot observes its surroundings; if it finds a fault, it turns by half a sector and observes again. It turns around,
+//! does the same behind, and adds all readings to its map. Then it drives to the nearest place from which unknown cells can be seen.
+//! It ends when there is none.
 //!
 //! Arguments: least x, least y, greatest x, greatest y of the map, and the size of a cell, all in mm. The frame is that of the start:
-//! x ahead, y to the left. Without arguments: 4 m around, cells of 50 mm.
+//! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
 //! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first: `#` occupied,
 //! `.` free, `?` unknown. The display shows the map.
@@ -24,7 +24,7 @@ use plan::Plan;
 
 robios_api::program!(main);
 
-/// The robot `sectors`.
+/// Sonars of the robot `sectors`.
 const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
 /// The sonars, from right to left.
 const SONARS: [PsdAt; 7] = [
@@ -36,19 +36,19 @@ const SONARS: [PsdAt; 7] = [
     PsdAt::Other(6),
     PsdAt::Other(7),
 ];
-/// The one that looks ahead.
+/// Index of the sonar that looks ahead.
 const AHEAD: usize = 3;
-/// A sonar measures every 60 ms: one cycle may have begun before the robot stood still, the next one has not.
+/// Two sonar cycles of 60 ms: the first may have begun before the robot stood still, the second has not.
 const TWO_CYCLES: Duration = Duration::from_millis(120);
-/// How far it turns at a fault to look again: half a sector.
+/// Angle by which the robot turns to observe a fault again: half a sector.
 const AGAIN: f64 = 0.5 * FAN.sector;
-/// Nearer than this ahead it stops on its way.
+/// Distance ahead below which the robot stops on its way.
 const NEAR: Length = Length::metres(0.06);
-/// How far it backs off then.
+/// Distance by which the robot then backs off.
 const BACK: Length = Length::metres(0.08);
 const SPEED: Speed = Speed::metres_per_second(0.3);
 const TURN: TurnRate = TurnRate::radians_per_second(1.5);
-/// Most stops.
+/// Greatest number of stops.
 const STOPS: usize = 80;
 
 fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
@@ -72,7 +72,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The map's cells, from the arguments.
+/// Frame of the map, from the arguments.
 fn frame(arguments: &[String]) -> Result<Frame, String> {
     let numbers: Vec<f64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
     let [x0, y0, x1, y1, cell] = match (arguments.len(), &numbers[..]) {
@@ -89,12 +89,12 @@ struct Mapper<'r> {
     drive: Drive,
     sonars: [Psd; 7],
     map: SectorMap,
-    /// Where it was stopped by something that the map does not know.
+    /// Positions at which an obstacle that the map does not know has stopped the robot.
     bumps: Vec<Point>,
 }
 
 impl Mapper<'_> {
-    /// Looks all around and puts it into the map; tells where.
+    /// Observes all around, adds the readings to the map, and returns the robot's position.
     fn observe(&mut self) -> Result<Point> {
         let mut readings = self.look_twice()?;
         self.turn(PI)?;
@@ -103,7 +103,7 @@ impl Mapper<'_> {
         Ok(self.pose().position)
     }
 
-    /// Looks ahead, and once more turned by half a sector if there is a fault; the robot stands as before then.
+    /// Observes ahead, and again turned by half a sector if there is a fault; restores the heading.
     fn look_twice(&self) -> Result<Vec<Reading>> {
         let first = self.look();
         let mut readings: Vec<Reading> = first.readings(FAN.sector).collect();
@@ -115,7 +115,7 @@ impl Mapper<'_> {
         Ok(readings)
     }
 
-    /// Reads all sonars, and prints it.
+    /// Reads and prints all sonars.
     fn look(&self) -> Look {
         self.robot.sleep(TWO_CYCLES);
         let distances = self.sonars.iter().map(|sonar| sonar.distance().map(Length::as_metres)).collect();
@@ -133,7 +133,7 @@ impl Mapper<'_> {
         self.drive.turn(Angle::radians(angle), TURN)?.wait()
     }
 
-    /// Drives from point to point; stops where something is ahead that the map does not know.
+    /// Drives from point to point; stops and backs off at an obstacle that the map does not know.
     fn follow(&mut self, way: &[Point]) -> Result {
         for point in way {
             let pose = self.pose();
@@ -150,7 +150,7 @@ impl Mapper<'_> {
         Ok(())
     }
 
-    /// Notes what is before the robot, and backs off.
+    /// Records an obstacle ahead and backs off.
     fn back_off(&mut self) -> Result {
         self.drive.stop()?;
         self.bumps.push(self.pose().outward(Point::new(FAN.radius, 0.0)));
@@ -174,7 +174,7 @@ impl Mapper<'_> {
         }
     }
 
-    /// Shows the map on the display, so many cells a pixel that it fits: occupied black, unknown every other pixel.
+    /// Shows the map on the display, scaled to fit: occupied cells black, unknown ones as a checkerboard.
     fn show(&self) {
         const WIDTH: usize = 128;
         const HEIGHT: usize = 64;

@@ -1,4 +1,4 @@
-//! Where to observe next, and the way there.
+//! Choice of the next place of observation, and the path to it.
 
 use mapping::astar::{self, Path};
 use mapping::distance::distances;
@@ -7,24 +7,24 @@ use mapping::line::supercover;
 use mapping::pose::Point;
 use mapping::score::{OCCUPIED, Occupancy};
 
-/// Metres that the robot's middle keeps from the middle of occupied cells: its radius of 0.12, half of a cell's diagonal, and what
-/// odometry may err by.
+/// Clearance of the robot's middle from the middle of occupied cells, m: the radius of 0.12, half of a cell's diagonal, and the error of
+/// odometry.
 const CLEARANCE: f64 = 0.21;
-/// Metres that it keeps from cells of which nothing was heard: its body and a little more. From those of silent sectors it keeps no
-/// distance, though it does not go there: among mirrors it could not move at all.
+/// Clearance of the robot's middle from unobserved cells, m: its body and a little more. Cells of silent sectors need no clearance,
+/// though the robot does not enter them: else it could not move at all among mirrors.
 const UNHEARD_CLEARANCE: f64 = 0.15;
-/// Least probability of a cell of which nothing was heard; silence says a little less.
+/// Least probability of an unobserved cell; that of a silent sector is a little less.
 const UNHEARD: f64 = 0.49;
-/// How far away something may be that is to be seen from a place, in metres.
+/// Greatest distance of a frontier that counts as visible from a place, m.
 const SIGHT: f64 = 0.7;
-/// How many cells of a frontier make a place worth going to.
+/// Number of frontier cells that make a place worth visiting.
 const WORTH: usize = 4;
-/// How far places of observation are apart, in metres.
+/// Least distance between places of observation, m.
 const APART: f64 = 0.5;
-/// A probability is sure if it is as far as this from 0.5: that of a reading of 1.4 m in 4 m (Wu et al. 2013, Eq. 2).
+/// Difference from 0.5 from which on a probability is sure: that of a reading of 1.4 m in 4 m (Wu et al. 2013, Eq. 2).
 const SURE: f64 = 0.38;
 
-/// The robot's way through what it knows.
+/// Free space and frontiers of a map, for planning.
 pub struct Plan {
     frame: Frame,
     room: Grid<bool>,
@@ -32,7 +32,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Looks at a map of probabilities, and at the places where the robot has bumped into something.
+    /// Finds room and frontiers on a map of probabilities, given the places of unexpected obstacles.
     pub fn new(map: &Grid<f64>, bumps: &[Point]) -> Self {
         let frame = *map.frame();
         let said = map.map(|probability| Occupancy::of(*probability));
@@ -49,8 +49,8 @@ impl Plan {
         Self { frame, room, frontier }
     }
 
-    /// The way to the nearest place that can be reached, is not near one of those where the robot has `been`, and near to which a
-    /// frontier is: free cells beside cells that are unknown or not surely occupied. `None` if there is none.
+    /// Path to the nearest reachable place that is not near a place where the robot has `been`, and that is near a frontier: free cells
+    /// beside cells that are unknown or not surely occupied. `None` if there is none.
     pub fn next(&self, from: Point, been: &[Point]) -> Option<Vec<Point>> {
         let start = self.frame.cell_at(from)?;
         let is_new = |point: Point| been.iter().all(|old| (point - old).norm() >= APART);
@@ -62,12 +62,12 @@ impl Plan {
         Some(self.corners(&path))
     }
 
-    /// Whether the way to a cell is as it was planned.
+    /// Cost factor of a cell: 1 if the robot has room there, else `None`.
     fn factor(&self, cell: Cell) -> Option<f64> {
         self.room[cell].then_some(1.0)
     }
 
-    /// The corners of a path, without those between which the robot can drive straight on.
+    /// Corners of a path, without those that the robot can skip by driving straight on.
     fn corners(&self, path: &Path) -> Vec<Point> {
         let points: Vec<Point> = path.cells.iter().map(|cell| self.frame.centre(*cell)).collect();
         let mut corners = Vec::new();

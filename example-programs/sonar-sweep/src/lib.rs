@@ -1,4 +1,4 @@
-//! Turns a sonar on a servo from the right to the left and prints what it hears: direction, distance, energy of the echo.
+//! Turns a sonar on a servo from the right to the left and prints each echo: direction, distance, energy.
 
 use robios_api::prelude::*;
 use robios_api::{ServoAt, ServoPosition, Signal};
@@ -7,12 +7,12 @@ robios_api::program!(main);
 
 /// The sonar's number in the robot's companion.
 const SONAR: PsdAt = PsdAt::Other(5);
-/// Steps of the servo between two directions, and how many there are to either side.
+/// Servo positions between two directions, and the number of directions to either side.
 const STEP: i32 = 14;
 const TO_EITHER_SIDE: i32 = 9;
-/// Degrees that a step of the servo turns: 90 in 127 of them.
+/// Degrees for each servo position: 90 for 127 positions.
 const DEGREES: f64 = 90.0 / 127.0;
-/// The sensor measures every 60 ms: one cycle may have begun before the servo turned, the next one has not.
+/// Two sensor cycles of 60 ms: the first may have begun before the servo turned, the second has not.
 const TWO_CYCLES: Duration = Duration::from_millis(120);
 
 fn main(robot: &Robot) -> Result {

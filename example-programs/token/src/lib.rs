@@ -1,7 +1,7 @@
 //! A token goes round a ring of robots over a radio that loses messages: stop-and-wait.
 //!
-//! Who has the token sends it to the next one until that acknowledges it. A token has the number of its hop, so that a repeated one
-//! is known as such. Arguments: how many robots, how many rounds. `token-c` is the same in C and speaks with it.
+//! The holder sends the token to the next robot until that robot acknowledges it. A token carries the number of its hop, by which
+//! duplicates are recognised. Arguments: number of robots, number of rounds. `token-c` is the same program in C and interoperates.
 
 use std::error::Error;
 
@@ -10,12 +10,12 @@ use robios_api::{Radio, RobotNumber};
 
 robios_api::program!(main);
 
-/// Without an answer for so long, a token is sent again.
+/// Time without an answer after which a token is sent again.
 const TIMEOUT: Duration = Duration::from_millis(60);
-/// At the end: the acknowledgement for the one before may have been lost.
+/// Time for which a robot still answers at the end, since an acknowledgement may have been lost.
 const LINGER: Duration = Duration::from_secs(3);
 
-/// What is said, with the number of the hop.
+/// Message with the number of the hop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Message {
     Token(u32),
@@ -40,7 +40,7 @@ impl Message {
     }
 }
 
-/// A place in the ring.
+/// A robot of the ring.
 struct Station {
     radio: Radio,
     previous: RobotNumber,
@@ -63,7 +63,7 @@ impl Station {
         loop {
             self.radio.send(self.next, &Message::Token(hop).to_bytes())?;
             while let Some(message) = self.radio.receive_within(TIMEOUT)? {
-                // It may have come round before its acknowledgement.
+                // The token may come round before its acknowledgement.
                 if self.hear(&message.bytes)? == Some(hop) || self.taken > hop {
                     return Ok(());
                 }
@@ -72,11 +72,11 @@ impl Station {
         }
     }
 
-    /// Takes the token if the message is one; the hop that it acknowledges if not.
+    /// Takes the token if the message is one; returns the hop of an acknowledgement.
     fn hear(&mut self, message: &[u8]) -> Result<Option<u32>> {
         match Message::from_bytes(message) {
             Some(Message::Token(hop)) => {
-                // Also for an old one: its acknowledgement was lost.
+                // Also for a duplicate, whose acknowledgement was lost.
                 self.radio.send(self.previous, &Message::Ack(hop).to_bytes())?;
                 self.taken = self.taken.max(hop);
                 Ok(None)

@@ -1,28 +1,27 @@
-//! Walks on two legs towards whatever comes, computes the profile of the ground from one range sensor, and stops before what
-//! stands on it.
+//! Walks on two legs, computes the profile of the ground from one range sensor, and stops before an obstacle.
 //!
 //! `walker PLACE SENSOR SPEED`: the sensor sits on the `tibia`, the `thigh` or the `body` and is `ideal`, a `laser`, an
-//! `ultrasonic` or a `reflectance` sensor; the speed is in mm/s. Every 25 ms it is read, and where it has met something, that
-//! point is added to the profile: from the odometry, the height of the body and the pose of the leg's link, as the joints tell
-//! it, and the place of the sensor on the link. A reading of the sensor's greatest distance adds nothing.
+//! `ultrasonic` or a `reflectance` sensor; the speed is in mm/s. Every 25 ms the program reads the sensor and adds the hit point to the
+//! profile, computed from odometry, the height of the body, the pose of the leg's link (from the joints) and the sensor's place on
+//! the link. A reading of the sensor's greatest distance adds nothing.
 //!
 //! It prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for a distance without a point; x counts from
-//! where the robot starts, z from the floor. Source: France et al. 1999, section 6.2.
+//! the start, z from the floor. Source: France et al. 1999, section 6.2.
 
 use robios_api::robios7::prelude::*;
 use robios_api::{Leg, LegLink, Legs, LinkPose};
 
 robios_api::program!(main);
 
-/// Between two readings.
+/// Time between two readings.
 const PERIOD: Duration = Duration::from_millis(25);
-/// What is higher than this is an obstacle: well above what the paper's noise makes of the floor.
+/// Height above which a point is an obstacle: well above the paper's noise on the floor.
 const OBSTACLE: Length = Length::millimetres(60.0);
-/// Distance of the body's centre from an obstacle at which the robot stops: a step and a foot, and some more.
+/// Distance of the body's centre from an obstacle at which the robot stops: a step, a foot, and a margin.
 const STOP: Length = Length::millimetres(650.0);
-/// It goes no farther than this, whatever it sees.
+/// Greatest walking distance, whatever the sensor sees.
 const WAY: Length = Length::metres(4.0);
-/// Readings without a step ahead after which it has walked into something.
+/// Number of readings without progress after which the robot counts as stuck.
 const STUCK: u32 = 40;
 /// The leg that bears the sensors.
 const LEG: Leg = Leg(2);
@@ -31,21 +30,21 @@ const LEG: Leg = Leg(2);
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sensor {
     at: PsdAt,
-    /// What it reads where nothing is met.
+    /// Reading without a hit.
     max: Length,
     mount: Mount,
 }
 
-/// Where a sensor sits.
+/// Mounting of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mount {
-    /// The link that bears it; the body itself for none.
+    /// Link that bears the sensor; `None` for the body.
     link: Option<LegLink>,
     /// Forward in the link's frame.
     x: Length,
     /// Up in the link's frame.
     z: Length,
-    /// How far it looks up.
+    /// Elevation of the beam.
     pitch: Angle,
 }
 
@@ -75,29 +74,29 @@ impl Sensor {
     }
 }
 
-/// Where what bears the sensor is, in the plane in which the robot walks straight ahead.
+/// Pose of the link or body that bears the sensor, in the plane of the walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Bearer {
-    /// Ahead of where the robot started.
+    /// Distance ahead of the start.
     x: Length,
-    /// Above the floor.
+    /// Height above the floor.
     z: Length,
-    /// How far its x axis looks up.
+    /// Elevation of its x axis.
     pitch: Angle,
 }
 
 impl Bearer {
-    /// By odometry, the height of the body, and the link's pose in the robot's frame.
+    /// Pose from odometry, the height of the body, and the link's pose in the robot's frame.
     fn of(x: Length, height: Length, link: &LinkPose) -> Self {
         Self { x: x + link.x, z: height + link.z, pitch: link.pitch }
     }
 
-    /// Halfway to another one.
+    /// Mean of this pose and another.
     fn middle(&self, other: &Self) -> Self {
         Self { x: (self.x + other.x) * 0.5, z: (self.z + other.z) * 0.5, pitch: (self.pitch + other.pitch) * 0.5 }
     }
 
-    /// What its sensor has met at a distance: ahead of where the robot started, and above the floor.
+    /// Hit point of the sensor's ray at a distance: ahead of the start, and above the floor.
     fn met(&self, mount: &Mount, distance: Length) -> (Length, Length) {
         let (sin, cos) = (self.pitch.sin(), self.pitch.cos());
         let ray = self.pitch + mount.pitch;
@@ -127,7 +126,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let mut stuck = 0;
     while x < nearest - STOP && stuck < STUCK {
         ticker.wait();
-        // Calls take time. What is read before and after the distance, in mirrored order, is in its middle that of its time.
+        // Calls cost virtual time. Values read before and after the distance, in mirrored order, average to the time of the reading.
         let last_x = x;
         let (before_x, before_height) = (robot.drive().position().x, legs.height()?);
         let before = Bearer::of(before_x, before_height, &link(&legs, &sensor.mount)?);
@@ -158,12 +157,12 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     } else {
         writeln!(robot.console(), "no obstacle within {x:.2}");
     }
-    // Until both feet stand.
+    // Wait until both feet stand.
     robot.sleep(2.seconds());
     Ok(())
 }
 
-/// Where what bears the sensor is now, in the robot's frame.
+/// Pose of the link that bears the sensor, in the robot's frame.
 fn link(legs: &Legs, mount: &Mount) -> Result<LinkPose> {
     mount.link.map_or(Ok(LinkPose::default()), |link| legs.link(LEG, link))
 }
@@ -174,7 +173,7 @@ mod tests {
 
     use super::*;
 
-    /// A stiff leg, the sensor 0.4 m above the floor and looking down by 15 degrees, before a step at 1.5 m.
+    /// A stiff leg whose sensor is 0.4 m above the floor and looks down by 15 degrees, before a step at 1.5 m.
     fn fake() -> Fake {
         let shank = LinkPose { z: 0.4.metres(), pitch: -15.degrees(), ..LinkPose::default() };
         let leg = move |_: &_| FakeLeg { links: vec![LinkPose::default(), shank], ..FakeLeg::default() };

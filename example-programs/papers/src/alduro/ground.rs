@@ -1,4 +1,4 @@
-//! Random terrains: one description, as a scene's text and as the true heights.
+//! Random terrains, both as the text of a scene and as true heights.
 
 use std::fmt::Write as _;
 
@@ -21,12 +21,12 @@ impl Terrain {
     /// The true heights.
     ///
     /// # Errors
-    /// A terrain that has no size.
+    /// If the terrain has no size.
     pub fn field(&self) -> anyhow::Result<HeightField> {
         Ok(self.0.field().context("the terrain")?.0)
     }
 
-    /// The table `[world]` of a scene with it; soil scatters sound as rough things do.
+    /// Table `[world]` of a scene with the terrain. Soil scatters sound as rough surfaces do.
     pub fn world(&self) -> String {
         let Relief { seed, size, cell, relief, length, boulders, clear, .. } = &self.0;
         let mm = |metres: f64| metres * 1e3;

@@ -10,11 +10,11 @@ use mapping::pose::Point;
 
 use crate::page::{Picture, escaped};
 
-/// Colours from the lowest to the highest, red, green, blue: dark blue over green to yellow, as bright as high (our choice, after
-/// viridis by Smith and van der Walt).
+/// Colours from the lowest to the highest place, red, green, blue: dark blue over green to yellow; brightness grows with height (our
+/// choice, after viridis by Smith and van der Walt).
 const COLOURS: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
-/// Of a place of which nothing is known.
+/// Colour of unknown places.
 const NOTHING: [u8; 3] = [200, 200, 200];
 /// Room around a panel for its title and its axes, in pixels.
 const ROOM: f64 = 34.0;

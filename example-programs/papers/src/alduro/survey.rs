@@ -1,4 +1,4 @@
-//! Sections 3 and 4: what TSK surfaces and an occupancy grid make of the same sonar readings of random terrains.
+//! Sections 3 and 4: TSK surfaces and an occupancy grid from the same sonar readings of random terrains.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -26,13 +26,13 @@ const SIDE: f64 = 10.0;
 const SONARS: usize = 16;
 /// Height of the beam, m.
 const HEIGHT: f64 = 2.5;
-/// Every second sonar looks ahead by so much, degrees from straight down.
+/// Forward tilt of every second sonar, degrees from straight down.
 const TILT_DEG: f64 = 25.0;
-/// Cells along a side.
+/// Numbers of cells along a side.
 const PARTITIONS: [usize; 5] = [8, 12, 20, 28, 40];
-/// Greatest partition of a method whose cost grows with the square of the number of parameters.
+/// Greatest partition for the methods whose cost grows with the square of the number of parameters.
 const MOST_JOINT: [usize; 2] = [20, 12];
-/// One of so many scans is used: 160 and 640 readings or so.
+/// Every n-th scan is used: about 160 and 640 readings.
 const THINNED: [usize; 2] = [16, 4];
 /// Height of the boxes of the occupancy grid, m.
 const BOX: f64 = 0.1;
@@ -42,22 +42,22 @@ const PLACES: usize = 100;
 /// A reading with the true pose of its sonar.
 type Reading = (SonarPose, f64);
 
-/// A terrain and what was measured of it, in the order of time, scan by scan.
+/// A terrain and its readings in the order of time, scan by scan.
 struct Survey {
     field: HeightField,
     scans: Vec<Vec<Reading>>,
 }
 
-/// What fuses readings.
+/// Method of fusing readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
-    /// Order, equations.
+    /// TSK surface with its output functions and equations.
     Tsk(Order, Fusion),
-    /// Projected by the maximum, or to the likeliest box.
+    /// Occupancy grid, projected by the maximum or to the likeliest box.
     Grid { is_likeliest: bool },
 }
 
-/// Of 0.03, 0.01, 0.003 and 0.001 the share that is good with few readings and with many.
+/// The share, of 0.03, 0.01, 0.003 and 0.001, that is good with few readings and with many.
 const CELLS: Fusion = Fusion::Cells { above: 0.003 };
 const METHODS: [(Method, &str); 7] = [
     (Method::Tsk(Order::Zero, CELLS), "TSK constants"),
@@ -69,13 +69,13 @@ const METHODS: [(Method, &str); 7] = [
     (Method::Tsk(Order::One, Fusion::Average), "TSK planes, Eq. 3 as it stands"),
 ];
 
-/// What came out of one method, partition and number of readings: over all terrains.
+/// Result of one method, partition and number of readings, over all terrains.
 #[derive(Clone, Debug)]
 struct Score {
     method: usize,
     cells: usize,
     thinned: usize,
-    /// Root of the mean square error of each terrain, m.
+    /// Root mean square error on each terrain, m.
     rms: Vec<f64>,
     readings: usize,
     /// Time per reading, s.
@@ -88,7 +88,7 @@ impl Score {
     }
 }
 
-/// Heights that a method has found.
+/// Map of heights by a method.
 enum Surface {
     Tsk(Tsk),
     Grid(OccupancyGrid, bool),
@@ -115,7 +115,7 @@ impl Surface {
         };
     }
 
-    /// What nobody has measured is taken for the ground at 0, by both.
+    /// Height at (x, y); both methods take unmeasured places as ground at 0.
     fn height(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Tsk(tsk) => tsk.height(x, y),
@@ -165,7 +165,7 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Surveys of so many terrains.
+/// Runs the surveys of `terrains` terrains.
 fn measure(job: &Job, terrains: u64) -> anyhow::Result<Vec<Survey>> {
     let terrain = |index: u64| {
         let boulders = Boulders { count: 12, radius: [0.5, 1.5], height: [0.2, 1.0] };
@@ -182,7 +182,7 @@ fn measure(job: &Job, terrains: u64) -> anyhow::Result<Vec<Survey>> {
     scans.into_iter().zip(0..).map(|(scans, index)| Ok(Survey { field: terrain(index).field()?, scans })).collect()
 }
 
-/// Where sonar `index` sits on the beam and whereto it looks, in the frame of the robot: y, and the pitch in degrees.
+/// Mounting of sonar `index` on the beam, in the frame of the robot: y, and the pitch in degrees.
 fn mount(index: usize) -> (f64, f64) {
     let y = ((index as f64 + 0.5) / SONARS as f64 - 0.5) * SIDE;
     (y, if index.is_multiple_of(2) { -90.0 } else { -90.0 + TILT_DEG })
@@ -221,7 +221,7 @@ fn scans(trace: &Trace) -> anyhow::Result<Vec<Vec<Reading>>> {
             _ => None,
         })
         .collect();
-    // It drives straight and evenly.
+    // The robot drives straight at constant speed.
     let place = |at: f64| -> Option<(f64, f64)> {
         let after = poses.partition_point(|pose| pose.0 < at).clamp(1, poses.len().checked_sub(1)?);
         let ((t0, x0, y0), (t1, x1, y1)) = (poses.get(after - 1)?, poses.get(after)?);
@@ -326,7 +326,7 @@ fn table(scores: &[Score]) -> Table {
     table
 }
 
-/// Time of an update: in words, since tables are the same in every run and times are not.
+/// Time of an update, as text: tables are the same in every run and times are not.
 fn times(scores: &[Score]) -> String {
     let one = |method: usize| {
         let best = best(scores, method, THINNED[1]);
@@ -416,7 +416,7 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
     claims
 }
 
-/// Figure 3: the first terrain and what each method makes of it.
+/// Figure 3: the first terrain and its map by each method.
 fn figure(survey: &Survey, scores: &[Score]) -> anyhow::Result<Figure> {
     let order = [(1, "b"), (0, "c"), (2, "d")];
     let thinned = THINNED[1];

@@ -24,39 +24,39 @@ const START: DVec2 = DVec2::new(1.0, 5.0);
 const GOAL: DVec2 = DVec2::new(9.0, 1.0);
 /// Side of the terrain in units.
 const SIDE: f64 = 10.0;
-/// One in so many walks may fail.
+/// One in this many walks may fail.
 const MAY_FAIL: usize = 20;
-/// What is higher than this is an obstacle to A*, m.
+/// Height above which the ground is an obstacle to A*, m.
 const OBSTACLE: f64 = 0.5;
 /// Clearance around the middle of the robot that a path needs, m.
 const CLEARANCE: f64 = 2.0;
-/// The goal is reached when the robot's true place is as near, m.
+/// Distance of the robot's true position from the goal at which it has arrived, m.
 const ARRIVED: f64 = 1.0;
 /// Height of the fence around the terrain, m.
 const FENCE: f64 = 1.0;
-/// Cells in which A* searches, m.
+/// Side of the cells in which A* searches, m.
 const CELL: f64 = 0.2;
-/// A walk is given so long, s.
+/// Time limit of a walk, s.
 const UNTIL_S: u32 = 600;
 
-/// A terrain over which a path with the clearance leads.
+/// A terrain with a path that keeps the clearance.
 struct Way {
     seed: u64,
     terrain: Terrain,
     field: HeightField,
-    /// The shortest, m.
+    /// The shortest path, m.
     path: Vec<(f64, f64)>,
     length: f64,
 }
 
-/// What became of a walk.
+/// Outcome of a walk.
 #[derive(Clone, Debug)]
 struct Walk {
     path: Vec<(f64, f64)>,
     length: f64,
-    /// From the goal at the end, m.
+    /// Distance from the goal at the end, m.
     left: f64,
-    /// How often a leg or the body touched something.
+    /// Number of contacts of a leg or the body.
     touches: usize,
     time: f64,
 }
@@ -131,7 +131,7 @@ fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The first terrains with a path, and how many had none.
+/// The first terrains with a path, and the number of terrains without one.
 fn ways(seed: u64, terrains: usize, relief: f64, boulders: Boulders) -> anyhow::Result<(Vec<Way>, usize)> {
     let (mut ways, mut without) = (Vec::new(), 0);
     for index in 0.. {
@@ -170,7 +170,7 @@ fn shortest(field: &HeightField) -> Option<(Vec<(f64, f64)>, f64)> {
     Some((path.cells.iter().map(middle).collect(), path.cost))
 }
 
-/// The text of a scene: a robot of a type walks over a terrain.
+/// The text of a scene in which a robot of type `robi` walks over a terrain.
 fn scene(terrain: &Terrain, robi: &str) -> String {
     let (start, goal) = (START * UNIT, GOAL * UNIT);
     let heading = mapping::math::atan2(goal.y - start.y, goal.x - start.x).to_degrees();
@@ -189,7 +189,7 @@ fn scene(terrain: &Terrain, robi: &str) -> String {
     text
 }
 
-/// Walls around the terrain: beyond it there is nothing that a sonar could hear.
+/// Walls around the terrain: nothing beyond it would reflect sound.
 fn fence() -> String {
     let side = SIDE * UNIT * 1e3;
     let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::walk::{Kind, Place, Thing, Truth, Walk};
 
-/// Pixels of a metre.
+/// Pixels per metre.
 const SCALE: f64 = 190.0;
 /// Metres around what is drawn.
 const MARGIN: f64 = 0.12;
@@ -63,8 +63,8 @@ impl Canvas {
     }
 }
 
-/// The robot's legs at these times of a walk, those farther from the beginning darker, over the floor and the obstacle; and, at
-/// each reading of the sensor that met something within its range, the ray.
+/// Draws the robot's legs at intervals of `every` seconds of a walk, over the floor and the obstacle, and the ray of each reading with a
+/// hit within the sensor's range.
 pub fn walk(truth: &Truth, walk: &Walk, place: Place, kind: Kind, every: f64, title: &str) -> String {
     let end = truth.obstacle_at + truth.obstacle_size.x;
     let mut canvas = Canvas::new(-0.6, end + 0.3, 1.05, title);
@@ -118,7 +118,7 @@ pub fn profile(truth: &Truth, left: f64, right: f64) -> [(f64, f64); 6] {
 /// Legs and hip at an instant.
 fn figure(canvas: &mut Canvas, truth: &Truth, walk: &Walk, at: f64) {
     let moment = walk.at_time(at);
-    // The right leg, which bears the sensor, in front of the left one.
+    // The right leg, which bears the sensor, is drawn over the left one.
     for (leg, colour) in [(0, FAR_LEG), (1, NEAR_LEG)] {
         let points = truth.leg(leg, &moment);
         canvas.path(&points, colour, 2.0);

@@ -1,4 +1,4 @@
-//! One walk of the biped through the dining room: what its sensor read, what its program made of that, and where it was.
+//! One walk of the biped through the dining room: the sensor's readings, the profile that the program computed, and the true motion.
 
 use std::sync::Arc;
 
@@ -22,38 +22,38 @@ use crate::trace::{Event, Trace};
 pub const SCENE: &str = "sims/walker.scene.toml";
 /// The robot's number.
 const ROBOT: u32 = 1;
-/// How far the truth is looked for, m: across the room.
+/// Range of the rays that find the truth, m: across the room.
 const FAR: f64 = 20.0;
 
-/// Where on the robot the sensor sits.
+/// Place of the sensor on the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// On the tibia of the right leg.
     Tibia,
-    /// On its thigh.
+    /// On the thigh of the right leg.
     Thigh,
     /// On the body, level.
     Body,
 }
 
-/// What the sensor is.
+/// Type of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The distance along the ray, up to 2 m, without noise and at any incidence.
     Ideal,
-    /// Of section 5.
+    /// The laser range finder of section 5.
     Laser,
-    /// Of section 5.
+    /// The ultrasonic sensor of section 5.
     Ultrasonic,
-    /// Of section 5.
+    /// The reflectance sensor of section 5.
     Reflectance,
 }
 
 impl Place {
-    /// All of them.
+    /// All places.
     pub const ALL: [Self; 3] = [Self::Tibia, Self::Thigh, Self::Body];
 
-    /// As the program's arguments have it.
+    /// Name in the program's arguments.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tibia => "tibia",
@@ -64,10 +64,10 @@ impl Place {
 }
 
 impl Kind {
-    /// All of them, in the order of the paper's figures.
+    /// All types, in the order of the paper's figures.
     pub const ALL: [Self; 4] = [Self::Ideal, Self::Laser, Self::Ultrasonic, Self::Reflectance];
 
-    /// As the program's arguments have it.
+    /// Name in the program's arguments.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ideal => "ideal",
@@ -77,7 +77,7 @@ impl Kind {
         }
     }
 
-    /// What it reads where it detects nothing, m.
+    /// Reading without a detection, m.
     pub fn max(self) -> f64 {
         match self {
             Self::Ideal | Self::Laser => 2.0,
@@ -86,33 +86,33 @@ impl Kind {
     }
 }
 
-/// A reading of the program's, as it printed it.
+/// A reading, as the program printed it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// When it was measured, s.
+    /// Time of the measurement, s.
     pub at: f64,
-    /// What the sensor read, m.
+    /// Distance that the sensor read, m.
     pub distance: f64,
-    /// The point that the program made of it, ahead of the start and above the floor, m.
+    /// Point that the program computed from the reading, ahead of the start and above the floor, m.
     pub point: Option<DVec2>,
-    /// What the sensor's ray met in truth at that time.
+    /// True hit of the sensor's ray at that time.
     pub truth: Met,
 }
 
-/// What a ray meets.
+/// Hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met {
-    /// How far away, m; infinite for nothing.
+    /// Distance, m; infinite without a hit.
     pub distance: f64,
-    /// Angle between the ray and the normal of what is met, rad.
+    /// Incidence angle, rad.
     pub incidence: f64,
-    /// Where, ahead of the start and above the floor, m.
+    /// Hit point, ahead of the start and above the floor, m.
     pub point: DVec2,
-    /// What it is.
+    /// Object that is hit.
     pub thing: Thing,
 }
 
-/// What stands in the dining room.
+/// Objects in the dining room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Thing {
     /// The floor.
@@ -125,10 +125,10 @@ pub enum Thing {
     Nothing,
 }
 
-/// How the robot stood at an instant.
+/// Pose and posture of the robot at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// When, s.
+    /// Time, s.
     pub at: f64,
     /// Pose of its frame on the ground.
     pub pose: Pose,
@@ -143,21 +143,21 @@ pub struct Moment {
 pub struct Walk {
     /// The program's readings, in order.
     pub samples: Vec<Sample>,
-    /// Where the robot was at each end of a slot, in order.
+    /// Pose and posture of the robot at each end of a slot, in order.
     pub moments: Vec<Moment>,
-    /// When the foot of the leg with the sensor came down, s.
+    /// Times at which the foot of the leg with the sensor came down, s.
     pub footfalls: Vec<f64>,
     /// Times at which body or legs touched something.
     pub touches: Vec<f64>,
-    /// What the program said in the end.
+    /// Last message of the program.
     pub verdict: String,
-    /// From the body's centre to the face of the obstacle at the end, m.
+    /// Distance from the body's centre to the face of the obstacle at the end, m.
     pub gap: f64,
     /// Digest of the run.
     pub digest: String,
 }
 
-/// The room and the robot as they are.
+/// True geometry of the room and the robot.
 pub struct Truth {
     world: World,
     /// The robot's type.
@@ -165,9 +165,9 @@ pub struct Truth {
     links: Vec<Link>,
     sensors: Vec<RangeSensor>,
     start: Pose,
-    /// Where the obstacle's face is, ahead of the start, m.
+    /// Distance from the start to the obstacle's face, m.
     pub obstacle_at: f64,
-    /// Its size: along the way, across it, and up, m.
+    /// Size of the obstacle along the way, across it, and up, m.
     pub obstacle_size: DVec3,
 }
 
@@ -241,7 +241,7 @@ impl Truth {
         points.into_iter().map(|point| self.ahead(point)).collect()
     }
 
-    /// What the sensor's ray meets.
+    /// Hit of the sensor's ray.
     pub fn met(&self, ray: &Pose3) -> Met {
         let direction = ray.forward();
         let Some(hit) = self.world.cast(RobotId(ROBOT), &Ray::new(ray.position, direction, FAR), Time::ZERO) else {
@@ -249,7 +249,7 @@ impl Truth {
             return Met { distance, incidence: 0.0, point, thing: Thing::Nothing };
         };
         let point = self.ahead(ray.position + direction * hit.distance);
-        // The furniture stands beside the way: within the obstacle's length and height there is nothing but it.
+        // The furniture stands beside the way: within the obstacle's length and height there is only the obstacle.
         let size = self.obstacle_size;
         let is_obstacle = point.x >= self.obstacle_at - 1e-6
             && point.x <= self.obstacle_at + size.x + 1e-6
@@ -264,7 +264,7 @@ impl Truth {
         Met { distance: hit.distance, incidence, point, thing }
     }
 
-    /// A point of the world in the upright plane of the walk: ahead of the start, above the floor.
+    /// Projects a point of the world onto the upright plane of the walk: ahead of the start, above the floor.
     pub fn ahead(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.x - self.start.position.x, point.z)
     }
@@ -282,7 +282,7 @@ impl Truth {
             Event::Distance { measured_s, .. } => Some(*measured_s),
             _ => None,
         });
-        // The program reads its sensor once before it walks, to see whether it is there.
+        // The program reads its sensor once before it walks, to check that the sensor exists.
         measured.next();
         for (_, line) in trace.printed(ROBOT) {
             let Some((distance, point)) = numbers(line) else {
@@ -313,7 +313,7 @@ impl Truth {
 }
 
 impl Walk {
-    /// The robot at an instant within the walk, between two slots in proportion.
+    /// Pose and posture at an instant within the walk, interpolated linearly between two slots.
     pub fn at_time(&self, at: f64) -> Moment {
         at_time(&self.moments, at)
     }
@@ -325,7 +325,7 @@ impl Walk {
     }
 }
 
-/// The numbers of a line of the program's: the distance, and the point if there is one, m.
+/// Parses a line of the program: the distance, and the point if there is one, m.
 fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
     let words: Vec<&str> = line.split(' ').collect();
     let [time, distance, x, z] = words[..] else { return None };
@@ -335,7 +335,7 @@ fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
     Some((metres(distance)?, point))
 }
 
-/// Pose and posture at each time at which one of them is told, of a robot that begins at `start`.
+/// Pose and posture at each time at which the trace has one of them, for a robot that begins at `start`.
 fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
     let mut moments: Vec<Moment> = Vec::new();
     let (mut pose, mut lift, mut joints) = (start, None, Vec::new());
@@ -355,7 +355,7 @@ fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
     moments
 }
 
-/// The robot at an instant, between two moments in proportion.
+/// Linear interpolation between two moments.
 fn at_time(moments: &[Moment], at: f64) -> Moment {
     let next = moments.partition_point(|moment| moment.at <= at).clamp(1, moments.len().max(2) - 1);
     let (a, b) = (&moments[next - 1], moments.get(next).unwrap_or(&moments[next - 1]));

@@ -1,4 +1,4 @@
-//! The modelling cases of Figures 2 to 5, drawn: readings as arcs, lines, cells.
+//! Drawings of the modelling cases of Figures 2 to 5: readings as arcs, lines, cells.
 
 use std::fmt::Write as _;
 
@@ -11,16 +11,16 @@ use mapping::sector::{Case, Model};
 use super::maps::FAN;
 use crate::page::{Figure, Page, Picture};
 
-/// Readings of the sectors C, D and E, as distances from the robot's middle in metres, and what they are.
+/// Readings of the sectors C, D and E, as distances from the robot's middle in metres, with their case.
 struct Example {
     title: &'static str,
     readings: [Option<f64>; 3],
     case: Case,
-    /// The wall that gives such readings, as points in metres, if there is one: x ahead, y to the left.
+    /// The wall behind the readings, as points in metres, if there is one: x ahead, y to the left.
     wall: Vec<Point>,
 }
 
-/// Pixels of a metre.
+/// Pixels per metre.
 const METRE: f64 = 180.0;
 /// Size of a panel, in pixels, and the robot's place in it.
 const PANEL: (f64, f64) = (440.0, 320.0);
@@ -91,7 +91,7 @@ impl Example {
         };
         let readings = [-FAN.sector, 0.0, FAN.sector]
             .map(|sector| walls.iter().map(|wall| nearest(sector, *wall)).min_by(f64::total_cmp));
-        // Walls are seen up to where another one is nearer.
+        // Walls are visible up to where another one is nearer.
         let points = (-45..=45).map(|degrees| {
             let angle = f64::from(degrees).to_radians();
             let along = walls.iter().map(|(foot, distance)| distance / math::cos(angle - foot.to_radians()));
@@ -107,7 +107,7 @@ impl Example {
         Ok(model)
     }
 
-    /// How far the ends of its lines are from the walls, in metres; `None` without walls.
+    /// Distance of the ends of the model's lines from the walls, in metres; `None` without walls.
     fn error(&self, model: &Model) -> Option<f64> {
         let near = |point: Point| {
             let along = |pair: &[Point]| {
@@ -122,7 +122,7 @@ impl Example {
     }
 }
 
-/// A place of the robot's frame in a panel: x up, y to the left.
+/// Position of a point of the robot's frame in a panel: x up, y to the left.
 fn place(point: Point) -> String {
     format!("{:.1},{:.1}", ROBOT.0 - METRE * point.y, ROBOT.1 - METRE * point.x)
 }

@@ -1,4 +1,4 @@
-//! A run of the robot, and the maps that are made of what it heard.
+//! A run of the robot, and the maps made from its readings.
 
 use std::f64::consts::FRAC_PI_6;
 use std::path::Path;
@@ -25,28 +25,28 @@ use crate::trace::{Event, Trace};
 pub const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
 const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, farthest: FAN.farthest };
 
-/// Which map.
+/// Algorithm of a map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// That of the paper, lines put in by point-by-point comparison.
+    /// The map of the paper, with lines drawn by point-by-point comparison.
     Wu,
-    /// The same by DDA.
+    /// The map of the paper, with lines drawn by DDA.
     WuDda,
     /// The paper's local grids, added as log-odds instead of by Eq. 4.
     WuLogOdds,
-    /// The plain sonar grid, to which silence says nothing.
+    /// The plain sonar grid; silence gives no information.
     Plain,
-    /// The plain sonar grid, to which silence is free.
+    /// The plain sonar grid; silence means free.
     PlainFree,
     /// Log-odds of cones and arcs.
     LogOdds,
 }
 
 impl Kind {
-    /// All of them, in the order of the tables.
+    /// All algorithms, in the order of the tables.
     pub const ALL: [Self; 6] = [Self::Wu, Self::WuDda, Self::WuLogOdds, Self::Plain, Self::PlainFree, Self::LogOdds];
 
-    /// Its name for people.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wu => "Wu et al.",
@@ -61,21 +61,21 @@ impl Kind {
 
 /// A run with its maps, all in the frame of the robot's start.
 pub struct Mapped {
-    /// Of the run.
+    /// Name of the run.
     pub name: String,
-    /// What is true.
+    /// Ground truth.
     pub truth: Grid<Truth>,
-    /// Where the robot believed to be when it observed.
+    /// Estimated positions of the robot at its observations.
     pub stops: Vec<Point>,
-    /// How often it looked.
+    /// Number of looks.
     pub looks: usize,
-    /// When its program ended, s.
+    /// End of its program, s.
     pub time: f64,
-    /// How far it drove, m.
+    /// Length of its path, m.
     pub path: f64,
-    /// How often it began to touch something.
+    /// Number of contacts begun.
     pub contacts: usize,
-    /// By how much its odometry was off at the end: m, rad.
+    /// Error of its odometry at the end: m, rad.
     pub odometry_error: (f64, f64),
     printed: Vec<String>,
     readings: Vec<Vec<Reading>>,
@@ -84,10 +84,10 @@ pub struct Mapped {
 }
 
 impl Mapped {
-    /// Reads what a run of the scene `file` has printed, and makes all maps of it.
+    /// Reads the output of a run of the scene `file` from its trace, and makes all maps of it.
     ///
     /// # Errors
-    /// A scene that cannot be read; a robot that has printed no looks, or no map of the frame that the scene tells it.
+    /// If the scene cannot be read, or the robot has printed no looks or no map of the frame in the scene's arguments.
     pub fn new(name: &str, file: &Path, trace: &Trace) -> anyhow::Result<Self> {
         let mut files = DiskFiles::with_home(root());
         let path = files.name(&root().join(file));
@@ -114,22 +114,22 @@ impl Mapped {
         Ok(run)
     }
 
-    /// What a map says.
+    /// Classification of all cells by a map.
     pub fn said(&self, kind: Kind) -> &Grid<Occupancy> {
         &self.said[kind as usize]
     }
 
-    /// How well it says it.
+    /// Score of a map against the ground truth.
     pub fn score(&self, kind: Kind) -> Score {
         Score::of(self.said(kind), &self.truth)
     }
 
-    /// How many cells two maps tell differently.
+    /// Number of cells in which two maps differ.
     pub fn differing(&self, a: Kind, b: Kind) -> usize {
         self.said(a).values().iter().zip(self.said(b).values()).filter(|(a, b)| a != b).count()
     }
 
-    /// How many cells the robot's own map tells differently.
+    /// Number of cells in which the robot's own map differs from ours by the same algorithm.
     pub fn differing_cells(&self) -> usize {
         let frame = self.truth.frame();
         let own = |cell: mapping::grid::Cell| {
@@ -147,7 +147,7 @@ impl Mapped {
         self.said(Kind::Wu).iter().filter(is_other).count()
     }
 
-    /// Of the pairs of neighbours that both hear something: how many are continuous, how many were so as printed, how many there are.
+    /// Among the pairs of neighbours that both hear something: the number of continuous ones, of continuous ones as printed, and of all.
     pub fn continuous_pairs(&self) -> (usize, usize, usize) {
         let is_continuous = |&&(a, b): &&(f64, f64)| FAN.relation(Some(a), Some(b)) == Relation::Continuous;
         let as_printed = |&&(a, b): &&(f64, f64)| {
@@ -158,8 +158,8 @@ impl Mapped {
         (pairs.iter().filter(is_continuous).count(), pairs.iter().filter(as_printed).count(), pairs.len())
     }
 
-    /// Of the free cells that the map tells occupied: how many most stops that said anything told free; how many there are; and how
-    /// many of the former are corrected where the same local grids are added as log-odds.
+    /// Free cells that the map classifies as occupied: the number of those that more stops classified as free than as occupied, the number
+    /// of all, and the number of the former that the same local grids added as log-odds correct.
     pub fn stuck(&self) -> (usize, usize, usize) {
         let frame = *self.truth.frame();
         let mut votes = Grid::new(frame, (0_u32, 0_u32));
@@ -184,7 +184,7 @@ impl Mapped {
         (stuck.len(), wrong(Kind::Wu).count(), corrected)
     }
 
-    /// Takes what the robot has printed.
+    /// Reads the output of the robot's program.
     fn hear(&mut self, trace: &Trace) -> anyhow::Result<()> {
         let mut readings = Vec::new();
         for (_, line) in trace.printed(1) {
@@ -212,7 +212,7 @@ impl Mapped {
         Ok(())
     }
 
-    /// Takes where the robot truly was.
+    /// Reads the true motion of the robot.
     fn watch(&mut self, trace: &Trace, start: &Pose) {
         let mut at = *start;
         let mut believed = None;
@@ -259,7 +259,7 @@ impl Mapped {
     }
 
     fn wu_log_odds(&self, frame: &Frame) -> Grid<f64> {
-        // What is certain weighs as much as the most certain echo that is not the body itself.
+        // Certain cells weigh as much as the most certain echo that is not the body itself.
         const SUREST: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in &self.readings {
@@ -296,8 +296,8 @@ fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
     Ok((frame, Pose::new(start.position.x, start.position.y, start.heading.radians())))
 }
 
-/// What the walls make true: surfaces are cells that a wall passes and that have a neighbour which can be reached from the start
-/// without crossing one; those are free, and all else is hidden.
+/// Ground truth from the walls. Cells that can be reached from the start without crossing a wall are free; wall cells with a free
+/// neighbour are surfaces; all others are hidden.
 fn truth(scene: &SceneSpec, frame: &Frame, start: &Pose) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
     for wall in &scene.world.walls {
