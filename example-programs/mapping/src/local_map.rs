@@ -63,7 +63,7 @@ impl LocalMap {
     /// sides of its line of sight, else the sonar would have heard it. Each cell that is estimated to be higher takes this height as a
     /// reading, weighted by the squared gain of the beam (there and back).
     ///
-    /// That a reading also tells about empty space is an idea of occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
+    /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
     /// 1999); Gois and Hiller have only the set of occupied points. For sonars that look about level.
     ///
     /// # Panics

@@ -38,7 +38,7 @@ pub enum RlsError {
     },
 }
 
-/// Where column `j` of the packed upper triangle begins.
+/// Index at which column `j` of the packed upper triangle begins.
 fn start(j: usize) -> usize {
     j * j.saturating_sub(1) / 2
 }

@@ -22,7 +22,7 @@ pub struct Entry {
     pub at: f64,
     /// Number of the robot; 0 for the world.
     pub robot: u32,
-    /// What happened.
+    /// The event.
     pub event: Event,
 }
 

@@ -24,7 +24,7 @@ fn what_the_paper_says_holds() {
         lost += usize::from(sample.truth.thing == Thing::Floor && sample.truth.distance < 1.99 && !is_seen);
     }
     assert!(lost > 0, "the laser loses some of the ground");
-    // What the reflectance sensor makes of a slanting ground is too far away, never too near; readings are whole millimetres.
+    // The reflectance sensor reads slanting ground too far away, never too near; readings are whole millimetres.
     for sample in tibia(Kind::Reflectance).samples.iter().filter(|sample| sample.point.is_some()) {
         assert!(sample.distance > sample.truth.distance - 2e-3, "{sample:?}");
     }

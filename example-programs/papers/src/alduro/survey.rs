@@ -373,7 +373,7 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
             weight,
         ));
     }
-    // What the paper prints, without our equations of single cells.
+    // The paper's own equations, without ours of single cells.
     let printed = [5, 6].map(|method| best(scores, method, all));
     let printed = if printed[0].mean() < printed[1].mean() { printed[0] } else { printed[1] };
     let maximum = best(scores, grid, all);
