@@ -8,8 +8,8 @@ const BEGIN: &str = "\
 # The C library inside a robot program
 
 All robots run in one process, so they share one C library: one state of `rand`, one `exit`, one standard output, one
-clock that is not theirs. What a program calls must not reach beyond its robot or beyond virtual time. So every C
-program that `eyesim` builds is linked with a shim (`robios-sys/shim`) that defines these functions anew, inside the
+real-time clock. A program's calls must not affect other robots or depend on real time. So every C
+program that `eyesim` builds is linked with a shim (`robios-sys/shim`) that interposes these functions, inside the
 program's own library, as weak symbols. The library is linked with `-Bsymbolic`: the program's references end in the
 shim, and a function of the program's own called `time`, `y1`, `send` or `index` wins over both, in all of its files.
 
@@ -24,27 +24,27 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 
 - **The end.** `exit`, and returning from `main`, call what `atexit`, `on_exit` and C++ have registered, the last first,
   inside the robot: these functions may call RoBIOS. `_exit`, `_Exit`, `quick_exit`, `abort` and a failed assertion do
-  not, and neither does a program that the simulator stops: every call of it would be the last. Of a stopped C++ program
-  the destructors run, see [programs](programs.md).
+  not, and neither does a program that the simulator stops, since its calls are cancelled. The destructors of a stopped
+  C++ program run, see [programs](programs.md).
 - **Exit codes** are the numbers that the program gives, not cut to 8 bits. `void main()` gives 0. After `abort`, a failed
   assertion or an overrun buffer it is 134, as in a shell, and the robot counts as failed.
 - **Random numbers.** `rand`, `random` and the system's entropy are streams of the robot's own, which follow from the
-  run's seed, the robot and the function. `srand(s)` starts the stream anew at a place that `s` chooses: the same `s`
-  gives the same numbers again, other ones for another robot, so that a swarm whose programs all call `srand(1)` does
-  not march in step. Without `srand` robots differ as well. The `drand48` family is the generator that POSIX fixes to the
+  run's seed, the robot and the function. `srand(s)` restarts the stream at a position given by `s`: the same `s`
+  gives the same numbers again, but different ones for each robot, so that the robots of a swarm whose programs all call
+  `srand(1)` behave differently. Without `srand` robots differ as well. The `drand48` family is the generator that POSIX fixes to the
   bit; `srand48` gives its sequence, and only the unseeded start is the robot's own. `rand_r` and `random_r` work on the
   state that they are given and need no replacement.
-- **Time.** Virtual time 0 is 1 January 2000, 0:00 UTC; clocks that do not tell the date start at 0. CPU time is virtual
+- **Time.** Virtual time 0 is 1 January 2000, 0:00 UTC; clocks without a date start at 0. CPU time is virtual
   time. Local time is UTC everywhere. Asking for the time costs virtual time (at least 1 us), so that a loop that waits
   for a time ends.
-- **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; what is left is
-  shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
+- **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; an incomplete
+  last line is shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
   everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
 - **Input** is at its end.
 - **C++.** The library of C++ is linked into each program, so that its streams, clocks and random numbers end in these
   functions. `std::random_device` draws from the robot's own stream.
-- **Headers** beside a program, whatever they are called, change none of this: what they declare is linked to the functions
-  below. The shim is compiled with eyesim's own headers alone.
+- **Headers** beside a program, whatever they are called, change none of this: their declarations are linked to the
+  functions below. The shim is compiled with eyesim's own headers alone.
 - **Alarms** are refused: they would arrive by signal, in real time.
 
 ## Replaced
@@ -56,8 +56,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 const MIDDLE: &str = "
 ## Outside of the guarantee
 
-Not replaced: what these do may differ between runs, reach other robots, or end the simulator. A library that was built
-elsewhere and imports one of them, or one of the functions above, gets a warning that names it.
+Not interposed: these functions may behave differently between runs, affect other robots, or end the simulator. A library
+built elsewhere that imports one of them, or one of the functions above, gets a warning that names it.
 
 | functions | why |
 |---|---|
