@@ -111,21 +111,21 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![paths(&cases)] }
 }
 
-/// The walls of a corner and the ways of discs in it, at several angles.
+/// Walls of a corner and the ways of discs in it.
 fn paths(cases: &[Named]) -> Figure {
     let corner = &cases[3].case;
     let line = |name: &str, points| Series { name: name.to_owned(), mark: Mark::Line, points };
     let outline = vec![(-1.0, 0.0), (1.0, 0.0), (1.0, -1.0)];
     let mut series = vec![line("walls", outline)];
-    for (name, degrees, omega) in [
-        ("at 10 degrees", 10.0_f64, 0.0),
-        ("at 40 degrees", 40.0, 0.0),
-        ("at 75 degrees: rests", 75.0, 0.0),
-        ("turning left, -20 degrees", -20.0, 0.5),
-    ] {
-        let start = Pose::new(-0.9, -0.3, degrees.to_radians());
+    let ways = [
+        ("10 degrees: into the corner", Pose::new(-0.9, -0.3, 10_f64.to_radians()), 0.0),
+        ("140 degrees: round the end", Pose::new(-0.3, -0.6, 140_f64.to_radians()), 0.0),
+        ("75 degrees: rests", Pose::new(0.2, -0.6, 75_f64.to_radians()), 0.0),
+        ("turning left", Pose::new(0.4, -0.8, -20_f64.to_radians()), 0.5),
+    ];
+    for (name, start, omega) in ways {
         let case = Case { start, twist: Twist::new(0.3, omega), ..corner.clone() };
-        let named = Named { name, case, seconds: 10.0 };
+        let named = Named { name, case, seconds: 6.0 };
         series.push(line(name, named.path(0.0, named.seconds)));
     }
     Figure {
