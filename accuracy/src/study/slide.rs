@@ -118,7 +118,7 @@ fn paths(cases: &[Named]) -> Figure {
     let outline = vec![(-1.0, 0.0), (1.0, 0.0), (1.0, -1.0)];
     let mut series = vec![line("walls", outline)];
     let ways = [
-        ("10 degrees: into the corner", Pose::new(-0.9, -0.3, 10_f64.to_radians()), 0.0),
+        ("10 degrees: along the wall", Pose::new(-0.9, -0.3, 10_f64.to_radians()), 0.0),
         ("140 degrees: round the end", Pose::new(-0.3, -0.6, 140_f64.to_radians()), 0.0),
         ("75 degrees: rests", Pose::new(0.2, -0.6, 75_f64.to_radians()), 0.0),
         ("turning left", Pose::new(0.4, -0.8, -20_f64.to_radians()), 0.5),
