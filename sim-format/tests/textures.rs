@@ -11,7 +11,10 @@ fn the_images_are_those_that_the_command_draws() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/textures");
     for (name, draw) in drawn::FLOORS {
         let committed = image::open(folder.join(name)).expect("an image").into_rgb8();
-        assert!(committed == drawn::turned(&draw()), "write `{name}` anew with `cargo run -p sim-format --example textures`");
+        assert!(
+            committed == drawn::turned(&draw()),
+            "write `{name}` anew with `cargo run -p sim-format --example textures`"
+        );
     }
 }
 

@@ -101,13 +101,29 @@ fn wrong_arguments_are_named_with_what_is_accepted() {
 #[test]
 fn a_drive_against_a_wall_ends_as_a_wait_that_nothing_can_end() {
     let scratch = scene("VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 9, 0.5); VWDriveWait(vw); return 0;");
-    let report = scratch.report("scene.sim", &[], 1);
+    let report = scratch.report("scene.sim", &["--contact", "stall"], 1);
     let robot = &report["robots"][0];
     assert_eq!(robot["outcome"], "waiting");
     assert!(robot["reason"].as_str().expect("a reason").contains("stall"), "{robot:#}");
     assert_eq!(robot["contacts"], 1);
     // A robot of 180 mm in a room of 4 m.
     assert!((tests::number(robot, "pose.x_m") - 3.91).abs() < 2e-6, "{robot:#}");
+}
+
+#[test]
+fn a_drive_against_a_wall_ends_when_the_wheels_have_turned_far_enough() {
+    let scratch = scene(
+        "VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 9, 0.5); OSWait(1000); int stalled = VWStalled(vw); VWDriveWait(vw); return stalled == 1 ? 0 : 3;",
+    );
+    let report = scratch.report("scene.sim", &[], 0);
+    let robot = &report["robots"][0];
+    assert_eq!(robot["contacts"], 1);
+    assert!((tests::number(robot, "pose.x_m") - 3.91).abs() < 2e-6, "{robot:#}");
+    // 9 m at 0.5 m/s, and the calls.
+    let end = tests::number(robot, "virtual_time_s");
+    assert!((18.0..18.1).contains(&end), "{robot:#}");
+    let ran = scratch.eyesim(&["run", "scene.sim", "--contact", "push"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("slide or stall"), "{ran:#?}");
 }
 
 #[test]

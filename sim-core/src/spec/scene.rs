@@ -220,9 +220,9 @@ pub struct RunSpec {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactKind {
     /// It slides outside the friction cone, and its wheels slip over the floor.
+    #[default]
     Slide,
     /// It rests, its wheels stall, and the command stays pending.
-    #[default]
     Stall,
 }
 

@@ -72,7 +72,7 @@ impl Form for RunSpec {
             "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
         )
         .maybe(NOISE, &mut self.noise);
-        keys.key("contact", "Motion of a robot that is pushed against a wall; `stall` if left out.")
+        keys.key("contact", "Motion of a robot that is pushed against a wall; `slide` if left out.")
             .maybe(Word, &mut self.contact);
         keys.key("wall_friction", "Coefficient of friction of the walls; robots slide with the lower one of this and their own; that of the robot if left out.")
             .maybe(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);

@@ -104,7 +104,7 @@ pub struct RunArgs {
     /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
-    /// What a robot does that is pushed against a wall: slide, or stall [default: that of the scene, else stall]
+    /// What a robot does that is pushed against a wall: slide, or stall [default: that of the scene, else slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
     /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
