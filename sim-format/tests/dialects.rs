@@ -153,7 +153,7 @@ fn devices_of_every_dialect_are_what_their_files_say() {
     let near = |a: DVec3, b: [f64; 3]| assert!((a * 1000.0 - DVec3::from_array(b)).length() < 1e-9, "{a} is not {b:?}");
 
     let (labbot, _) = robi(&corpus, "vr-2018/Test Assets/robots/LabBot/LabBot.robi");
-    assert_eq!((labbot.mass, labbot.psds[2].id, labbot.max_speed), (50.0, Some(3), 0.6));
+    assert_eq!((labbot.mass, labbot.psds[2].id, labbot.max_speed), (50.0, Some(3), 0.4));
     near(labbot.centre_of_mass, [-50.0, 0.0, 30.0]);
     near(labbot.psds[1].position, [45.0, 27.0, 40.0]);
     assert_eq!(labbot.lidar.map(|lidar| (lidar.points, lidar.tilt)), Some((360, 0.0)));

@@ -68,7 +68,9 @@ impl Reader {
         let rim = if self.robi.drive.kind == DriveKind::Ackermann { 0.5 } else { 0.4 };
         (self.robi.max_speed, self.robi.max_turn) = (rim, FRAC_PI_2);
         if self.robi.drive.kind != DriveKind::Omni {
-            self.robi.wheel.max_rate = 2.0 * rim / self.robi.wheel.diameter;
+            // In whole millionths of a degree, which text can say.
+            let rate_deg = unit::degrees_from_radians(2.0 * rim / self.robi.wheel.diameter);
+            self.robi.wheel.max_rate = unit::radians_from_degrees((1e6 * rate_deg).round() / 1e6);
         }
     }
 

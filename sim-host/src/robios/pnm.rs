@@ -46,12 +46,12 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         _ => return Err(PnmError::Kind),
     };
     let mut text = Text { rest };
-    let side = "a number from 1 to 65535";
-    let width = text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("width", side))?;
-    let height = text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
+    let side = "a whole number above 0";
+    let width = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("width", side))?;
+    let height = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
     let most = match kind {
         1 | 4 => 1,
-        _ => text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("greatest value", side))?,
+        _ => text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("greatest value", "a whole number from 1 to 65535"))?,
     };
     let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
     let pixels = u64::from(width) * u64::from(height);
