@@ -10,6 +10,7 @@
 //! in that frame: first about Z, then X, then Y, each clockwise as seen against its axis. Here a body's x is forward,
 //! y left and z up, so that a mesh's point (x, y, z) lies at (z, x, y) in the body if the line has no rotation.
 
+mod bmp;
 mod faults;
 mod mtl;
 mod obj;

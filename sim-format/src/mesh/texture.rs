@@ -8,6 +8,8 @@ use zune_core::bytestream::ZCursor;
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 
+use super::bmp::Bmp;
+
 /// Greatest number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
@@ -95,14 +97,10 @@ fn decode_jpg(bytes: &[u8]) -> Result<Pixels, TextureError> {
 }
 
 fn decode_bmp(bytes: &[u8]) -> Result<Pixels, TextureError> {
-    // The decoder's errors have no words for people.
-    let damaged = || unreadable("its bmp data are damaged, or of a kind that is not read");
-    let most = DecoderOptions::default().set_max_width(1 << 16).set_max_height(1 << 16);
-    let mut decoder = zune_bmp::BmpDecoder::new_with_options(ZCursor::new(bytes), most);
-    decoder.decode_headers().map_err(|_| damaged())?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| unreadable("it has no size"))?;
+    let image = Bmp::open(bytes).map_err(unreadable)?;
+    let [width, height] = image.size;
     let size = checked(width, height)?;
-    Ok(Pixels { size, samples: Samples::Bits8(decoder.decode().map_err(|_| damaged())?) })
+    Ok(Pixels { size, samples: Samples::Bits8(image.decode().map_err(unreadable)?) })
 }
 
 fn unreadable(why: impl std::fmt::Display) -> TextureError {

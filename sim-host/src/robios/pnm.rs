@@ -51,7 +51,10 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     let height = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
     let most = match kind {
         1 | 4 => 1,
-        _ => text.number(65_535).filter(|it| *it > 0).ok_or(PnmError::Header("greatest value", "a whole number from 1 to 65535"))?,
+        _ => text
+            .number(65_535)
+            .filter(|it| *it > 0)
+            .ok_or(PnmError::Header("greatest value", "a whole number from 1 to 65535"))?,
     };
     let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
     let pixels = u64::from(width) * u64::from(height);

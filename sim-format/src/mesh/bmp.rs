@@ -1,0 +1,268 @@
+//! Images in BMP files: 1 to 32 bits a pixel, with a palette, with masks of bits, run-length encoded, from below or from above.
+//!
+//! Source: Microsoft's documentation of BITMAPFILEHEADER, BITMAPCOREHEADER and BITMAPINFOHEADER.
+
+/// Description of a BMP image, from its headers.
+pub(super) struct Bmp<'b> {
+    /// Width and height.
+    pub(super) size: [u32; 2],
+    /// Rows are stored from above.
+    is_top_down: bool,
+    depth: u16,
+    compression: u32,
+    /// Bits of red, green, blue and opacity in a pixel of 16 or 32 bits.
+    masks: [u32; 4],
+    palette: Vec<[u8; 3]>,
+    /// The pixels.
+    data: &'b [u8],
+}
+
+const RGB: u32 = 0;
+const RLE8: u32 = 1;
+const RLE4: u32 = 2;
+const BIT_FIELDS: u32 = 3;
+const ALPHA_BIT_FIELDS: u32 = 6;
+
+impl<'b> Bmp<'b> {
+    /// Reads the headers.
+    ///
+    /// # Errors
+    /// A reason for people.
+    pub(super) fn open(bytes: &'b [u8]) -> Result<Self, &'static str> {
+        const SHORT: &str = "it ends within its header";
+        let u16_at = |at: usize| Some(u16::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
+        let u32_at = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
+        let (Some(start), Some(header)) = (u32_at(10), u32_at(14)) else { return Err(SHORT) };
+        // Headers of 12 bytes have sizes of 16 bits, and palettes without a fourth byte.
+        let is_core = header == 12;
+        let sides = if is_core {
+            [18, 20].map(|at| u16_at(at).map(|side| i32::from(side as i16)))
+        } else {
+            [18, 22].map(|at| u32_at(at).map(|side| side as i32))
+        };
+        let [Some(width), Some(height)] = sides else { return Err(SHORT) };
+        let Some(depth) = u16_at(if is_core { 24 } else { 28 }) else { return Err(SHORT) };
+        let [compression, colours] = if is_core { [0, 0] } else { [30, 46].map(|at| u32_at(at).unwrap_or(0)) };
+        if width <= 0 || height == 0 {
+            return Err("its width or height is 0");
+        }
+        let is_known = match compression {
+            RGB => matches!(depth, 1 | 2 | 4 | 8 | 16 | 24 | 32),
+            RLE8 => depth == 8,
+            RLE4 => depth == 4,
+            BIT_FIELDS | ALPHA_BIT_FIELDS => matches!(depth, 16 | 32),
+            _ => false,
+        };
+        if !is_known {
+            return Err("its bits for each pixel, or their compression, are of a kind that is not read");
+        }
+        let masks = match (compression, depth) {
+            (BIT_FIELDS | ALPHA_BIT_FIELDS, _) => {
+                let has_alpha = compression == ALPHA_BIT_FIELDS || header >= 56;
+                [54, 58, 62, 66].map(|at| u32_at(at).filter(|_| at < 66 || has_alpha).unwrap_or(0))
+            }
+            (_, 16) => [0x7c00, 0x03e0, 0x001f, 0],
+            _ => [0x00ff_0000, 0x0000_ff00, 0x0000_00ff, 0],
+        };
+        let palette = 14 + header as usize + if header == 40 && compression == BIT_FIELDS { 12 } else { 0 };
+        let most = if depth <= 8 { 1_usize << depth } else { 0 };
+        let count = if colours == 0 { most } else { most.min(colours as usize) };
+        let entry = if is_core { 3 } else { 4 };
+        let stored = bytes.get(palette..).unwrap_or_default().chunks_exact(entry).take(count);
+        Ok(Self {
+            size: [width as u32, height.unsigned_abs()],
+            is_top_down: height < 0,
+            depth,
+            compression,
+            masks,
+            palette: stored.map(|entry| [entry[2], entry[1], entry[0]]).collect(),
+            data: bytes.get(start as usize..).ok_or(SHORT)?,
+        })
+    }
+
+    /// Red, green, blue and opacity of each pixel, from above.
+    ///
+    /// # Errors
+    /// A reason for people.
+    pub(super) fn decode(&self) -> Result<Vec<u8>, &'static str> {
+        const SHORT: &str = "it ends before its last pixel";
+        let [width, height] = self.size.map(|side| side as usize);
+        let mut pixels = vec![255; 4 * width * height];
+        let encoded = match self.compression {
+            RLE8 | RLE4 => Some(self.runs()),
+            _ => None,
+        };
+        let stride = (width * usize::from(self.depth)).div_ceil(32) * 4;
+        for (row, out) in pixels.chunks_exact_mut(4 * width).enumerate() {
+            let stored = if self.is_top_down { row } else { height - 1 - row };
+            if let Some(indices) = &encoded {
+                let row = indices.chunks_exact(width).nth(stored).ok_or(SHORT)?;
+                self.look_up(row.iter().map(|index| usize::from(*index)), out);
+                continue;
+            }
+            // Some writers leave out the padding of the last row.
+            let needed = (width * usize::from(self.depth)).div_ceil(8);
+            let line = self.data.get(stored * stride..stored * stride + needed).ok_or(SHORT)?;
+            match self.depth {
+                depth @ (1 | 2 | 4 | 8) => {
+                    let (depth, mask) = (usize::from(depth), (1_usize << depth) - 1);
+                    let index = |at: usize| {
+                        let bit = at * depth;
+                        usize::from(line[bit / 8]) >> (8 - depth - bit % 8) & mask
+                    };
+                    self.look_up((0..width).map(index), out);
+                }
+                24 => out.chunks_exact_mut(4).zip(line.as_chunks::<3>().0).for_each(|(out, [blue, green, red])| {
+                    out[..3].copy_from_slice(&[*red, *green, *blue]);
+                }),
+                16 => {
+                    let values = line.as_chunks().0.iter().map(|bytes| u16::from_le_bytes(*bytes).into());
+                    out.chunks_exact_mut(4).zip(values).for_each(|(out, value)| self.unpack(value, out));
+                }
+                _ => {
+                    let values = line.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+                    out.chunks_exact_mut(4).zip(values).for_each(|(out, value)| self.unpack(value, out));
+                }
+            }
+        }
+        Ok(pixels)
+    }
+
+    /// Writes the colours of palette `indices`; black beyond the palette.
+    fn look_up(&self, indices: impl Iterator<Item = usize>, out: &mut [u8]) {
+        for (out, index) in out.chunks_exact_mut(4).zip(indices) {
+            out[..3].copy_from_slice(self.palette.get(index).unwrap_or(&[0; 3]));
+        }
+    }
+
+    /// Writes the channels of a pixel that is packed into bits.
+    fn unpack(&self, value: u32, out: &mut [u8]) {
+        for (out, mask) in out.iter_mut().zip(self.masks) {
+            if mask != 0 {
+                let (level, full) = ((value & mask) >> mask.trailing_zeros(), mask >> mask.trailing_zeros());
+                *out = ((u64::from(level) * 255 + u64::from(full) / 2) / u64::from(full)) as u8;
+            }
+        }
+    }
+
+    /// Palette indices of a run-length encoded image, from below; 0 where it says nothing.
+    fn runs(&self) -> Vec<u8> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let mut indices = vec![0; width * height];
+        let (mut column, mut row) = (0, 0);
+        let mut put = |column: &mut usize, row: usize, index: u8| {
+            if *column < width && row < height {
+                indices[row * width + *column] = index;
+            }
+            *column += 1;
+        };
+        let is_four = self.compression == RLE4;
+        let nibble = |byte: u8, at: usize| if at.is_multiple_of(2) { byte >> 4 } else { byte & 15 };
+        let mut rest = self.data;
+        while let [count, value, after @ ..] = rest {
+            rest = after;
+            match (*count, *value) {
+                (0, 0) => (column, row) = (0, row + 1),
+                (0, 1) => break,
+                (0, 2) => {
+                    let [right, up, after @ ..] = rest else { break };
+                    (column, row, rest) = (column + usize::from(*right), row + usize::from(*up), after);
+                }
+                (0, length) => {
+                    let length = usize::from(length);
+                    let bytes = if is_four { length.div_ceil(2) } else { length };
+                    for at in 0..length {
+                        let byte = rest.get(if is_four { at / 2 } else { at }).copied().unwrap_or(0);
+                        put(&mut column, row, if is_four { nibble(byte, at) } else { byte });
+                    }
+                    // Literal pixels are padded to an even number of bytes.
+                    rest = rest.get(bytes.next_multiple_of(2)..).unwrap_or_default();
+                }
+                (count, value) => {
+                    for at in 0..usize::from(count) {
+                        put(&mut column, row, if is_four { nibble(value, at) } else { value });
+                    }
+                }
+            }
+            if row >= height {
+                break;
+            }
+        }
+        indices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A file with a BITMAPINFOHEADER.
+    fn file(size: [i32; 2], depth: u16, compression: u32, between: &[u8], data: &[u8]) -> Vec<u8> {
+        let mut file = b"BM\0\0\0\0\0\0\0\0".to_vec();
+        file.extend((54 + between.len() as u32).to_le_bytes());
+        file.extend(40_u32.to_le_bytes());
+        size.iter().for_each(|side| file.extend(side.to_le_bytes()));
+        file.extend(1_u16.to_le_bytes());
+        file.extend(depth.to_le_bytes());
+        file.extend(compression.to_le_bytes());
+        file.extend([0; 20]);
+        file.extend(between);
+        file.extend(data);
+        file
+    }
+
+    fn palette() -> Vec<u8> {
+        (0..=255).flat_map(|level: u8| [level, level / 3, level ^ (level >> 4), 0]).collect()
+    }
+
+    /// Our pixels and those of the crate `image`.
+    fn both(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
+        let ours = Bmp::open(file).and_then(|bmp| bmp.decode()).expect("an image");
+        let theirs = image::load_from_memory_with_format(file, image::ImageFormat::Bmp).expect("an image");
+        (ours, theirs.into_rgba8().into_raw())
+    }
+
+    #[test]
+    fn every_depth_and_compression_as_the_crate_image_reads_it() {
+        let masks = |masks: [u32; 3]| masks.into_iter().flat_map(u32::to_le_bytes).collect::<Vec<u8>>();
+        let data: Vec<u8> = (0..400_u32).map(|at| (at * 37 % 251) as u8).collect();
+        for (depth, compression, between) in [
+            (1, RGB, palette()[..8].to_vec()),
+            (4, RGB, palette()[..64].to_vec()),
+            (8, RGB, palette()),
+            (16, RGB, Vec::new()),
+            (16, BIT_FIELDS, masks([0xf800, 0x07e0, 0x001f])),
+            (24, RGB, Vec::new()),
+            (32, RGB, Vec::new()),
+            (32, BIT_FIELDS, masks([0xff, 0xff00, 0x00ff_0000])),
+        ] {
+            for size in [[5, 3], [8, 2], [1, 1], [3, -4]] {
+                let (ours, theirs) = both(&file(size, depth, compression, &between, &data));
+                let near = ours.iter().zip(&theirs).all(|(a, b)| a.abs_diff(*b) <= 1);
+                assert!(near && ours.len() == theirs.len(), "{depth} bits, {compression}, {size:?}");
+            }
+        }
+        for (depth, compression, runs) in [
+            (8, RLE8, &[3, 7, 0, 0, 0, 3, 1, 2, 3, 0, 0, 2, 1, 1, 2, 9, 0, 1][..]),
+            (4, RLE4, &[5, 0x12, 0, 0, 0, 5, 0x12, 0x34, 0x50, 0, 0, 1]),
+        ] {
+            let (ours, theirs) = both(&file([5, 4], depth, compression, &palette()[..4 << depth], runs));
+            // Pixels that no run covers are black there, and of the first colour here, which is black in this palette.
+            assert_eq!(ours, theirs, "{compression}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_panic(
+            width in -3..9_i32, height in -3..9_i32, depth in 0..40_u16, compression in 0..8_u32,
+            rest in prop::collection::vec(any::<u8>(), 0..200), cut in 0..300_usize,
+        ) {
+            let mut file = file([width, height], depth, compression, &[], &rest);
+            file.truncate(cut);
+            _ = Bmp::open(&file).and_then(|bmp| bmp.decode());
+        }
+    }
+}
