@@ -36,15 +36,15 @@ impl Moments {
         Self { count, mean, variance: of(2), fourth: of(4) }
     }
 
-    /// p-value of the mean being `mean` if the variance is `variance`.
+    /// p-value of the hypothesis that the distribution has the mean `mean`, for a known variance `variance`.
     pub fn mean_is(&self, mean: f64, variance: f64) -> f64 {
         two_sided((self.mean - mean) / (variance / self.count).sqrt())
     }
 
-    /// p-value of the variance being `variance`: the variance of the sample variance is (m4 - v^2) / n.
+    /// p-value of the hypothesis that the distribution has the variance `variance`: the variance of the sample variance is (m4 - v^2) / n.
     pub fn variance_is(&self, variance: f64) -> f64 {
-        let spread = ((self.fourth - self.variance * self.variance) / self.count).sqrt();
-        two_sided((self.variance - variance) / spread)
+        let standard_error = ((self.fourth - self.variance * self.variance) / self.count).sqrt();
+        two_sided((self.variance - variance) / standard_error)
     }
 }
 
@@ -59,7 +59,8 @@ pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 
     steps.fold(0.0, f64::max)
 }
 
-/// Kolmogorov-Smirnov test: p-value of `sample` following the continuous distribution `cdf`, by Stephens' approximation.
+/// Kolmogorov-Smirnov test: p-value of the hypothesis that `sample` follows the continuous distribution `cdf`, by Stephens'
+/// approximation.
 pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     let distance = kolmogorov_distance(sample, cdf);
     let root = (sample.len() as f64).sqrt();
@@ -74,8 +75,8 @@ pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Pearson's chi-squared test: p-value of counts whose expectations are `expected`, with the same sum. A class that expects fewer
-/// than 10 is merged with the next. By Wilson's and Hilferty's approximation.
+/// Pearson's chi-squared test: p-value of `counts` under the hypothesis that their expected values are `expected`, which has the same
+/// sum. Adjacent classes are merged until each has an expected count of at least 10. By Wilson's and Hilferty's approximation.
 ///
 /// # Panics
 /// If there are fewer than two classes left, or not as many counts as expectations.
@@ -95,8 +96,8 @@ pub fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
     assert!(classes.len() > 1, "two classes at least");
     let squares = classes.iter().map(|(count, expected)| (count - expected).powi(2) / expected);
     let (statistic, freedom) = (squares.sum::<f64>(), classes.len() as f64 - 1.0);
-    let share = 2.0 / (9.0 * freedom);
-    1.0 - normal_cdf(((statistic / freedom).cbrt() - (1.0 - share)) / share.sqrt())
+    let variance = 2.0 / (9.0 * freedom);
+    1.0 - normal_cdf(((statistic / freedom).cbrt() - (1.0 - variance)) / variance.sqrt())
 }
 
 /// Exact binomial test: p-value of `count` hits in `trials`, each with `probability`; twice the smaller tail.
@@ -105,7 +106,7 @@ pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
         let certain = if probability <= 0.0 { 0 } else { trials };
         return f64::from(u8::from(count == certain));
     }
-    // From the most probable number outwards, as multiples of its probability, until they vanish.
+    // Sums the probabilities outwards from the mode, relative to that of the mode, until they underflow to 0.
     let mode = ((trials + 1) as f64 * probability).floor().min(trials as f64) as u64;
     let odds = probability / (1.0 - probability);
     let (mut all, mut below, mut above) = (0.0, 0.0, 0.0);
@@ -133,7 +134,7 @@ pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
     (2.0 * tail / all).min(1.0)
 }
 
-/// p-value of two samples being pairwise uncorrelated.
+/// p-value of the hypothesis that two paired samples are uncorrelated.
 ///
 /// # Panics
 /// If their lengths differ.

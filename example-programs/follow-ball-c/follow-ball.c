@@ -1,4 +1,4 @@
-/* Finds a ball by its colour, drives to it and stops before it.
+/* Finds a ball by its colour, drives to it and stops in front of it.
  *
  * A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
  * are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with most of them.

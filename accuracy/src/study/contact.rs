@@ -1,11 +1,11 @@
-//! `contact`: the instant at which a robot hits a wall, by the closed form and by testing for overlap after each step.
+//! `contact`: error of the instant at which a robot hits a wall: by the core's closed form, and by testing for overlap after each step.
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::touch::{Approach, Case};
 use crate::world::Random;
 
 pub const STUDY: Study =
-    Study { name: "contact", title: "Instant at which a robot meets a wall, against the length of the step", run };
+    Study { name: "contact", title: "Error of the contact time as a function of the step length", run };
 
 /// Step lengths of the simulator that tests for overlap after each step, s.
 const STEPS: [f64; 6] = [0.2, 0.05, 0.01, 1e-3, 1e-4, 1e-5];
@@ -17,8 +17,8 @@ fn run(effort: Effort) -> Outcome {
     for approach in Approach::ALL {
         let mut random = Random::new(5);
         let cases: Vec<Case> = (0..effort.of(1_000)).map(|_| Case::draw(&mut random, approach)).collect();
-        let found = |case: &Case| (case.by_core().expect("every case is a contact") - case.instant).abs();
-        let error = cases.iter().map(found).fold(0.0, f64::max);
+        let error_of = |case: &Case| (case.by_core().expect("every case is a contact") - case.instant).abs();
+        let error = cases.iter().map(error_of).fold(0.0, f64::max);
         let time_ns = nanoseconds(20, cases.len(), || cases.iter().filter_map(Case::by_core).sum::<f64>());
         rows.push(row("closed form", approach.name().to_owned(), error, time_ns));
     }
@@ -27,10 +27,10 @@ fn run(effort: Effort) -> Outcome {
         // Short steps mean many steps, hence fewer cases.
         let count = ((effort.of(1_000) as f64 * step.sqrt()) as usize).clamp(8, 400);
         let cases: Vec<Case> = (0..count).map(|_| Case::draw(&mut random, Approach::Oblique)).collect();
-        let late = |case: &Case| {
+        let lateness = |case: &Case| {
             case.by_steps(step, case.instant + HORIZON).map_or(HORIZON, |instant| (instant - case.instant).abs())
         };
-        let error = cases.iter().map(late).fold(0.0, f64::max);
+        let error = cases.iter().map(lateness).fold(0.0, f64::max);
         let time_ns = nanoseconds(1, cases.len(), || {
             cases.iter().filter_map(|case| case.by_steps(step, case.instant + HORIZON)).sum::<f64>()
         });

@@ -1,4 +1,4 @@
-//! `rays-2d`: rays among walls, by the index, by brute force in doubles, and by brute force in single precision.
+//! `rays-2d`: rays among walls, by the spatial index, by brute force in doubles, and by brute force in single precision.
 
 use glam::{DVec2, Vec2};
 use sim_core::scene::{Bounds, Segment, Walls};
@@ -9,9 +9,9 @@ use crate::wide::Wide;
 use crate::world::{self, Random};
 
 pub const STUDY: Study =
-    Study { name: "rays-2d", title: "Distance along a ray among vertical walls, against their number", run };
+    Study { name: "rays-2d", title: "Ray casting among vertical walls: error and time by number of walls", run };
 
-/// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
+/// Numbers of boxes in the room. Each box has 4 walls; the room adds 4 more.
 const BOXES: [usize; 5] = [2, 24, 74, 249, 2_499];
 /// Floor area per wall, square metres: 300 walls in a room of 20 m.
 const AREA: f64 = 400.0 / 300.0;
@@ -19,7 +19,7 @@ const AREA: f64 = 400.0 / 300.0;
 const RANGE: f64 = 30.0;
 
 fn run(effort: Effort) -> Outcome {
-    let settings = BOXES.map(|boxes| in_room(effort, boxes));
+    let settings = BOXES.map(|boxes| measure_room(effort, boxes));
     let methods = (0..METHODS).flat_map(|method| settings.iter().map(move |rows| rows[method].clone()));
     methods.collect::<Vec<_>>().into()
 }
@@ -33,7 +33,8 @@ struct Case {
     truth: f64,
 }
 
-fn in_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
+/// Errors and times of the three methods in a room with boxes.
+fn measure_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
     let count = 4 * (boxes + 1);
     let side = (AREA * count as f64).sqrt();
     let segments = world::room_with_boxes(51, DVec2::ZERO, side, boxes);
@@ -57,7 +58,7 @@ fn in_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
         }),
         measured("single precision", few, &|case| {
             let (origin, direction) = (case.origin.as_vec2(), case.direction.as_vec2());
-            let distances = single.iter().filter_map(|wall| in_single_precision(wall, origin, direction));
+            let distances = single.iter().filter_map(|wall| cast_f32(wall, origin, direction));
             f64::from(distances.fold(RANGE as f32, f32::min))
         }),
     ]
@@ -74,8 +75,8 @@ fn cases(walls: &[Segment], side: f64, count: usize) -> Vec<Case> {
     (0..count.max(10)).map(|_| case()).collect()
 }
 
-/// Cramer's rule as in the oracle, in single precision.
-fn in_single_precision(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
+/// Distance along the ray to a wall by Cramer's rule, as in the oracle but in f32; `None` if the ray misses the wall.
+fn cast_f32(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     let (to_wall, along) = (a - origin, b - a);
     let determinant = direction.perp_dot(along);
     let t = to_wall.perp_dot(along) / determinant;
@@ -83,7 +84,8 @@ fn in_single_precision(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Op
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// Distance to the wall with 32 digits; walls that pass the ray by more than a micrometre in doubles are skipped first.
+/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Walls that the ray misses by more than a micrometre, in
+/// doubles, are skipped.
 fn exact(wall: &Segment, origin: DVec2, direction: DVec2) -> Option<f64> {
     oracle::nearest_wall(std::slice::from_ref(wall), origin, direction, RANGE, 1e-6)?;
     let wide = |point: DVec2| [point.x, point.y].map(Wide::from);

@@ -1,8 +1,9 @@
-//! `sonar`: readings of a sonar against its number of rays.
+//! `sonar`: error of a sonar's readings as a function of its number of rays.
 //!
-//! The closed form for infinite rough walls at a slant: the echo is audible down to the threshold, the root of one equation. In
-//! rooms of rough and smooth walls the reference is brute force: tens of thousands of rays, and the nearest point of each wall, by
-//! formulas other than the core's. For comparison, a sensor with the same beam that evaluates its rays only.
+//! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one
+//! unknown, solved by bisection. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point
+//! of each wall, by formulas other than the core's. For comparison, a sensor with the same beam that samples rays only, without the
+//! nearest points of the walls.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;
@@ -21,14 +22,14 @@ use crate::oracle::nearest_wall;
 use crate::world::{Random, room_with_boxes};
 
 pub const STUDY: Study =
-    Study { name: "sonar", title: "Mean error of what a sonar with a beam reads, against the number of its rays", run };
+    Study { name: "sonar", title: "Mean error of sonar readings as a function of the number of rays", run };
 
 /// Numbers of rays.
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
 /// Number of rays of the reference for rooms, about a ten thousandth of a radian apart.
-const TRUE_RAYS: u32 = 30_000;
+const REFERENCE_RAYS: u32 = 30_000;
 /// Half of the angle over which the reference's rays are spread, rad: echoes from farther aside are inaudible.
-const TRUE_ASIDE: f64 = 1.5;
+const REFERENCE_HALF_ANGLE: f64 = 1.5;
 /// Height of the sensor above the floor, m, large enough that a pitched sensor does not hear the floor.
 const HEIGHT: f64 = 40.0;
 const ME: RobotId = RobotId(1);
@@ -66,14 +67,15 @@ fn run(effort: Effort) -> Outcome {
 
 type Method = fn(&Case, &Sonar) -> Option<f64>;
 
-/// Row of the mean error over the cases and of the time per reading. No return counts as the greatest distance.
+/// Row of the mean error over the cases and of the time per reading. A missing echo counts as a reading of `sonar.max`.
 fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
     let sonar = Sonar { rays, ..Sonar::srf08() };
-    let off = |case: &Case| (read(case, &sonar).unwrap_or(sonar.max) - case.truth.unwrap_or(sonar.max)).abs();
+    let absolute_error =
+        |case: &Case| (read(case, &sonar).unwrap_or(sonar.max) - case.truth.unwrap_or(sonar.max)).abs();
     let repeats = if rays < 1_000 { 3 } else { 1 };
     let mut error = 0.0;
     let time_ns = nanoseconds(repeats, cases.len(), || {
-        error = cases.iter().map(off).sum::<f64>() / cases.len() as f64;
+        error = cases.iter().map(absolute_error).sum::<f64>() / cases.len() as f64;
     });
     Row {
         study: STUDY.name,
@@ -106,11 +108,11 @@ fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
         let (sin, cos) = math::sin_cos(angle);
         let direction = rotation.x_axis * cos + rotation.y_axis * sin;
         let ray = Ray::new(position, direction, nearest.unwrap_or(sonar.max));
-        let Some(met) = case.world.cast(ME, &ray, Time::ZERO) else { continue };
-        let face = met.face.expect("a ray in space meets faces");
-        let energy = sonar.energy(angle.abs(), met.distance, &face, incidence(direction, face.normal));
-        if met.distance >= sonar.min && energy >= sonar.threshold {
-            nearest = Some(met.distance);
+        let Some(hit) = case.world.cast(ME, &ray, Time::ZERO) else { continue };
+        let face = hit.face.expect("a ray in space hits a face");
+        let energy = sonar.energy(angle.abs(), hit.distance, &face, incidence(direction, face.normal));
+        if hit.distance >= sonar.min && energy >= sonar.threshold {
+            nearest = Some(hit.distance);
         }
     }
     nearest
@@ -118,10 +120,10 @@ fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
 
 /// Angle between ray number `ray` of `rays` and the line of sight, rad.
 fn angle_of(ray: u32, rays: u32) -> f64 {
-    TRUE_ASIDE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
+    REFERENCE_HALF_ANGLE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
 }
 
-/// Sensors pitched by up to `pitch` rad in front of a rough wall, 0.3 to 4 m ahead and rotated by up to 80 degrees.
+/// Cases of a sensor pitched by up to `pitch` rad, and a rough wall 0.3 to 4 m ahead that is turned by up to 80 degrees.
 fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     let mut random = Random::new(8);
     let draw = || {
@@ -130,29 +132,29 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
         let (sin, cos) = math::sin_cos(turn);
         let (middle, along) = (DVec2::new(ahead, 0.0), DVec2::new(-sin, cos) * 100.0);
         let walls = Walls::new(vec![Segment::new(middle - along, middle + along)]);
-        // Distance of the wall's foot, and the angle between its direction and the line of sight.
-        let foot = ahead * cos;
-        let across = cos * math::cos(pitch);
-        let aside = math::atan2((1.0 - across * across).sqrt(), across);
+        // Distance of the nearest point of the wall, and the angle between its direction and the line of sight.
+        let nearest_distance = ahead * cos;
+        let cos_off_axis = cos * math::cos(pitch);
+        let off_axis = math::atan2((1.0 - cos_off_axis * cos_off_axis).sqrt(), cos_off_axis);
         Case {
             world: Arc::new(world(walls, vec![Surface::ROUGH])),
             world_from_sensor: Pose3::from_angles(DVec3::new(0.0, 0.0, HEIGHT), 0.0, pitch, 0.0),
-            truth: nearest_audible(foot, aside),
+            truth: nearest_audible(nearest_distance, off_axis),
         }
     };
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Nearest audible distance of a rough plane whose nearest point is `foot` metres away, `aside` rad off the line of sight.
+/// Nearest audible distance of a rough plane whose nearest point is `nearest_distance` metres away, `off_axis` rad off the line of sight.
 ///
-/// A point of the plane at incidence angle alpha is foot / cos(alpha) away, and at least aside - alpha off the line of sight: the
-/// smallest audible alpha is searched from 0 on and refined by bisection.
-fn nearest_audible(foot: f64, aside: f64) -> Option<f64> {
+/// A point of the plane at incidence angle alpha is nearest_distance / cos(alpha) away, and at least off_axis - alpha off the line of
+/// sight: the smallest audible alpha is searched from 0 on and refined by bisection.
+fn nearest_audible(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
-    let distance = |alpha: f64| foot / math::cos(alpha);
-    let is_heard = |alpha: f64| energy(aside - alpha, distance(alpha), math::cos(alpha)) >= sonar.threshold;
+    let distance = |alpha: f64| nearest_distance / math::cos(alpha);
+    let is_heard = |alpha: f64| energy(off_axis - alpha, distance(alpha), math::cos(alpha)) >= sonar.threshold;
     let steps = 10_000;
-    let alphas = (0..=steps).map(|step| aside * f64::from(step) / f64::from(steps));
+    let alphas = (0..=steps).map(|step| off_axis * f64::from(step) / f64::from(steps));
     let first = alphas.clone().position(is_heard)?;
     let alphas: Vec<f64> = alphas.collect();
     let mut heard = alphas[first];
@@ -166,11 +168,12 @@ fn nearest_audible(foot: f64, aside: f64) -> Option<f64> {
     Some(distance(heard)).filter(|distance| *distance <= sonar.max)
 }
 
-/// Energy of an echo from `distance` m, `angle` rad off the line of sight, from a surface that reflects the share `returned`.
-fn energy(angle: f64, distance: f64, returned: f64) -> f64 {
-    let halves = angle / Sonar::srf08().half_angle;
-    let out_and_back = math::exp(-4.0 * LN_2 * halves * halves);
-    if angle.abs() > FRAC_PI_2 { 0.0 } else { out_and_back * returned / (distance * distance) }
+/// Energy of an echo from `distance` m, `angle` rad off the line of sight, from a surface that reflects the share `reflectance` of the
+/// energy in this direction.
+fn energy(angle: f64, distance: f64, reflectance: f64) -> f64 {
+    let angle_ratio = angle / Sonar::srf08().half_angle;
+    let two_way_gain = math::exp(-4.0 * LN_2 * angle_ratio * angle_ratio);
+    if angle.abs() > FRAC_PI_2 { 0.0 } else { two_way_gain * reflectance / (distance * distance) }
 }
 
 /// Sensors in rooms of 6 m with 12 boxes, every other wall 80 % specular.
@@ -190,8 +193,10 @@ fn rooms(count: usize) -> Vec<Case> {
             let origin = DVec2::new(random.between(0.1, 5.9), random.between(0.1, 5.9));
             let forward = random.direction();
             let yaw = math::atan2(forward.y, forward.x);
-            let truths = [true, false].map(|hidden| heard_in_room(&segments, &surfaces, origin, forward, hidden));
-            // The echo of a corner's hidden wall depends on the definition: ambiguous cases are skipped.
+            let truths = [true, false]
+                .map(|include_hidden| heard_in_room(&segments, &surfaces, origin, forward, include_hidden));
+            // Whether the hidden wall of a corner returns an echo is a matter of definition: cases in which it changes the reading are
+            // skipped.
             if truths[0] != truths[1] {
                 continue;
             }
@@ -207,28 +212,28 @@ fn rooms(count: usize) -> Vec<Case> {
 
 /// Nearest echo in a room of upright walls, by brute force.
 ///
-/// A corner belongs to two walls, one of which may be hidden; `hidden` includes the hidden wall.
+/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall returns an echo, too.
 fn heard_in_room(
     segments: &[Segment],
     surfaces: &[Surface],
     origin: DVec2,
     forward: DVec2,
-    hidden: bool,
+    include_hidden: bool,
 ) -> Option<f64> {
     let sonar = Sonar::srf08();
     let mut nearest: Option<f64> = None;
-    let mut hear = |distance: f64, wall: usize, direction: DVec2, is_foot: bool| {
+    let mut hear = |distance: f64, wall: usize, direction: DVec2, is_perpendicular: bool| {
         let along = segments[wall].b - segments[wall].a;
         let cos = (direction.perp_dot(along) / along.length()).abs();
         let Surface { reflectivity, specular } = surfaces[wall];
-        let returned = reflectivity * ((1.0 - specular) * cos + if is_foot { specular } else { 0.0 });
+        let reflectance = reflectivity * ((1.0 - specular) * cos + if is_perpendicular { specular } else { 0.0 });
         let angle = math::atan2(forward.perp_dot(direction), forward.dot(direction));
-        if distance >= sonar.min && energy(angle, distance, returned) >= sonar.threshold {
+        if distance >= sonar.min && energy(angle, distance, reflectance) >= sonar.threshold {
             nearest = Some(nearest.map_or(distance, |nearest| nearest.min(distance)));
         }
     };
-    for ray in 0..TRUE_RAYS {
-        let (sin, cos) = math::sin_cos(angle_of(ray, TRUE_RAYS));
+    for ray in 0..REFERENCE_RAYS {
+        let (sin, cos) = math::sin_cos(angle_of(ray, REFERENCE_RAYS));
         let direction = forward.rotate(DVec2::new(cos, sin));
         if let Some((distance, wall)) = nearest_wall(segments, origin, direction, sonar.max, 0.0) {
             hear(distance, wall, direction, false);
@@ -239,13 +244,14 @@ fn heard_in_room(
         let share = (origin - segment.a).dot(along) / along.length_squared();
         let point = segment.a + share.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
-        // Tolerance of a nanometre for walls that share the point; a hidden wall is not hit a tenth of a micrometre farther along it.
+        // Tolerance of a nanometre for walls that share the point. A second ray aims 0.1 um from the point along the wall: if it hits
+        // another wall, this one is hidden.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
-        let is_open = first.is_none_or(|(first, _)| first > distance - 1e-9);
+        let is_unobstructed = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
         let beside = (point + 1e-7 * inward - origin).normalize_or_zero();
-        let is_seen = || nearest_wall(segments, origin, beside, sonar.max, 0.0).is_some_and(|(_, met)| met == wall);
-        if distance <= sonar.max && is_open && (hidden || is_seen()) {
+        let is_seen = || nearest_wall(segments, origin, beside, sonar.max, 0.0).is_some_and(|(_, hit)| hit == wall);
+        if distance <= sonar.max && is_unobstructed && (include_hidden || is_seen()) {
             hear(distance, wall, direction, (0.0..=1.0).contains(&share));
         }
     }
@@ -263,7 +269,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_rays_come_to_the_truth() {
+    fn the_error_converges_with_the_number_of_rays() {
         // In the plane the error falls with 1/rays, in space with 1/sqrt(rays).
         for (pitch, limits) in [(0.0, [(64, 0.1), (4_096, 2e-3)]), (0.5, [(64, 0.3), (4_096, 0.03)])] {
             let cases = slanting_walls(60, pitch);

@@ -1,8 +1,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Real time in nanoseconds per item, where one call of `work` processes `count` items: the fastest of `repeats` calls, since other
-/// load of the machine only adds time.
+/// Wall-clock time in nanoseconds per item, where one call of `work` processes `count` items: the fastest of `repeats` calls, since
+/// other load of the machine only adds time.
 pub fn nanoseconds<R>(repeats: usize, count: usize, mut work: impl FnMut() -> R) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..repeats.max(1) {
@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_time_is_that_of_one_thing() {
+    fn work_is_called_once_for_each_repeat() {
         let mut calls = 0;
         let time = nanoseconds(3, 10, || calls += 1);
         assert_eq!(calls, 3);

@@ -1,5 +1,8 @@
-//! The reactive planner (Gois and Hiller, section 5): fuses readings into the local map, computes the perception of each shank and from
-//! it the corrections of the steps; the part of a correction that exceeds a leg's limit moves the body.
+//! The reactive planner (Gois and Hiller, section 5): fuses readings into the local map, computes the perception of each shank, and from
+//! these the corrections of the steps. The excess of a correction over a leg's limit moves the body.
+//!
+//! P_H (Eq. 4) is the perception of points too high to step over, a vector from the shank to them; P_L (Eq. 5) that of lower points around
+//! the foothold.
 
 use std::f64::consts::PI;
 
@@ -15,43 +18,46 @@ use crate::perception::{self, Heights};
 
 /// Side of a cell of the local map, m.
 const CELL: f64 = 0.5;
-/// Reach of the map to every side, m: twice the range of the sonars, else the robot would forget why it turned back.
-const REACH: f64 = 14.0;
-/// Estimated heights of obstacles that a step overcomes and of those that it does not, m. Rocks are estimated lower than they are:
-/// a ring of sonars at 0.6 m tells nothing about greater heights, and the surface smooths them.
+/// Half the side of the local map, m: more than twice the range of the sonars, else the robot would forget why it turned back.
+const MAP_HALF_WIDTH: f64 = 14.0;
+/// Ramps of the fuzzy sets `low` (a step overcomes the obstacle) and `high` (no step does): membership rises from 0 at the first height to
+/// 1 at the second, m; that in `low` falls as that in `high` rises. Rocks are estimated lower than they are: the ring of sonars 0.6 m high
+/// measures nothing above that, and the fitted surface smooths rocks.
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
-/// Membership in `high` from which on a point blocks the operator's path.
-const BLOCKS: f64 = 0.5;
-/// Half angle about its line of sight within which a sonar surely hears high obstacles, rad: a little less than half the angle between
+/// A point blocks the operator's path if its membership in `high` is at least this.
+const BLOCKING_MEMBERSHIP: f64 = 0.5;
+/// Half angle about its line of sight within which a sonar reliably hears high obstacles, rad: a little less than half the angle between
 /// two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
-/// Distance up to which a sonar surely hears them, m; and the distance assumed without any echo, which may be a dropout, m.
-const SURE: f64 = 3.5;
-const SILENT: f64 = 2.0;
-/// Height of obstacles below which the sonars that look around hear nothing, m: cells are cleared down to it, that is, to the border of
-/// what blocks. Some doubt remains about a cell that has echoed once.
-const UNHEARD: f64 = 0.3;
+/// Greatest range up to which cells are cleared, m: sonars reliably hear high obstacles within it.
+const CLEAR_RANGE: f64 = 3.5;
+/// Range up to which cells are cleared if there is no echo, m: that may be a dropout.
+const CLEAR_RANGE_NO_ECHO: f64 = 2.0;
+/// Height to which clearing lowers a cell, m: the sonars that look around hear no lower obstacle. It is the height whose membership in
+/// `high` is [`BLOCKING_MEMBERSHIP`], so a cell that has once returned an echo does not become level ground again.
+const CLEARED_HEIGHT: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
 const HIGH_REACH: f64 = 1.6;
 /// l_max of Eq. 5, m from the tip of a leg.
 const LOW_REACH: f64 = 1.0;
 /// Look-ahead time of Eq. 5, s.
 const AHEAD_S: f64 = 0.5;
-/// Shift of a foothold for a P_H of 1, m.
+/// Shift of a foothold for a P_H of length 1, m.
 const SHIFT: f64 = 0.6;
-/// Greatest shift of a leg, m; the body takes the rest.
+/// Greatest shift of a leg, m; the body takes the excess.
 const LEG_LIMIT: f64 = 0.2;
-/// Speed of the body for each metre of a shift that the legs could not take, 1/s.
+/// Speed of the body for each metre of excess, the shift that the legs could not take, 1/s.
 const BODY_GAIN: f64 = 1.5;
-/// Additional lift of a foot for a P_L of 1, m.
+/// Additional lift of a foot for a P_L of length 1, m.
 const LIFT: f64 = 0.4;
 /// Speed of the body on a free way, m/s.
 const SPEED: f64 = 0.3;
 /// Least speed, m/s, however near a high obstacle is: a slow approach may show that it is a phantom.
 const LEAST_SPEED: f64 = 0.06;
-/// Gain of the controller that holds the first heading, rad/s per rad, and its limit, rad/s.
+/// Gain of the controller that holds the first heading, rad/s per rad.
 const HEADING_GAIN: f64 = 0.8;
-const TURN: f64 = 0.1;
+/// Greatest yaw rate, rad/s.
+const MAX_YAW_RATE: f64 = 0.1;
 
 /// Current state of a leg, in the robot's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +85,7 @@ pub struct Reading {
 pub struct Orders {
     /// Velocity of the body in the frame of the robot, m/s.
     pub velocity: Vector2<f64>,
-    /// Turning speed, rad/s.
+    /// Yaw rate, rad/s.
     pub turn: f64,
     /// Correction of each leg: shift of its foothold in the robot's frame (x, y) and additional lift (z), m.
     pub corrections: Vec<Vector3<f64>>,
@@ -109,9 +115,9 @@ impl Planner {
             forgetting: 0.98,
             ..Settings::default()
         };
-        // A single reading tells little about the edge of its beam, and would close gaps.
+        // Without the edge of the beam, where a single reading is uncertain and would close gaps.
         let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
-        let map = LocalMap::new(CELL, REACH, model, settings);
+        let map = LocalMap::new(CELL, MAP_HALF_WIDTH, model, settings);
         Self { map, heading, velocity: Vector2::zeros() }
     }
 
@@ -130,8 +136,8 @@ impl Planner {
                 self.map.observe(&sonar, distance);
             }
             if mount.pitch > 0.0 {
-                let distance = distance.map_or(SILENT, |distance| distance.min(SURE));
-                self.map.clear(&sonar, distance, CLEAR_ANGLE, pose.lift + UNHEARD);
+                let distance = distance.map_or(CLEAR_RANGE_NO_ECHO, |distance| distance.min(CLEAR_RANGE));
+                self.map.clear(&sonar, distance, CLEAR_ANGLE, pose.lift + CLEARED_HEIGHT);
             }
         }
     }
@@ -139,29 +145,29 @@ impl Planner {
     /// Computes the commands for a goal `distance` m away in the direction `bearing` (rad, in the odometry frame).
     pub fn plan(&mut self, pose: &Pose, bearing: f64, distance: f64, legs: &[LegState]) -> Orders {
         let patches = self.map.grid();
-        let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
+        let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKING_MEMBERSHIP);
         let goal = pose.ground.position + direction(bearing) * distance;
         let command = operator::look(&is_high, pose.ground.position, goal, body::RADIUS);
         let speed = (SPEED * command.room / body::RADIUS).clamp(LEAST_SPEED, SPEED).min(distance);
         let wanted = direction(command.direction) * speed;
 
-        let mut too_much = Vector2::zeros();
+        let mut excess = Vector2::zeros();
         let corrections = legs
             .iter()
             .map(|leg| {
-                let (correction, rest) = self.correct(pose, leg, patches.values());
-                too_much += rest;
+                let (correction, leg_excess) = self.correct(pose, leg, patches.values());
+                excess += leg_excess;
                 correction
             })
             .collect();
-        self.velocity = limited(wanted + too_much * BODY_GAIN, SPEED);
+        self.velocity = limited(wanted + excess * BODY_GAIN, SPEED);
         let heading = pose.ground.heading;
-        let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-TURN, TURN);
+        let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-MAX_YAW_RATE, MAX_YAW_RATE);
         Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
     }
 
-    /// Applies the two rules to one leg: away from high points, higher over low ones. The second value is the part of the shift that
-    /// exceeds the leg's limit, in the odometry frame.
+    /// Applies the two rules to one leg: away from high points, higher over low ones. The second value is the excess of the shift over
+    /// the leg's limit, in the odometry frame.
     fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
         let above = |patch: &Patch| patch.z - pose.lift;
         let shank = pose.place(&leg.shank);
@@ -214,27 +220,27 @@ mod tests {
     }
 
     #[test]
-    fn a_foothold_goes_away_from_what_is_high_and_the_body_takes_the_rest() {
-        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.3, 0.8)]);
+    fn a_foothold_moves_away_from_high_points_and_the_body_takes_the_excess() {
+        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.3, 0.8)]);
         // P_H is (1.6 - 0.8) / 1.6 = 1/2 to the left: 0.3 m to the right, of which the leg takes 0.2 m.
         assert!((correction - Vector3::new(0.0, -LEG_LIMIT, 0.0)).norm() < 1e-12, "{correction}");
-        assert!((rest - Vector2::new(0.1, 0.0)).norm() < 1e-12, "to the robot's right: {rest}");
-        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.9, 0.8)]);
+        assert!((excess - Vector2::new(0.1, 0.0)).norm() < 1e-12, "to the robot's right: {excess}");
+        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.9, 0.8)]);
         assert!((correction - Vector3::new(0.0, -0.075, 0.0)).norm() < 1e-12, "{correction}");
-        assert!(rest.norm() < 1e-12, "{rest}");
+        assert!(excess.norm() < 1e-12, "{excess}");
     }
 
     #[test]
-    fn a_foot_in_the_air_is_lifted_over_what_is_low() {
+    fn a_foot_in_the_air_is_lifted_over_low_points() {
         let low = [patch(1.5, 0.5, 0.19), patch(1.0, 0.5, 0.0)];
-        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(true), &low);
+        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(true), &low);
         assert!(correction.z > 0.1 && correction.xy().norm() == 0.0, "{correction}");
-        assert_eq!(rest, Vector2::zeros());
+        assert_eq!(excess, Vector2::zeros());
         assert_eq!(Planner::new(0.0).correct(&pose(), &leg(false), &low).0, Vector3::zeros(), "on the ground");
     }
 
     #[test]
-    fn a_phantom_is_cleared_down_to_the_border_of_what_blocks() {
+    fn a_phantom_is_cleared_down_to_the_least_blocking_height() {
         let mut planner = Planner::new(0.0);
         let pose = Pose { ground: Planar::new(0.0, 0.0, 0.0), lift: 0.0 };
         let reading = |distance| Reading { sonar: 0, pose, distance };
@@ -246,6 +252,6 @@ mod tests {
         for _ in 0..40 {
             planner.observe(&[reading(Some(5.0))]);
         }
-        assert!((height(&planner) - UNHEARD).abs() < 0.02, "{}", height(&planner));
+        assert!((height(&planner) - CLEARED_HEIGHT).abs() < 0.02, "{}", height(&planner));
     }
 }

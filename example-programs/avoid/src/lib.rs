@@ -17,8 +17,8 @@ const SENSORS: [PsdAt; 8] = [
     PsdAt::Right,
     PsdAt::Back,
 ];
-/// Range within which obstacles count; farther readings are free.
-const RANGE: Length = Length::metres(2.0);
+/// Readings beyond this distance count as free space.
+const MAX_DISTANCE: Length = Length::metres(2.0);
 /// Free distance ahead below which the robot turns on the spot.
 const NEAR: Length = Length::metres(0.25);
 /// Number of periods for which the robot keeps a random curve when nothing is near.
@@ -30,11 +30,11 @@ fn main(robot: &Robot) -> Result {
     let drive = robot.drive()?;
     let sensors = robot.psds(SENSORS)?;
     let ticker = robot.ticker(PERIOD);
-    let mut mood = Mood::Cruise { curve: TurnRate::ZERO, left: 0 };
+    let mut state = State::Cruise { curve: TurnRate::ZERO, left: 0 };
     loop {
-        let distances = sensors.each_ref().map(|psd| psd.distance().unwrap_or(RANGE).min(RANGE));
-        mood = mood.next(&distances, robot);
-        let (forward, turn) = mood.speed(&distances);
+        let distances = sensors.each_ref().map(|psd| psd.distance().unwrap_or(MAX_DISTANCE).min(MAX_DISTANCE));
+        state = state.next(&distances, robot);
+        let (forward, turn) = state.command(&distances);
         drive.set_speed(forward, turn)?;
         ticker.wait();
     }
@@ -42,14 +42,14 @@ fn main(robot: &Robot) -> Result {
 
 /// State of the behaviour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mood {
+enum State {
     /// Drives along a curve for `left` more periods.
     Cruise { curve: TurnRate, left: u32 },
     /// Turns on the spot until the way is free.
     Turn { rate: TurnRate },
 }
 
-impl Mood {
+impl State {
     fn next(self, distances: &[Length; 8], robot: &Robot) -> Self {
         let ahead = ahead(distances);
         match self {
@@ -60,7 +60,8 @@ impl Mood {
         }
     }
 
-    fn speed(self, distances: &[Length; 8]) -> (Speed, TurnRate) {
+    /// Forward speed and turn rate in this state.
+    fn command(self, distances: &[Length; 8]) -> (Speed, TurnRate) {
         match self {
             // Slower towards an obstacle: full speed at four times `NEAR`.
             Self::Cruise { curve, .. } => (CRUISE * (ahead(distances) / (NEAR * 4.0)).min(1.0), curve),
@@ -72,7 +73,7 @@ impl Mood {
 /// Free distance ahead.
 fn ahead(distances: &[Length; 8]) -> Length {
     let [_, left_diagonal, front_left, front, front_right, right_diagonal, _, _] = *distances;
-    // Diagonally there may be less room.
+    // A diagonal reading of 1 m leaves as much room as 1.4 m ahead: obstacles there are partly beside the way.
     front.min(front_left).min(front_right).min(left_diagonal * 1.4).min(right_diagonal * 1.4)
 }
 
@@ -97,8 +98,10 @@ mod tests {
         let mut fake = Fake::new().seed(seed).until(20.seconds());
         for (at, direction_deg) in SENSORS.into_iter().zip(DIRECTIONS_DEG) {
             fake = fake.psd(at, move |now| {
-                let slope = (now.position.phi + direction_deg.degrees()).cos();
-                (slope > 0.01).then(|| (1.metres() - now.position.x) / slope).filter(|distance| *distance < RANGE)
+                let cosine = (now.position.phi + direction_deg.degrees()).cos();
+                (cosine > 0.01)
+                    .then(|| (1.metres() - now.position.x) / cosine)
+                    .filter(|distance| *distance < MAX_DISTANCE)
             });
         }
         fake.run(main).expect_time_up()
@@ -122,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn its_turns_are_a_function_of_the_seed() {
+    fn turns_are_a_function_of_the_seed() {
         assert_eq!(drive_at_a_wall(7).position(), drive_at_a_wall(7).position());
         assert_ne!(drive_at_a_wall(7).position(), drive_at_a_wall(8).position());
     }

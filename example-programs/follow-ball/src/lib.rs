@@ -1,8 +1,8 @@
-//! Finds a ball by its colour, drives to it and stops before it.
+//! Finds a ball by its colour, drives to it and stops in front of it.
 //!
 //! A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
-//! are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with most of them.
-//! Its width gives the distance of the ball.
+//! are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of adjacent columns with the most
+//! ball pixels, where each column has at least two. The width of the run gives the distance of the ball.
 //!
 //! Optional argument: the hue, 0 to 255: `follow-ball 65`.
 
@@ -13,9 +13,10 @@ robios_api::program!(main);
 
 /// The hue of orange.
 const ORANGE: u8 = 65;
-const HUE_ERROR: u8 = 10;
+/// Greatest difference from the wanted hue.
+const HUE_TOLERANCE: u8 = 10;
 const LEAST_SATURATION: u8 = 175;
-/// Nearly black pixels have any hue.
+/// The hue of darker, nearly black pixels is arbitrary.
 const LEAST_INTENSITY: u8 = 25;
 
 const RADIUS: Length = Length::metres(0.05);
@@ -24,7 +25,8 @@ const STOP: Length = Length::metres(0.13);
 const SPEED: Speed = Speed::metres_per_second(0.25);
 /// Turn rate of the search, and greatest turn rate.
 const TURN: TurnRate = TurnRate::degrees_per_second(60.0);
-const ONCE_AROUND: Duration = Duration::from_millis(6700);
+/// Time of a full turn at [`TURN`], 6 s, and a margin.
+const FULL_TURN_TIME: Duration = Duration::from_millis(6700);
 
 const SIZE: ImageSize = ImageSize::QQVGA;
 /// Focal length in pixels, of a camera with a field of view of 60 degrees: half of the width over the tangent of 30 degrees.
@@ -38,7 +40,7 @@ struct Ball {
 }
 
 impl Ball {
-    /// Finds the run of columns with the most pixels of the ball.
+    /// Finds the run of adjacent columns with the most pixels of the ball.
     fn find(mask: &GrayImage) -> Option<Self> {
         let columns = mask.size().columns();
         let mut counts = vec![0; usize::from(columns)];
@@ -69,8 +71,9 @@ impl Ball {
 
     /// Direction of the ball, positive to the left.
     fn direction(self) -> Angle {
-        let off = (f64::from(SIZE.columns() - 1) - f64::from(self.left + self.right)) / 2.0;
-        Angle::towards(Length::metres(FOCAL_PX), Length::metres(off))
+        // Both lengths are in pixels: only their ratio counts.
+        let offset_px = (f64::from(SIZE.columns() - 1) - f64::from(self.left + self.right)) / 2.0;
+        Angle::towards(Length::metres(FOCAL_PX), Length::metres(offset_px))
     }
 }
 
@@ -80,7 +83,7 @@ fn mask_of([hue, saturation, intensity]: &[GrayImage; 3], wanted: u8) -> GrayIma
     let pixels = hue.bytes().iter().zip(saturation.bytes()).zip(intensity.bytes());
     for (is_ball, ((hue, saturation), intensity)) in mask.bytes_mut().iter_mut().zip(pixels) {
         *is_ball = u8::from(
-            hue.abs_diff(wanted) <= HUE_ERROR && *saturation >= LEAST_SATURATION && *intensity >= LEAST_INTENSITY,
+            hue.abs_diff(wanted) <= HUE_TOLERANCE && *saturation >= LEAST_SATURATION && *intensity >= LEAST_INTENSITY,
         );
     }
     mask
@@ -100,7 +103,7 @@ fn show(lcd: Lcd<'_>, image: &ColorImage, mask: &GrayImage, ball: Option<Ball>) 
     write!(lcd.at(10, 0), "ball at {distance:4.0} mm, {direction:3.0} degrees  ")
 }
 
-/// Drives ahead to another place, as far as there is room.
+/// Drives up to 0.7 m ahead but leaves 0.3 m free in front; backs up 0.1 m if there is less.
 fn move_on(robot: &Robot) -> Result {
     let room = robot.psd(PsdAt::Front)?.distance().map_or(0.7.metres(), |free| free - 0.3.metres());
     let way = if room < Length::ZERO { -0.1.metres() } else { room.min(0.7.metres()) };
@@ -115,7 +118,8 @@ fn move_on(robot: &Robot) -> Result {
 fn main(robot: &Robot) -> Result {
     let wanted = robot.arguments().first().and_then(|hue| hue.parse().ok()).unwrap_or(ORANGE);
     let (drive, lcd, camera) = (robot.drive(), robot.lcd(), robot.camera(SIZE)?);
-    let (mut last_seen, mut side) = (robot.now(), 1.0);
+    // Direction of the search: 1 to the left, -1 to the right, where the ball was last seen.
+    let (mut last_seen, mut search_sign) = (robot.now(), 1.0);
     loop {
         let image = camera.color()?;
         let mask = mask_of(&robot.images().to_hsi(&image), wanted);
@@ -123,29 +127,29 @@ fn main(robot: &Robot) -> Result {
         show(lcd, &image, &mask, ball)?;
         if drive.stall().is_some() {
             drive.straight(-0.15.metres(), SPEED)?.wait()?;
-            drive.turn(60.degrees() * side, TURN)?.wait()?;
+            drive.turn(60.degrees() * search_sign, TURN)?.wait()?;
             move_on(robot)?;
         } else if let Some(ball) = ball {
             if ball.distance() <= STOP {
                 break;
             }
             last_seen = robot.now();
-            side = if ball.direction() < Angle::ZERO { -1.0 } else { 1.0 };
+            search_sign = if ball.direction() < Angle::ZERO { -1.0 } else { 1.0 };
             let (forward, turn) = steer(ball);
             drive.set_speed(forward, turn)?;
         } else {
-            if robot.now() - last_seen > ONCE_AROUND {
+            if robot.now() - last_seen > FULL_TURN_TIME {
                 move_on(robot)?;
                 last_seen = robot.now();
             }
-            drive.set_speed(Speed::ZERO, TURN * side)?;
+            drive.set_speed(Speed::ZERO, TURN * search_sign)?;
         }
     }
     drive.stop()?;
     write!(lcd.at(12, 0), "there")
 }
 
-/// Speed and turn rate towards a ball: slower near the ball, so that the robot stops before it.
+/// Speed and turn rate towards a ball: slower near the ball, so that the robot stops in front of it.
 fn steer(ball: Ball) -> (Speed, TurnRate) {
     let forward = Speed::metres_per_second((ball.distance() - STOP).as_metres() + 0.04);
     let turn = TurnRate::degrees_per_second(2.0 * ball.direction().as_degrees());

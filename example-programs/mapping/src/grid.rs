@@ -1,7 +1,8 @@
 //! Maps of square cells, and pictures of them.
 //!
-//! A [`Frame`] places the cells in the world; a [`Grid`] holds a value for each. Columns go along x, rows along y, both from the
-//! frame's origin, its corner of least x and y. A cell includes its lower and left edges, not its upper and right ones.
+//! A [`Frame`] gives position, extent and resolution of the cells in the world; a [`Grid`] holds a value for each. The column index
+//! increases with x and the row index with y, both from the frame's origin, its minimum corner. A cell includes its lower and left
+//! edges, not its upper and right ones.
 
 use std::io::Cursor;
 use std::ops::{Index, IndexMut};
@@ -10,12 +11,12 @@ use image::{ImageError, ImageFormat, Rgb, RgbImage};
 
 use crate::pose::Point;
 
-/// A cell of a grid, by column (along x) and row (along y), from 0.
+/// A cell of a grid, by its column and row index, from 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Cell {
-    /// Column, along x.
+    /// Index along x.
     pub column: usize,
-    /// Row, along y.
+    /// Index along y.
     pub row: usize,
 }
 
@@ -37,41 +38,41 @@ impl Cell {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
     origin: Point,
-    size: f64,
+    cell_size: f64,
     columns: usize,
     rows: usize,
 }
 
 impl Frame {
-    /// Cells of `size` x `size` metres, the first with its corner of least x and y at `origin`.
+    /// Cells of `cell_size` x `cell_size` metres, the first with its minimum corner at `origin`.
     ///
     /// # Panics
-    /// If `size` is not above 0 and finite, `origin` not finite, or there are no cells.
-    pub fn new(origin: Point, size: f64, columns: usize, rows: usize) -> Self {
-        assert!(size > 0.0 && size.is_finite(), "a cell of {size} m");
+    /// If `cell_size` is not above 0 and finite, `origin` not finite, or there are no cells.
+    pub fn new(origin: Point, cell_size: f64, columns: usize, rows: usize) -> Self {
+        assert!(cell_size > 0.0 && cell_size.is_finite(), "a cell of {cell_size} m");
         assert!(origin.x.is_finite() && origin.y.is_finite(), "an origin at {origin}");
         assert!(columns > 0 && rows > 0, "a grid of {columns} x {rows} cells");
-        Self { origin, size, columns, rows }
+        Self { origin, cell_size, columns, rows }
     }
 
-    /// The fewest cells of `size` metres from `least` that cover everything up to `greatest`.
+    /// The smallest grid of cells of `cell_size` metres, with its minimum corner at `min`, that covers the rectangle from `min` to `max`.
     ///
     /// # Panics
     /// As [`Frame::new`].
-    pub fn covering(least: Point, greatest: Point, size: f64) -> Self {
-        // A millionth of a cell too many is a rounding error, not a column.
-        let cells = |length: f64| (length / size - 1e-6).ceil().max(1.0) as usize;
-        Self::new(least, size, cells(greatest.x - least.x), cells(greatest.y - least.y))
+    pub fn covering(min: Point, max: Point, cell_size: f64) -> Self {
+        // Tolerance: an excess of up to a millionth of a cell is rounding and adds no column.
+        let cells = |length: f64| (length / cell_size - 1e-6).ceil().max(1.0) as usize;
+        Self::new(min, cell_size, cells(max.x - min.x), cells(max.y - min.y))
     }
 
-    /// The corner of least x and y, in metres.
+    /// The minimum corner, in metres.
     pub fn origin(&self) -> Point {
         self.origin
     }
 
     /// The length of a cell's side, in metres.
     pub fn cell_size(&self) -> f64 {
-        self.size
+        self.cell_size
     }
 
     /// Number of cells along x.
@@ -91,20 +92,20 @@ impl Frame {
 
     /// The cell in which a point lies; `None` beyond the grid.
     pub fn cell_at(&self, point: Point) -> Option<Cell> {
-        let steps = self.in_cells(point);
-        let inside = |steps: f64, count: usize| (0.0..count as f64).contains(&steps);
-        (inside(steps.x, self.columns) && inside(steps.y, self.rows))
-            .then(|| Cell::new(steps.x as usize, steps.y as usize))
+        let in_cells = self.in_cells(point);
+        let inside = |coordinate: f64, count: usize| (0.0..count as f64).contains(&coordinate);
+        (inside(in_cells.x, self.columns) && inside(in_cells.y, self.rows))
+            .then(|| Cell::new(in_cells.x as usize, in_cells.y as usize))
     }
 
     /// A point in units of cells from the grid's origin: (0.5, 0.5) is the middle of the first cell.
     pub fn in_cells(&self, point: Point) -> Point {
-        Point::from((point - self.origin) / self.size)
+        Point::from((point - self.origin) / self.cell_size)
     }
 
     /// The middle of a cell, in metres; also for cells beyond the grid.
     pub fn centre(&self, cell: Cell) -> Point {
-        let middle = |index: usize| (index as f64 + 0.5) * self.size;
+        let middle = |index: usize| (index as f64 + 0.5) * self.cell_size;
         Point::new(self.origin.x + middle(cell.column), self.origin.y + middle(cell.row))
     }
 
@@ -119,8 +120,8 @@ impl Frame {
         let frame = *self;
         let at = self.in_cells(point);
         let span = |middle: f64, count: usize| {
-            let reach = radius / frame.size + 0.5;
-            let bound = |steps: f64| steps.clamp(0.0, count as f64) as usize;
+            let reach = radius / frame.cell_size + 0.5;
+            let bound = |coordinate: f64| coordinate.clamp(0.0, count as f64) as usize;
             bound((middle - reach).floor())..bound((middle + reach).ceil())
         };
         let (columns, rows) = (span(at.x, self.columns), span(at.y, self.rows));
@@ -152,7 +153,7 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// A grid whose values `value` computes, called cell by cell, row by row.
+    /// Calls `value` for each cell, row by row, and stores the results.
     pub fn from_fn(frame: Frame, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
@@ -197,7 +198,8 @@ impl<T> Grid<T> {
         Grid { frame: self.frame, values: self.values.iter().map(change).collect() }
     }
 
-    /// A picture with the colour of each cell (red, green, blue) as a square of `pixels` x `pixels`; x to the right, y up.
+    /// A picture with the colour of each cell (red, green, blue) as a square of `pixels` x `pixels`; x to the right, y to the
+    /// top.
     ///
     /// # Panics
     /// If `pixels` is 0 or the picture has more than 2^32 pixels a side.
@@ -259,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn points_lie_in_cells_that_have_their_lower_and_left_edges() {
+    fn cells_are_half_open_at_their_upper_and_right_edges() {
         let check = |x, y, expected| assert_eq!(frame().cell_at(Point::new(x, y)), expected, "({x}, {y})");
         check(-1.0, 2.0, Some(Cell::new(0, 0)));
         check(-0.5, 2.49, Some(Cell::new(1, 0)));
@@ -279,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_covers_what_it_is_told_and_no_more() {
+    fn a_frame_covers_the_rectangle_and_no_more() {
         let covering = |width, size| Frame::covering(Point::origin(), Point::new(width, 1.0), size).columns();
         assert_eq!((covering(4.0, 0.05), covering(4.01, 0.05), covering(0.3, 0.1), covering(0.0, 0.1)), (80, 81, 3, 1));
     }
@@ -317,7 +319,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "in a grid of 4 x 3 cells")]
-    fn a_cell_beyond_the_grid_is_no_other_cell() {
+    fn indexing_outside_the_grid_panics() {
         let _ = Grid::new(frame(), 0)[Cell::new(4, 0)];
     }
 }

@@ -17,18 +17,18 @@ use crate::pose::Point;
 pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
     let (from, to) = (frame.in_cells(from), frame.in_cells(to));
     let (left, right) = if from.x <= to.x { (from, to) } else { (to, from) };
-    let height = |x: f64| {
+    let y_at = |x: f64| {
         let share = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
         left.y + share * (right.y - left.y)
     };
     // One cell more to each side, since a point on an edge belongs to both cells; then each cell is tested exactly.
     let range = |least: f64, greatest: f64, count: usize| {
-        let bound = |steps: f64| steps.clamp(0.0, count as f64) as usize;
+        let bound = |coordinate: f64| coordinate.clamp(0.0, count as f64) as usize;
         bound(least.floor() - 1.0)..bound(greatest.floor() + 2.0)
     };
     let mut cells = Vec::new();
     for column in range(left.x, right.x, frame.columns()) {
-        let (mut low, mut high) = (height(column as f64), height(column as f64 + 1.0));
+        let (mut low, mut high) = (y_at(column as f64), y_at(column as f64 + 1.0));
         if right.x <= left.x {
             (low, high) = (left.y, right.y);
         }
@@ -57,7 +57,7 @@ fn touches(cell: Cell, from: Point, to: Point) -> bool {
 /// lies off the line in the direction of the y steps, and the next step goes along x; if F is below 0, along y; if F is 0, along x
 /// (our choice).
 pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
-    let (all_x, all_y, towards) = steps(from, to);
+    let (all_x, all_y, cell_after) = steps(from, to);
     let (mut x, mut y, mut deviation) = (0, 0, 0);
     let mut cells = vec![from];
     while x + y < all_x + all_y {
@@ -68,30 +68,30 @@ pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
             y += 1;
             deviation += all_x;
         }
-        cells.push(towards(x, y));
+        cells.push(cell_after(x, y));
     }
     cells
 }
 
 /// The cells from `from` to `to` by DDA, both included.
 ///
-/// Integers only: at every beat each axis adds its number of steps to an accumulator, whose size is the larger number, and steps
-/// when it overflows. Accumulators begin half full, so the shorter axis is rounded to the nearest cell.
+/// Integers only. Equivalent to two accumulators of size max(|dx|, |dy|): at each tick, each axis adds its number of steps, |dx| or |dy|,
+/// and steps on overflow; computed here in closed form. Accumulators begin half full, so the shorter axis is rounded to the nearest cell.
 pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
-    let (all_x, all_y, towards) = steps(from, to);
-    let beats = all_x.max(all_y);
-    let along = |all: i64, beat: i64| if beats == 0 { 0 } else { (2 * all * beat + beats) / (2 * beats) };
-    (0..=beats).map(|beat| towards(along(all_x, beat), along(all_y, beat))).collect()
+    let (all_x, all_y, cell_after) = steps(from, to);
+    let ticks = all_x.max(all_y);
+    let along = |all: i64, tick: i64| if ticks == 0 { 0 } else { (2 * all * tick + ticks) / (2 * ticks) };
+    (0..=ticks).map(|tick| cell_after(along(all_x, tick), along(all_y, tick))).collect()
 }
 
-/// Steps along x and y between two cells, and a function that gives the cell after some of them.
+/// Numbers of steps along x and y between two cells, and a function that returns the cell after some steps along x and y.
 fn steps(from: Cell, to: Cell) -> (i64, i64, impl Fn(i64, i64) -> Cell) {
-    let towards = move |start: usize, end: usize, steps: i64| {
+    let index_after = move |start: usize, end: usize, steps: i64| {
         if end >= start { start + steps as usize } else { start - steps as usize }
     };
     let all_x = from.column.abs_diff(to.column) as i64;
     let all_y = from.row.abs_diff(to.row) as i64;
-    (all_x, all_y, move |x, y| Cell::new(towards(from.column, to.column, x), towards(from.row, to.row, y)))
+    (all_x, all_y, move |x, y| Cell::new(index_after(from.column, to.column, x), index_after(from.row, to.row, y)))
 }
 
 #[cfg(test)]
@@ -109,17 +109,18 @@ mod tests {
     /// Returns true if a line between points in eighths of a cell touches a closed square, by clipping the line at the square's sides,
     /// in integers.
     fn meets(cell: Cell, from: (i64, i64), to: (i64, i64)) -> bool {
-        // The part of the line that is left: from `first` to `last` of `parts`, as fractions compared crosswise.
+        // Remaining parameter interval from `first` to `last`, as (numerator, denominator), compared by cross-multiplication
+        // (Liang-Barsky).
         let (mut first, mut last) = ((0, 1), (1, 1));
         let less = |a: (i64, i64), b: (i64, i64)| a.0 * b.1 < b.0 * a.1;
         let low = (cell.column as i64 * 8, cell.row as i64 * 8);
         for (start, way, low) in [(from.0, to.0 - from.0, low.0), (from.1, to.1 - from.1, low.1)] {
-            for (towards, room) in [(way, low + 8 - start), (-way, start - low)] {
-                // towards * t <= room
-                match towards.signum() {
-                    0 if room < 0 => return false,
-                    1 if less((room, towards), last) => last = (room, towards),
-                    -1 if less(first, (-room, -towards)) => first = (-room, -towards),
+            for (p, q) in [(way, low + 8 - start), (-way, start - low)] {
+                // p * t <= q
+                match p.signum() {
+                    0 if q < 0 => return false,
+                    1 if less((q, p), last) => last = (q, p),
+                    -1 if less(first, (-q, -p)) => first = (-q, -p),
                     _ => {}
                 }
             }
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn the_three_differ_where_the_line_is_steep_and_slow() {
+    fn the_three_algorithms_differ_on_a_shallow_line() {
         let cells = |list: &[(usize, usize)]| list.iter().map(|(x, y)| Cell::new(*x, *y)).collect::<Vec<_>>();
         let (from, to) = (Cell::new(0, 0), Cell::new(4, 1));
         assert_eq!(point_by_point(from, to), cells(&[(0, 0), (1, 0), (1, 1), (2, 1), (3, 1), (4, 1)]));
@@ -163,7 +164,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(400))]
         #[test]
-        fn supercover_agrees_with_cutting(from in (-20i64..220, -20i64..220), to in (-20i64..220, -20i64..220)) {
+        fn supercover_agrees_with_clipping(from in (-20i64..220, -20i64..220), to in (-20i64..220, -20i64..220)) {
             let point = |(x, y): (i64, i64)| Point::new(x as f64 / 8.0, y as f64 / 8.0);
             let mut cells = supercover(&frame(), point(from), point(to));
             cells.sort();
@@ -171,7 +172,7 @@ mod tests {
         }
 
         #[test]
-        fn both_ways_stay_at_the_line(ends in (0..SIDE, 0..SIDE, 0..SIDE, 0..SIDE)) {
+        fn point_by_point_and_dda_stay_near_the_line(ends in (0..SIDE, 0..SIDE, 0..SIDE, 0..SIDE)) {
             let (from, to) = (Cell::new(ends.0, ends.1), Cell::new(ends.2, ends.3));
             let (wide, high) = (from.column.abs_diff(to.column), from.row.abs_diff(to.row));
             let touched = between_middles(from, to);
@@ -190,7 +191,7 @@ mod tests {
             prop_assert!(by_dda.iter().all(|cell| touched.contains(cell)));
             let near = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
             prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| near(*cell, *other))));
-            // Its deviation stays below one step: |F| <= max(X, Y).
+            // The deviation of point by point is at most one step: |F| <= max(X, Y).
             let (all_x, all_y) = (wide as i64, high as i64);
             for cell in &by_points {
                 let (x, y) = (cell.column.abs_diff(from.column) as i64, cell.row.abs_diff(from.row) as i64);

@@ -52,9 +52,10 @@ pub struct Score {
     pub wrong: usize,
     /// Free cells and surfaces that the map leaves unknown.
     pub unknown: usize,
-    /// Share of the cells classified as occupied that are a surface or have one as a neighbour; NaN without any.
+    /// Share of the cells classified as occupied that are a surface or have one as a neighbour; NaN if no cell is classified as
+    /// occupied.
     pub precision: f64,
-    /// Share of the surfaces that are classified as occupied or have such a neighbour; NaN without any.
+    /// Share of the surfaces that are classified as occupied or have such a neighbour; NaN if there is no surface.
     pub recall: f64,
 }
 
@@ -66,20 +67,24 @@ impl Score {
     pub fn of(map: &Grid<Occupancy>, truth: &Grid<Truth>) -> Self {
         assert_eq!(map.frame(), truth.frame(), "maps of different frames");
         let count = |is_counted: fn(Occupancy, Truth) -> bool| {
-            map.values().iter().zip(truth.values()).filter(|(said, is)| is_counted(**said, **is)).count()
+            map.values()
+                .iter()
+                .zip(truth.values())
+                .filter(|(classified, actual)| is_counted(**classified, **actual))
+                .count()
         };
-        let is_right = |said, is| match said {
-            Occupancy::Free => is == Truth::Free,
-            Occupancy::Occupied => is != Truth::Free,
+        let is_right = |classified, actual| match classified {
+            Occupancy::Free => actual == Truth::Free,
+            Occupancy::Occupied => actual != Truth::Free,
             Occupancy::Unknown => false,
         };
         let right = count(is_right);
         Self {
             right,
-            wrong: count(|said, _| said != Occupancy::Unknown) - right,
-            unknown: count(|said, is| said == Occupancy::Unknown && is != Truth::Hidden),
-            precision: share_near(map, Occupancy::Occupied, truth, Truth::Surface),
-            recall: share_near(truth, Truth::Surface, map, Occupancy::Occupied),
+            wrong: count(|classified, _| classified != Occupancy::Unknown) - right,
+            unknown: count(|classified, actual| classified == Occupancy::Unknown && actual != Truth::Hidden),
+            precision: fraction_with_neighbour(map, Occupancy::Occupied, truth, Truth::Surface),
+            recall: fraction_with_neighbour(truth, Truth::Surface, map, Occupancy::Occupied),
         }
     }
 
@@ -89,9 +94,9 @@ impl Score {
     }
 }
 
-/// The share of the cells with `value` that have `other` in the same cell or a neighbour of the other grid.
-fn share_near<A: PartialEq, B: PartialEq>(grid: &Grid<A>, value: A, others: &Grid<B>, other: B) -> f64 {
-    let cells: Vec<Cell> = grid.iter().filter(|(_, is)| **is == value).map(|(cell, _)| cell).collect();
+/// Of the cells of `grid` equal to `value`, the fraction that has `other` in the same cell or a neighbour in `others`.
+fn fraction_with_neighbour<A: PartialEq, B: PartialEq>(grid: &Grid<A>, value: A, others: &Grid<B>, other: B) -> f64 {
+    let cells: Vec<Cell> = grid.iter().filter(|(_, actual)| **actual == value).map(|(cell, _)| cell).collect();
     let is_near = |cell: &Cell| {
         others[*cell] == other || others.frame().neighbours(*cell).any(|neighbour| others[neighbour] == other)
     };

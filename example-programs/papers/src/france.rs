@@ -386,9 +386,9 @@ fn places(walks: &Walks) -> Table {
         "on the ground",
         "on the obstacle",
         "elsewhere",
-        "nothing",
+        "no echo",
         "profile error, mean (mm)",
-        "at most (mm)",
+        "profile error, greatest (mm)",
         "stops before the obstacle (m)",
     ];
     let mut table = Table::new("places", "All walks", &head);
@@ -455,7 +455,7 @@ fn gait_of_a_child(walk: &Walk, make: &Make<'_>) -> Claim {
     let differences = cycle_angles(walk).map_or([f64::NAN; 3], |angles| source_differences(&angles));
     let paper = "the gait cycle of a child is analogous for the biped robot";
     let ours = format!(
-        "thigh, knee, ankle over a steady cycle against children at free speed, root mean square, within {GAIT_ERROR} degrees"
+        "rms difference of thigh, knee and ankle angles from those of children at free speed, over a steady cycle; at most {GAIT_ERROR} degrees each"
     );
     let number = differences.map(|degrees| format!("{degrees:.1}")).join(", ") + " degrees";
     make("6, Fig. 7", paper, ours, number, differences.iter().all(|degrees| *degrees <= GAIT_ERROR))
@@ -475,7 +475,7 @@ fn two_periods(ideal: &Walk, make: &Make<'_>) -> Claim {
     make(
         "6.3",
         paper,
-        "stretches of readings on the ground before the first on the obstacle".to_owned(),
+        "runs of consecutive readings on the ground before the first reading on the obstacle".to_owned(),
         number,
         periods.len() == 2 && seen.is_some(),
     )
@@ -487,15 +487,21 @@ fn fewer_points(ideal: &Walk, laser: &Walk, make: &Make<'_>) -> Claim {
     let [of_ideal, of_laser] =
         [ideal, laser].map(|walk| walk.points_on(Thing::Floor).filter(|s| s.at <= until).count());
     let number = format!("{of_laser} against {of_ideal} points on the ground");
-    let paper = "the laser range finder gives fewer points, as it loses what it meets beyond 45 degrees";
-    make("6.3", paper, "in the same part of the walk".to_owned(), number, 0 < of_laser && of_laser < of_ideal)
+    let paper = "the laser range finder gives fewer points, as it loses surfaces at incidence angles beyond 45 degrees";
+    make(
+        "6.3",
+        paper,
+        "points on the ground in the same part of the walk, laser against ideal sensor".to_owned(),
+        number,
+        0 < of_laser && of_laser < of_ideal,
+    )
 }
 
 fn obstacle_alone(ultrasonic: &Walk, make: &Make<'_>) -> Claim {
     let [floor, obstacle] = [Thing::Floor, Thing::Obstacle].map(|thing| ultrasonic.points_on(thing).count());
     let number = format!("{floor} points on the ground, {obstacle} on the obstacle");
     let paper = "the ultrasonic sensor detects the vertical obstacle only";
-    make("6.3", paper, "points of its profile".to_owned(), number, floor == 0 && obstacle > 0)
+    make("6.3", paper, "points of its profile by surface".to_owned(), number, floor == 0 && obstacle > 0)
 }
 
 fn range_of_incidence(walks: &Walks, ideal: &Walk, make: &Make<'_>) -> Claim {
@@ -503,7 +509,9 @@ fn range_of_incidence(walks: &Walks, ideal: &Walk, make: &Make<'_>) -> Claim {
     let (low, high) = found.unwrap_or((f64::NAN, f64::NAN));
     let holds = (low - INCIDENCES[0]).abs() <= INCIDENCE_ERROR && (high - INCIDENCES[1]).abs() <= INCIDENCE_ERROR;
     let paper = "incidence on the ground varies within 33 to 78 degrees";
-    let ours = format!("within 2 m, by the true postures every 2 ms; each end within {INCIDENCE_ERROR} degrees");
+    let ours = format!(
+        "incidence within the range of 2 m, from the true postures every 2 ms; each end at most {INCIDENCE_ERROR} degrees off"
+    );
     make("6.3", paper, ours, format!("{low:.1} to {high:.1} degrees"), holds)
 }
 
@@ -519,7 +527,7 @@ fn no_point_at_the_limit(walks: &Walks, make: &Make<'_>) -> Claim {
             }
         }
     }
-    let paper = "a reading of the greatest distance adds no point to the profile";
+    let paper = "a reading of the greatest distance (no echo) adds no point to the profile";
     let number = format!("{points} points from {limits} such readings");
     make("6.2", paper, "all walks with the sensor on the tibia".to_owned(), number, points == 0 && limits > 0)
 }
@@ -533,8 +541,8 @@ fn not_perfectly_adapted(laser: &Walk, reflectance: &Walk, make: &Make<'_>) -> C
         1000.0 * of_laser
     );
     let paper = "the reflectance sensor is not perfectly adapted";
-    let ours =
-        "its profile is off although there is no noise: what is met aslant seems farther, the ground lower".to_owned();
+    let ours = "profile error without noise: surfaces hit obliquely appear farther away, so the ground appears lower"
+        .to_owned();
     make("6.3", paper, ours, number, mean > 10.0 * of_laser && mean > 0.02)
 }
 
@@ -542,7 +550,7 @@ fn level_sensor(walks: &Walks, make: &Make<'_>) -> Claim {
     let walk = walks.of(Place::Body, Kind::Ideal, Noise::Without);
     let [floor, obstacle] = [Thing::Floor, Thing::Obstacle].map(|thing| walk.points_on(thing).count());
     let paper = "a mobile robot's sensor detects vertical obstacles only, no ground";
-    let ours = "level on the body, 0.9 m high: not even the small obstacle".to_owned();
+    let ours = "ideal sensor level on the body, 0.9 m high: it does not even detect the small obstacle".to_owned();
     make("6", paper, ours, format!("{floor} points on the ground, {obstacle} on the obstacle"), floor == 0)
 }
 
@@ -550,11 +558,9 @@ fn exact_profile(walks: &Walks, make: &Make<'_>) -> Claim {
     let worst = [Kind::Ideal, Kind::Laser, Kind::Ultrasonic]
         .map(|kind| mean_and_most(&walks.of(Place::Tibia, kind, Noise::Without).profile_errors()).1);
     let most = worst.into_iter().fold(0.0, f64::max);
-    let paper = "the point that is hit follows from the place of the sensor and the distance";
-    let ours = format!(
-        "points of ideal, laser and ultrasonic sensor without noise are off by at most {:.0} mm",
-        1000.0 * EXACT
-    );
+    let paper = "the point that is hit follows from the pose of the sensor and the distance";
+    let ours =
+        format!("profile error of ideal, laser and ultrasonic sensor without noise; at most {:.0} mm", 1000.0 * EXACT);
     make("6.2", paper, ours, format!("{:.1} mm", 1000.0 * most), most <= EXACT)
 }
 
@@ -565,7 +571,7 @@ fn noise_of_the_paper(walks: &Walks, make: &Make<'_>) -> Claim {
     let square = ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / ratios.len().max(1) as f64;
     let sigma = square.sqrt();
     let paper = "the distance of the laser range finder has the noise d (1 + N), sigma 0.01";
-    let ours = format!("root mean square of d / d_true - 1 over {} readings, within half of it", ratios.len());
+    let ours = format!("rms of d / d_true - 1 over {} readings; 0.01 +- 50 %", ratios.len());
     make("5", paper, ours, format!("{sigma:.4}"), (sigma - SIGMA).abs() <= 0.5 * SIGMA)
 }
 

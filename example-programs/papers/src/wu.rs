@@ -64,8 +64,8 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     case::figures(&mut page)?;
     page.heading("Maps");
     page.text(
-        "White: free, black: occupied, grey: not known. Where a map is wrong: red is said to be occupied and is free, orange is said \
-         to be free and is not. The first picture is the truth: walls as cells that a wall passes, dots where the robot stopped.",
+        "White: free, black: occupied, grey: not known. Where a map is wrong: red cells are marked occupied but are free, orange cells are \
+         marked free but are not. The first picture is the truth: walls as cells that a wall passes, dots where the robot stopped.",
     );
     for run in &mapped {
         page.figure(map_figure(run)?);
@@ -92,7 +92,7 @@ pub const LEAST: (f64, f64, f64) = (0.95, 0.8, 0.7);
 
 fn room_accuracy(room: &Mapped) -> Claim {
     let score = room.score(Kind::Wu);
-    let ours = "of the observed cells of the room, without noise, so many are right";
+    let ours = "share of observed cells that are right, in the room without noise";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
@@ -105,7 +105,7 @@ fn room_accuracy(room: &Mapped) -> Claim {
 
 fn room_precision(room: &Mapped) -> Claim {
     let precision = room.score(Kind::Wu).precision;
-    let ours = "so many cells that are said to be occupied have a wall in them or beside them";
+    let ours = "precision: share of cells marked occupied with a wall in them or in a neighbour";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
@@ -118,7 +118,7 @@ fn room_precision(room: &Mapped) -> Claim {
 
 fn room_recall(room: &Mapped) -> Claim {
     let recall = room.score(Kind::Wu).recall;
-    let ours = "so many cells of walls have an occupied one in them or beside them";
+    let ours = "recall: share of wall cells that are marked occupied or have such a neighbour";
     claim("Summary", "the completeness of the map", ours, percent(recall), recall >= LEAST.2, Weight::Must)
 }
 
@@ -135,8 +135,8 @@ fn against_plain(mirrors: &Mapped) -> Claim {
         percent(plain[0].recall),
         percent(plain[1].recall)
     );
-    let ours = "among mirrors, more observed cells are right and more walls are found than with the plain grid, whether silence is \
-                nothing or free there";
+    let ours = "among mirrors, more observed cells are right and more walls are found than with the plain grid, whether \
+                a missing echo is ignored or frees cells there";
     claim(
         "Features (1)",
         "specular reflection is considered, thus the accuracy is improved",
@@ -150,7 +150,7 @@ fn against_plain(mirrors: &Mapped) -> Claim {
 fn replayed(mapped: &[Mapped]) -> Claim {
     let different: usize = mapped.iter().map(Mapped::differing_cells).sum();
     let cells: usize = mapped.iter().map(|run| run.truth.values().len()).sum();
-    let ours = "the map that the robot made is the one that is built again from what it printed";
+    let ours = "the map built on the robot equals the map rebuilt from the readings that it printed";
     let number = format!("{different} of {cells} cells differ");
     claim("Global Model", "steps 2 to 4, on the robot", ours, number, different == 0, Weight::Must)
 }
@@ -179,13 +179,14 @@ fn told_accuracy(run: &Mapped) -> Claim {
 fn printed_limit(room: &Mapped) -> Claim {
     let (derived, printed, pairs) = room.continuous_pairs();
     let ours = "the limit must be d_A / cos a: d_A cos a is below d_A, so that as printed no pair is continuous";
-    let number = format!("of {pairs} pairs that both hear something {derived} with d_A / cos a, {printed} as printed");
+    let number =
+        format!("continuous, of {pairs} pairs with two echoes: {derived} with d_A / cos a, {printed} as printed");
     claim("Sensor Number", "continuous: d_A <= d_B <= d_A cos a", ours, number, printed > 0, Weight::Told)
 }
 
 fn never_corrected(room: &Mapped) -> Claim {
     let (stuck, wrong, corrected) = room.stuck();
-    let ours = "free cells stay occupied though most stops that heard them said free: Eq. 4 never corrects what was said with confidence; \
+    let ours = "free cells stay occupied although most scans that covered them marked them free: Eq. 4 never corrects a confident value; \
                 the same local grids, added as log-odds, correct most of them";
     let number = format!("{stuck} of {wrong} false obstacles; {corrected} of the {stuck} corrected by log-odds");
     claim("Eq. 4", "the map is updated by the more certain value", ours, number, stuck == 0, Weight::Told)
@@ -194,7 +195,7 @@ fn never_corrected(room: &Mapped) -> Claim {
 fn rasters(room: &Mapped) -> Claim {
     let (by_points, by_dda) = (room.score(Kind::Wu), room.score(Kind::WuDda));
     let different = room.differing(Kind::Wu, Kind::WuDda);
-    let ours = "point-by-point comparison makes lines thicker than DDA; what it adds lies before and behind the wall";
+    let ours = "point-by-point comparison makes lines thicker than DDA; the additional cells lie in front of and behind the wall";
     let number = format!(
         "{different} cells differ; right {} by points, {} by DDA",
         percent(by_points.accuracy()),
@@ -206,7 +207,7 @@ fn rasters(room: &Mapped) -> Claim {
 
 fn told_sonar_noise(noisy: &Mapped) -> Claim {
     let score = noisy.score(Kind::Wu);
-    let ours = "with the sonars of `real` noise (5 mm and 0.5 %, steps of 10 mm, 1 % without an echo, 0.2 % anywhere) and exact odometry";
+    let ours = "with the sonars of `real` noise (5 mm and 0.5 %, steps of 10 mm, 1 % of readings without an echo, 0.2 % at random distances) and exact odometry";
     let number = format!(
         "{} right, precision {}, recall {}",
         percent(score.accuracy()),
@@ -219,7 +220,7 @@ fn told_sonar_noise(noisy: &Mapped) -> Claim {
 
 fn told_noise(noisy: &Mapped) -> Claim {
     let score = noisy.score(Kind::Wu);
-    let ours = "with `real` noise and odometry alone the map is bent: the method does not say where the robot is";
+    let ours = "with `real` noise and odometry alone the map is distorted: the method does not include localisation";
     let (off, turned) = noisy.odometry_error;
     let number = format!(
         "{} right, precision {}, recall {}; odometry ends {:.2} m and {:.0} degrees off",
@@ -302,7 +303,8 @@ fn scores(mapped: &[Mapped]) -> Table {
 }
 
 fn drives(mapped: &[Mapped]) -> Table {
-    let head = ["run", "stops", "looks", "time s", "path m", "contacts", "odometry off, m", "odometry off, degrees"];
+    let head =
+        ["run", "stops", "scans", "time s", "path m", "contacts", "odometry error, m", "odometry error, degrees"];
     let mut table = Table::new("drives", "What the robot did", &head);
     for run in mapped {
         let (off, turned) = run.odometry_error;

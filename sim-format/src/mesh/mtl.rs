@@ -12,7 +12,7 @@ use sim_core::scene::Material;
 /// Greatest number of materials in a file.
 const MAX_MATERIALS: usize = 10_000;
 
-/// Options of `map_Kd` before the name of the image, with their greatest number of words.
+/// Options of `map_Kd` before the name of the image, with their greatest number of values.
 const OPTIONS: [(&str, usize); 10] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -33,7 +33,7 @@ pub(super) struct Entry {
     pub(super) image: Option<PathRef>,
 }
 
-/// Reads materials by name; the first of several with one name counts.
+/// Reads all materials of a file, by name; of several with the same name, the first is used.
 pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
     let mut faults = Faults::new(file);
@@ -63,20 +63,20 @@ fn close(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
 }
 
 fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faults: &mut Faults) {
-    let part = |word: &str| word.parse::<f32>().ok().filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0));
-    let read = match keyword {
+    let fraction = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite()).map(|x| x.clamp(0.0, 1.0));
+    let opacity = match keyword {
         "Kd" => {
-            let parts: Vec<Option<f32>> = rest.split_whitespace().map(part).collect();
+            let channels: Vec<Option<f32>> = rest.split_whitespace().map(fraction).collect();
             // A single number applies to all three channels.
-            match parts[..] {
+            match channels[..] {
                 [Some(grey)] => entry.material.colour = [grey; 3],
                 [Some(red), Some(green), Some(blue), ..] => entry.material.colour = [red, green, blue],
                 _ => return complain(faults, line),
             }
             return;
         }
-        "d" => part(rest.trim_start_matches("-halo").trim()),
-        "Tr" => part(rest).map(|transparency| 1.0 - transparency),
+        "d" => fraction(rest.trim_start_matches("-halo").trim()),
+        "Tr" => fraction(rest).map(|transparency| 1.0 - transparency),
         "map_Kd" => {
             let name = without_options(rest);
             entry.image = (!name.is_empty()).then(|| PathRef { text: name.to_owned(), span: line.span() });
@@ -87,7 +87,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
         }
         _ => return,
     };
-    match read {
+    match opacity {
         // Exporters of robot models write 0 for opaque materials.
         Some(0.0) => entry.material.opacity = 1.0,
         Some(opacity) => entry.material.opacity = opacity,
@@ -104,11 +104,12 @@ fn complain(faults: &mut Faults, line: &Line<'_>) {
 fn without_options(mut rest: &str) -> &str {
     loop {
         let (word, after) = split_word(rest);
-        let Some((_, most)) = OPTIONS.iter().find(|(option, _)| *option == word) else { return rest };
+        let Some((_, max_values)) = OPTIONS.iter().find(|(option, _)| *option == word) else { return rest };
         rest = after;
-        for place in 0..*most {
+        for index in 0..*max_values {
             let (word, after) = split_word(rest);
-            let is_value = place == 0 && *most == 1 || word.parse::<f32>().is_ok();
+            // The value of an option with one value may be any word; several values are numbers.
+            let is_value = index == 0 && *max_values == 1 || word.parse::<f32>().is_ok();
             if !is_value || after.is_empty() {
                 break;
             }

@@ -1,8 +1,8 @@
 //! Protocol between server and page: JSON texts over a WebSocket, documented in `docs/window.md`.
 //!
-//! Lengths in metres, angles in radians, times in seconds, each with its unit in its name; world x to the right, y upwards, z
-//! above the floor. Colours are red, green and blue from 0 to 255. The page's types (`page/src/protocol/`) are generated from
-//! these by the tests of this crate with `INSTA_UPDATE=always`.
+//! Lengths in metres, angles in radians, times in seconds, each with its unit in its name. In the world, seen from above, x points to
+//! the right and y to the top; z is the height above the floor. Colours are red, green and blue from 0 to 255. The page's types
+//! (`page/src/protocol/`) are generated from these types by the tests of this crate with `INSTA_UPDATE=always`.
 
 mod action;
 mod event;
@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the protocol: a page of another version is told to reload.
 pub const PROTOCOL: u32 = 1;
 
-/// Message of the server.
+/// Message from the server to a page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
@@ -56,7 +56,7 @@ pub enum Message {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Welcome {
-    /// [`PROTOCOL`].
+    /// Version of the protocol: [`PROTOCOL`].
     pub protocol: u32,
     /// Version of the simulator.
     pub version: String,
@@ -75,7 +75,7 @@ pub enum Build {
     Running,
     /// All programs are built.
     Done,
-    /// The build failed; the run before stays as it is.
+    /// The build failed; the previous run continues unchanged.
     Failed {
         /// Output of the compiler.
         output: String,
@@ -88,6 +88,6 @@ pub enum Build {
 pub struct Answer {
     /// Number that the page gave the command.
     pub number: u32,
-    /// Reason for the refusal; none if the command was carried out.
+    /// Reason of the refusal; `None` if the command was carried out.
     pub refused: Option<String>,
 }

@@ -24,7 +24,7 @@ pub fn measure(effort: Effort) -> Part {
             let mut intact = 0;
             let time_ns = nanoseconds(effort.of(5), COUNT, || intact = through_channel(errors, bytes));
             let point = point(errors, bytes, intact);
-            rows.push(row(&length(bytes), format!("P_b {}", number(bit_error_rate)), &point, time_ns));
+            rows.push(row(&length(bytes), format!("P_b {}", format_number(bit_error_rate)), &point, time_ns));
             points.push(point);
         }
     }
@@ -33,7 +33,12 @@ pub fn measure(effort: Effort) -> Part {
         let mut intact = 0;
         let time_ns = nanoseconds(effort.of(5), COUNT, || intact = bit_by_bit(errors, BYTES));
         let method = format!("{BYTES} bytes, bit by bit");
-        rows.push(row(&method, format!("P_b {}", number(bit_error_rate)), &point(errors, BYTES, intact), time_ns));
+        rows.push(row(
+            &method,
+            format!("P_b {}", format_number(bit_error_rate)),
+            &point(errors, BYTES, intact),
+            time_ns,
+        ));
     }
     let curve = |bytes: usize| {
         let x = |step: i32| NONE * ten_to(f64::from(step) / 20.0);
@@ -46,7 +51,7 @@ pub fn measure(effort: Effort) -> Part {
     let title = "Share of messages that arrive intact, of which 5 % are lost";
     let labels = ["bit error rate P_b (0 at the left edge)", "share of messages"];
     let curves = LENGTHS.map(curve).to_vec();
-    let picture = Picture { name: "radio-delivery", title, labels, x_scale: Scale::Logarithmic, curves, points };
+    let picture = Comparison { name: "radio-delivery", title, labels, x_scale: Scale::Logarithmic, curves, points };
     Part { rows, picture }
 }
 
@@ -72,8 +77,9 @@ fn through_channel(errors: RadioNoise, bytes: usize) -> usize {
     let mut intact = 0;
     for batch in 0..COUNT / 100 {
         let sequences = 100 * batch as u64 + 1..=100 * (batch as u64 + 1);
-        let sendings = sequences.map(|sequence| sending(2, sequence, Address::One(1), payload.clone(), Time::ZERO));
-        for delivery in channel.exchange(Time::ZERO, sendings.collect()) {
+        let messages =
+            sequences.map(|sequence| sent_message(2, sequence, Address::One(1), payload.clone(), Time::ZERO));
+        for delivery in channel.exchange(Time::ZERO, messages.collect()) {
             intact += usize::from(delivery.outcome.is_ok_and(|arrived| arrived.payload == payload));
         }
     }

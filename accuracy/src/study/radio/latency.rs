@@ -1,4 +1,6 @@
-//! `radio-latency`: delay from a message's arrival until it is visible, against the slot length.
+//! `radio-latency`: delay from a message's arrival at the radio until its receiver can read it, as a function of the slot length.
+//!
+//! A slot is the lockstep interval of the simulator; the ALOHA of this study is the unslotted one.
 
 use sim_core::radio::{Medium, air_time};
 use sim_core::time::Time;
@@ -8,7 +10,7 @@ use super::*;
 
 pub const STUDY: Study = Study {
     name: "radio-latency",
-    title: "How long after its arrival a message is seen, against the length of the slot",
+    title: "Delay from the arrival of a message until it is visible, as a function of the slot length",
     run,
 };
 
@@ -24,14 +26,16 @@ fn run(effort: Effort) -> Outcome {
         let mut curve = Vec::new();
         for slot_ms in SLOTS_MS {
             let slot = Time::from_millis(slot_ms);
-            let mut lags = Vec::new();
-            let time_ns = nanoseconds(effort.of(5), COUNT, || lags = measure(medium, slot));
-            let batches: Vec<f64> = lags.chunks(100).map(|lags| lags.iter().sum::<f64>() / lags.len() as f64).collect();
+            let mut delays = Vec::new();
+            let time_ns = nanoseconds(effort.of(5), COUNT, || delays = measure(medium, slot));
+            let batches: Vec<f64> =
+                delays.chunks(100).map(|batch| batch.iter().sum::<f64>() / batch.len() as f64).collect();
             let (mean, half) = mean_of(&batches);
             rows.push(Row {
                 study: STUDY.name,
                 method: name.to_owned(),
                 setting: format!("slot of {slot_ms} ms"),
+                // The measured value itself: the mean delay.
                 error: mean,
                 unit: "s",
                 time_ns,
@@ -45,14 +49,14 @@ fn run(effort: Effort) -> Outcome {
             curves.push((if medium == Medium::Free { "free" } else { "ALOHA, token ring" }.to_owned(), curve));
         }
     }
-    let labels = ["length of the slot, ms", "mean time from arrival to being seen, ms"];
+    let labels = ["slot length, ms", "mean delay from arrival to visibility, ms"];
     let (name, x_scale) = ("radio-latency-slot", Scale::Linear);
-    let picture = Picture { name, title: STUDY.title, labels, x_scale, curves, points };
+    let picture = Comparison { name, title: STUDY.title, labels, x_scale, curves, points };
     Outcome { rows, figures: vec![picture.figure()] }
 }
 
-/// Expected delay of a message sent at a random instant of a slot. On a free medium it is visible at its arrival, but not before the
-/// end of the slot in which it is sent; on others at the end of the slot in which it arrives.
+/// Expected delay of a message sent at a random instant of a slot. On [`Medium::Free`], which has no collisions, a message is visible
+/// at its arrival, but not before the end of the slot in which it is sent; on other media, at the end of the slot in which it arrives.
 fn expected(medium: Medium, slot: Time) -> f64 {
     let (slot, air) = (slot.seconds(), air_time(BYTES, BAUD).seconds());
     match medium {
@@ -63,9 +67,9 @@ fn expected(medium: Medium, slot: Time) -> f64 {
 
 /// Delay of each of [`COUNT`] messages from its arrival until it is visible, s.
 fn measure(medium: Medium, slot: Time) -> Vec<f64> {
-    let members = if medium == Medium::TokenRing { STATIONS } else { 1 };
-    let fates = exchange(medium, members, slot, &traffic(medium, STATIONS, LOAD, COUNT));
-    fates.into_iter().map(|(_, fate)| (fate.visible - fate.arrives).seconds()).collect()
+    let receivers = if medium == Medium::TokenRing { STATIONS } else { 1 };
+    let deliveries = exchange(medium, receivers, slot, &traffic(medium, STATIONS, LOAD, COUNT));
+    deliveries.into_iter().map(|(_, delivery)| (delivery.visible - delivery.arrives).seconds()).collect()
 }
 
 #[cfg(test)]
@@ -73,16 +77,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lag_is_half_a_slot_or_less() {
+    fn the_mean_delay_is_the_expected_one_and_no_delay_exceeds_a_slot() {
         for medium in [Medium::Free, Medium::Aloha, Medium::TokenRing] {
             for slot_ms in SLOTS_MS {
                 let slot = Time::from_millis(slot_ms);
-                let lags = measure(medium, slot);
-                assert_eq!(lags.len(), COUNT);
-                assert!(lags.iter().all(|lag| (0.0..=slot.seconds()).contains(lag)));
-                let mean = lags.iter().sum::<f64>() / COUNT as f64;
+                let delays = measure(medium, slot);
+                assert_eq!(delays.len(), COUNT);
+                assert!(delays.iter().all(|delay| (0.0..=slot.seconds()).contains(delay)));
+                let mean = delays.iter().sum::<f64>() / COUNT as f64;
                 let expected = expected(medium, slot);
-                // A uniform delay has a standard deviation of 0.29 slots; this is four of the mean's.
+                // The standard deviation of a delay is at most that of a uniform one, 0.29 slots; the bound is four standard
+                // errors of the mean.
                 assert!(
                     (mean - expected).abs() < 1.2 * slot.seconds() / (COUNT as f64).sqrt(),
                     "{medium:?} {slot}: {mean}"

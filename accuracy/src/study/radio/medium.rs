@@ -24,9 +24,10 @@ pub fn aloha(effort: Effort) -> Part {
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for g in OFFERED {
         let traffic = traffic(Medium::Aloha, 10_000, g, COUNT);
-        let mut fates = Vec::new();
-        let time_ns = nanoseconds(effort.of(3), COUNT, || fates = exchange(Medium::Aloha, 1, SLOT, &traffic));
-        let heard: Vec<f64> = fates.iter().map(|(_, fate)| f64::from(u8::from(fate.outcome.is_ok()))).collect();
+        let mut deliveries = Vec::new();
+        let time_ns = nanoseconds(effort.of(3), COUNT, || deliveries = exchange(Medium::Aloha, 1, SLOT, &traffic));
+        let heard: Vec<f64> =
+            deliveries.iter().map(|(_, delivery)| f64::from(u8::from(delivery.outcome.is_ok()))).collect();
         let (share, half) = batch_means(&heard);
         let point = Point { x: g, measured: g * share, half: g * half, expected: g * exp(-2.0 * g) };
         rows.push(row("ALOHA", format!("G = {g}"), &point, time_ns));
@@ -39,7 +40,7 @@ pub fn aloha(effort: Effort) -> Part {
     let curves = vec![curve("G exp(-2 G)", |g| g * exp(-2.0 * g))];
     let labels = ["offered load G, messages in the time of one", "throughput S"];
     let title = "ALOHA: throughput against offered load";
-    let picture = Picture { name: "radio-aloha", title, labels, x_scale: Scale::Linear, curves, points };
+    let picture = Comparison { name: "radio-aloha", title, labels, x_scale: Scale::Linear, curves, points };
     Part { rows, picture }
 }
 
@@ -52,11 +53,11 @@ pub fn token_ring(effort: Effort) -> Part {
     for stations in STATIONS {
         for load in LOADS {
             let traffic = traffic(Medium::TokenRing, stations, load, COUNT);
-            let mut fates = Vec::new();
+            let mut deliveries = Vec::new();
             let time_ns =
-                nanoseconds(effort.of(3), COUNT, || fates = exchange(Medium::TokenRing, stations, SLOT, &traffic));
-            let wait = |(sent, fate): &(Time, Delivery)| (fate.arrives - air - *sent).seconds();
-            let waits: Vec<f64> = fates.iter().map(wait).collect();
+                nanoseconds(effort.of(3), COUNT, || deliveries = exchange(Medium::TokenRing, stations, SLOT, &traffic));
+            let wait = |(sent, delivery): &(Time, Delivery)| (delivery.arrives - air - *sent).seconds();
+            let waits: Vec<f64> = deliveries.iter().map(wait).collect();
             let ((mean, half), expected) = (batch_means(&waits), expected_wait(stations, load));
             let share = Point { x: load, measured: mean / expected, half: half / expected, expected: 1.0 };
             rows.push(row(&format!("token ring of {stations}"), format!("load {load}"), &share, time_ns));
@@ -70,7 +71,7 @@ pub fn token_ring(effort: Effort) -> Part {
     }
     let labels = ["load, share of the time on the air", "wait for the token, ms"];
     let title = "Token ring: mean wait for the token against load";
-    let picture = Picture { name: "radio-token-ring", title, labels, x_scale: Scale::Linear, curves, points };
+    let picture = Comparison { name: "radio-token-ring", title, labels, x_scale: Scale::Linear, curves, points };
     Part { rows, picture }
 }
 
@@ -91,31 +92,31 @@ pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Se
     let mean = air_time(BYTES, BAUD).seconds() / load;
     let mut at = 1.0;
     let message = |sequence: u64| {
-        at += pause(&mut stream, mean);
+        at += interarrival_time(&mut stream, mean);
         let sent = Time::from_seconds_ceil(at);
         let draw = (stream.unit() * f64::from(stations)) as u32;
         let (from, to, begins) = match medium {
             Medium::TokenRing => (1 + draw, 1 + (1 + draw) % stations, None),
             Medium::Free | Medium::Aloha => (2 + sequence as u32 % stations, 1, Some(sent)),
         };
-        SentMessage { begins, ..sending(from, sequence, Address::One(to), vec![0; BYTES], sent) }
+        SentMessage { begins, ..sent_message(from, sequence, Address::One(to), vec![0; BYTES], sent) }
     };
     (1..=count as u64).map(message).collect()
 }
 
-/// Sends `traffic` through a channel on which the stations up to `members` listen. Returns the time of sending and the delivery of
+/// Sends `traffic` through a channel on which the stations 1 to `receivers` listen. Returns the time of sending and the delivery of
 /// each message, in the order of sending.
-pub fn exchange(medium: Medium, members: u32, slot: Time, traffic: &[SentMessage]) -> Vec<(Time, Delivery)> {
-    let mut channel = channel(medium, RadioNoise::default(), members);
-    let mut fates = BTreeMap::new();
+pub fn exchange(medium: Medium, receivers: u32, slot: Time, traffic: &[SentMessage]) -> Vec<(Time, Delivery)> {
+    let mut channel = channel(medium, RadioNoise::default(), receivers);
+    let mut deliveries = BTreeMap::new();
     let mut messages = traffic.iter().peekable();
     let mut slot_end = slot;
     loop {
         let sent = std::iter::from_fn(|| messages.next_if(|message| message.sent < slot_end)).cloned().collect();
-        fates.extend(channel.exchange(slot_end, sent).into_iter().map(|fate| (fate.sequence, fate)));
+        deliveries.extend(channel.exchange(slot_end, sent).into_iter().map(|delivery| (delivery.sequence, delivery)));
         let next = messages.peek().map_or(Time::NEVER, |message| message.sent).min(channel.due());
         if next == Time::NEVER {
-            return traffic.iter().map(|message| message.sent).zip(fates.into_values()).collect();
+            return traffic.iter().map(|message| message.sent).zip(deliveries.into_values()).collect();
         }
         slot_end = next.floor_to(slot) + slot;
     }

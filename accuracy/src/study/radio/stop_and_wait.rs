@@ -22,7 +22,7 @@ const SLOTS: [(Time, &str); 3] =
 pub fn against_loss(effort: Effort) -> Part {
     let errors = |packet_loss| RadioNoise { packet_loss, bit_error_rate: 0.0 };
     let steps: Vec<f64> = (0..=80).map(|step| f64::from(step) / 100.0).collect();
-    let title = "Stop and wait: messages of 35 bytes brought over, against lost packets";
+    let title = "Stop and wait: messages of 35 bytes transferred, as a function of packet loss";
     let labels = ["packet loss P_p", "messages a second"];
     measure(effort, ("radio-stop-and-wait", title, labels), Scale::Linear, "P_p", &LOSSES, &steps, errors)
 }
@@ -31,7 +31,7 @@ pub fn against_loss(effort: Effort) -> Part {
 pub fn against_bit_errors(effort: Effort) -> Part {
     let errors = |bit_error_rate| RadioNoise { packet_loss: 0.0, bit_error_rate };
     let steps: Vec<f64> = (0..=70).map(|step| 1e-6 * ten_to(f64::from(step) / 20.0)).collect();
-    let title = "Stop and wait: messages of 35 bytes brought over, against wrong bits";
+    let title = "Stop and wait: messages of 35 bytes transferred, as a function of the bit error rate";
     let labels = ["bit error rate P_b", "messages a second"];
     measure(effort, ("radio-stop-and-wait-bits", title, labels), Scale::Logarithmic, "P_b", &RATES, &steps, errors)
 }
@@ -56,7 +56,7 @@ fn measure(
             let share = Point { x: setting, measured, half, expected };
             rows.push(row(
                 &format!("stop and wait, {slot_name}"),
-                format!("{symbol} {}", number(setting)),
+                format!("{symbol} {}", format_number(setting)),
                 &share,
                 time_ns,
             ));
@@ -69,7 +69,7 @@ fn measure(
         }
         curves.push((slot_name.to_owned(), steps.iter().map(|x| (*x, best * share(errors(*x)).0)).collect()));
     }
-    Part { rows, picture: Picture { name, title, labels, x_scale, curves, points } }
+    Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
 /// Time from sending a message until its acknowledgement is visible, if neither is lost: each takes its air time, and is visible

@@ -53,20 +53,20 @@ struct Survey {
 enum Method {
     /// TSK surface with its output functions and equations.
     Tsk(Order, Fusion),
-    /// Occupancy grid, projected by the maximum or to the likeliest box.
+    /// Occupancy grid, projected to the highest occupied box, or to the most certainly occupied one.
     Grid { is_likeliest: bool },
 }
 
 /// The share, of 0.03, 0.01, 0.003 and 0.001, that is good with few readings and with many.
 const CELLS: Fusion = Fusion::Cells { above: 0.003 };
 const METHODS: [(Method, &str); 7] = [
-    (Method::Tsk(Order::Zero, CELLS), "TSK constants"),
-    (Method::Tsk(Order::One, CELLS), "TSK planes"),
-    (Method::Grid { is_likeliest: false }, "occupancy grid, maximum"),
-    (Method::Grid { is_likeliest: true }, "occupancy grid, likeliest box"),
-    (Method::Tsk(Order::Zero, Fusion::Cells { above: 1.0 }), "TSK constants, symmetric"),
-    (Method::Tsk(Order::Zero, Fusion::Average), "TSK constants, Eq. 3 as it stands"),
-    (Method::Tsk(Order::One, Fusion::Average), "TSK planes, Eq. 3 as it stands"),
+    (Method::Tsk(Order::Zero, CELLS), "zero-order TSK"),
+    (Method::Tsk(Order::One, CELLS), "first-order TSK"),
+    (Method::Grid { is_likeliest: false }, "occupancy grid, highest occupied box"),
+    (Method::Grid { is_likeliest: true }, "occupancy grid, most certainly occupied box"),
+    (Method::Tsk(Order::Zero, Fusion::Cells { above: 1.0 }), "zero-order TSK, equal weights"),
+    (Method::Tsk(Order::Zero, Fusion::Average), "zero-order TSK, Eq. 3 as printed"),
+    (Method::Tsk(Order::One, Fusion::Average), "first-order TSK, Eq. 3 as printed"),
 ];
 
 /// Result of one method, partition and number of readings, over all terrains.
@@ -154,9 +154,9 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
          and r exchanged; both are put right here."
     ));
     page.text(
-        "TSK in the two first rows: one equation for each rule that a reading activates, in which what would raise the ground counts 0.3 %: the ground touches the \
-         cap of a reading somewhere and lies below it everywhere else. `Symmetric` leaves that out. `Eq. 3 as it stands` has one equation a reading, of the \
-         average over all its cells: a wide beam hears the nearest thing, not the average, and what the average leaves open goes to the noise.",
+        "TSK in the first two methods: one equation for each rule that a reading activates. An equation that would raise the ground has a weight of 0.3 %: the ground touches \
+         the cap of a reading somewhere and lies below it everywhere else. `Equal weights` omits this weight. `Eq. 3 as printed` has one equation for each reading, about the \
+         average over all its cells: a wide beam hears the nearest surface, not the average, and the deviation from the average adds to the noise.",
     );
     page.table(table(&scores));
     page.text(times(&scores));
@@ -379,8 +379,11 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
     let maximum = best(scores, grid, all);
     claims.push(claim(
         "3",
-        "the same of Eq. 3 as it stands, one equation a reading",
-        format!("{} ({1} x {1}) against the grid projected by the maximum", METHODS[printed.method].1, printed.cells),
+        "TSK is closer than the grid, with Eq. 3 as printed: one equation for each reading",
+        format!(
+            "{} ({1} x {1}) against the highest occupied box of the grid",
+            METHODS[printed.method].1, printed.cells
+        ),
         format!("{:.1} cm against {:.1} cm", 100.0 * printed.mean(), 100.0 * maximum.mean()),
         printed.mean() < maximum.mean(),
         Weight::Told,
@@ -391,9 +394,9 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
     let few = THINNED[0];
     claims.push(claim(
         "4",
-        "the advantage over the grid with few samples is greater with planes",
+        "the advantage over the grid with few samples is greater with planes (first order)",
         format!(
-            "error of the grid's likeliest box over that of planes, and of constants, with {} readings",
+            "error of the grid (most certainly occupied box) over that of first-order TSK, and over that of zero-order TSK, with {} readings",
             best(scores, planes, few).readings
         ),
         format!("{:.2} and {:.2}", gain(planes, few), gain(constants, few)),
@@ -405,8 +408,8 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
         let is_slower = planes.time > 1.5 * constants.time;
         claims.push(claim(
             "4",
-            "planes are much slower than constants, since the matrices grow with the number of parameters",
-            "time a reading of 12 x 12 rules estimated together, planes against constants".to_owned(),
+            "planes (first order) are much slower than constants (zero order), since the matrices grow with the number of parameters",
+            "computing time for each reading, 12 x 12 rules estimated jointly: first-order over zero-order TSK".to_owned(),
             // Times are not the same in every run, tables are.
             format!("{} than 1.5 times", if is_slower { "more" } else { "no more" }),
             is_slower,
@@ -442,7 +445,7 @@ fn figure(survey: &Survey, scores: &[Score]) -> anyhow::Result<Figure> {
         label: "Figure 3".to_owned(),
         caption: format!(
             "One of the terrains (a) and the maps of it from the same {readings} readings, each at the partition that is best over all terrains: TSK with planes (b), \
-             with constants (c), and the occupancy grid projected by the maximum (d)."
+             with constants (c), and the highest occupied box of the occupancy grid (d)."
         ),
         claim: "The TSK maps are closer to the terrain than the occupancy grid; rms of b, c, d".to_owned(),
         number: format!("{planes:.1}, {constants:.1}, {grid:.1} cm"),

@@ -12,7 +12,7 @@ pub struct KindSet(u64);
 impl KindSet {
     /// No kind.
     pub const NONE: Self = Self(0);
-    /// Every kind.
+    /// Every kind; the bits without a kind are set as well.
     pub const ALL: Self = Self(u64::MAX);
 
     /// The set of these kinds.

@@ -32,7 +32,7 @@ struct Collapse {
     /// Share of the left subtree in at most 2, 3, ... 8 children; 0 if one child fewer is as good.
     left: [usize; WIDTH - 1],
     /// As one child, the subtree is cheapest as a batch of triangles.
-    is_block: bool,
+    is_leaf: bool,
 }
 
 impl Binary {
@@ -59,8 +59,8 @@ impl Binary {
     }
 
     /// Returns true if the subtree is cheapest as a batch of triangles.
-    pub fn is_block(&self, root: usize) -> bool {
-        self.subtrees[root].best.is_block
+    pub fn is_leaf(&self, root: usize) -> bool {
+        self.subtrees[root].best.is_leaf
     }
 
     /// Indices of all boxes below a subtree.
@@ -89,7 +89,7 @@ impl Binary {
         let area = fork.bounds.half_area();
         let batch = area * batch_cost;
         let Some(left) = fork.left else {
-            return Collapse { costs: [batch; WIDTH - 1], left: [0; WIDTH - 1], is_block: true };
+            return Collapse { costs: [batch; WIDTH - 1], left: [0; WIDTH - 1], is_leaf: true };
         };
         let mut best = Collapse::default();
         // By the number of parts.
@@ -105,8 +105,8 @@ impl Binary {
             }
         }
         let inner = area + costs[WIDTH];
-        best.is_block = fork.range.len() <= WIDTH && batch <= inner;
-        best.costs[0] = if best.is_block { batch } else { inner };
+        best.is_leaf = fork.range.len() <= WIDTH && batch <= inner;
+        best.costs[0] = if best.is_leaf { batch } else { inner };
         for (parts, &cost) in costs.iter().enumerate().take(WIDTH).skip(2) {
             let fewer = best.costs[parts - 2];
             if fewer <= cost {

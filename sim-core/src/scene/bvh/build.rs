@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::node::{Box3, Child, Node, PADDING, Tree, TriangleBatch, WIDTH};
 
 /// Maximum depth of a tree.
-pub(super) const DEPTH: usize = 24;
+pub(super) const MAX_DEPTH: usize = 24;
 
 /// Depth from which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
 const BALANCED_FROM: usize = 14;
@@ -15,14 +15,14 @@ const BALANCED_FROM: usize = 14;
 /// Cost of testing a batch relative to a node.
 const BATCH_COST: f32 = 1.0;
 
-/// The tree over the `triangles` whose numbers are in `met`.
-pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
-    let seen: Vec<[Vec3; 3]> = met
+/// The tree over those of `triangles` whose indices are in `indices`.
+pub(super) fn tree(triangles: &[[DVec3; 3]], indices: &[u32], frame: &Frame) -> Tree {
+    let tree_corners: Vec<[Vec3; 3]> = indices
         .iter()
-        .map(|&number| triangles[number as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))
+        .map(|&index| triangles[index as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))
         .collect();
-    let boxes: Vec<Box3> = seen.iter().map(padded).collect();
-    let mut builder = Builder { triangles, numbers: met, seen: &seen, boxes: &boxes, tree: Tree::default() };
+    let boxes: Vec<Box3> = tree_corners.iter().map(padded).collect();
+    let mut builder = Builder { triangles, indices, tree_corners: &tree_corners, boxes: &boxes, tree: Tree::default() };
     builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BATCH_COST), 0, 0).0);
     builder.tree
 }
@@ -33,11 +33,12 @@ fn padded(corners: &[Vec3; 3]) -> Box3 {
 }
 
 struct Builder<'a> {
-    /// Indexed by triangle number.
+    /// Corners of all triangles, by index.
     triangles: &'a [[DVec3; 3]],
-    /// Indexed by place: the triangle's number, its corners in the tree's coordinates and its box.
-    numbers: &'a [u32],
-    seen: &'a [[Vec3; 3]],
+    /// Indices of the triangles of the tree; a position in this list is an index of the next two as well.
+    indices: &'a [u32],
+    /// Corners in the coordinates of the tree.
+    tree_corners: &'a [[Vec3; 3]],
     boxes: &'a [Box3],
     tree: Tree,
 }
@@ -45,25 +46,25 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Adds a subtree of the binary tree as one child.
     fn subtree(&mut self, binary: &Binary, root: usize, depth: usize) -> (Child, Box3) {
-        if binary.is_block(root) {
+        if binary.is_leaf(root) {
             return self.batch(binary.places(root).to_vec());
         }
         if depth >= BALANCED_FROM {
             return self.balanced(binary.places(root).to_vec(), depth);
         }
-        let place = self.reserve(depth);
+        let node = self.reserve(depth);
         let mut parts = Vec::with_capacity(WIDTH);
         binary.split(root, WIDTH, &mut parts);
         let children: Vec<_> = parts.into_iter().map(|part| self.subtree(binary, part, depth + 1)).collect();
-        self.fill(place, &children)
+        self.fill(node, &children)
     }
 
     /// Adds triangles as one child, split by count alone.
-    fn balanced(&mut self, mut places: Vec<usize>, depth: usize) -> (Child, Box3) {
-        if places.len() <= WIDTH {
-            return self.batch(places);
+    fn balanced(&mut self, mut positions: Vec<usize>, depth: usize) -> (Child, Box3) {
+        if positions.len() <= WIDTH {
+            return self.batch(positions);
         }
-        let bounds = self.bounds(&places);
+        let bounds = self.bounds(&positions);
         let size = bounds.high - bounds.low;
         let axis = if size.x >= size.y && size.x >= size.z {
             0
@@ -72,36 +73,36 @@ impl Builder<'_> {
         } else {
             2
         };
-        let middle = |place: &usize| self.boxes[*place].low[axis] + self.boxes[*place].high[axis];
-        places.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
-        let place = self.reserve(depth);
-        let share = places.len().div_ceil(WIDTH);
-        let children: Vec<_> = places.chunks(share).map(|part| self.balanced(part.to_vec(), depth + 1)).collect();
-        self.fill(place, &children)
+        let middle = |position: &usize| self.boxes[*position].low[axis] + self.boxes[*position].high[axis];
+        positions.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
+        let node = self.reserve(depth);
+        let share = positions.len().div_ceil(WIDTH);
+        let children: Vec<_> = positions.chunks(share).map(|part| self.balanced(part.to_vec(), depth + 1)).collect();
+        self.fill(node, &children)
     }
 
-    fn bounds(&self, places: &[usize]) -> Box3 {
-        places.iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(self.boxes[place]))
+    fn bounds(&self, positions: &[usize]) -> Box3 {
+        positions.iter().fold(Box3::EMPTY, |bounds, &position| bounds.union(self.boxes[position]))
     }
 
-    fn batch(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
-        places.sort_unstable();
+    fn batch(&mut self, mut positions: Vec<usize>) -> (Child, Box3) {
+        positions.sort_unstable();
         let mut batch = TriangleBatch::EMPTY;
-        for (lane, &place) in places.iter().enumerate() {
-            let number = self.numbers[place];
-            batch.numbers[lane] = number;
-            batch.corners[lane] = self.triangles[number as usize];
-            for (number, corner) in self.seen[place].iter().enumerate() {
+        for (lane, &position) in positions.iter().enumerate() {
+            let index = self.indices[position];
+            batch.numbers[lane] = index;
+            batch.corners[lane] = self.triangles[index as usize];
+            for (vertex, corner) in self.tree_corners[position].iter().enumerate() {
                 for axis in 0..3 {
-                    batch.seen[axis][number][lane] = corner[axis];
+                    batch.seen[axis][vertex][lane] = corner[axis];
                 }
             }
         }
         self.tree.batches.push(batch);
-        (Child::batch(self.tree.batches.len() - 1), self.bounds(&places))
+        (Child::batch(self.tree.batches.len() - 1), self.bounds(&positions))
     }
 
-    /// Adds an empty node at this depth; that of the root is 0.
+    /// Adds an empty node at `depth` (0: the root) and returns its index.
     fn reserve(&mut self, depth: usize) -> usize {
         self.tree.depth = self.tree.depth.max(depth + 1);
         // Boxes that no ray enters: their entry is at infinity.
@@ -110,8 +111,9 @@ impl Builder<'_> {
         self.tree.nodes.len() - 1
     }
 
-    fn fill(&mut self, place: usize, children: &[(Child, Box3)]) -> (Child, Box3) {
-        let node = &mut self.tree.nodes[place];
+    /// Sets the children of node number `index`.
+    fn fill(&mut self, index: usize, children: &[(Child, Box3)]) -> (Child, Box3) {
+        let node = &mut self.tree.nodes[index];
         for (lane, (child, bounds)) in children.iter().enumerate() {
             node.children[lane] = *child;
             for axis in 0..3 {
@@ -119,6 +121,6 @@ impl Builder<'_> {
                 node.planes[axis][1][lane] = bounds.high[axis];
             }
         }
-        (Child::node(place), children.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds)))
+        (Child::node(index), children.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds)))
     }
 }

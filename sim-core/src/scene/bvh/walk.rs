@@ -1,6 +1,6 @@
 //! Traversal of the tree by a ray, eight boxes and eight triangles at a time.
 
-use super::build::DEPTH;
+use super::build::MAX_DEPTH;
 use super::frame::Frame;
 use super::node::{Child, Node, Tree, TriangleBatch, WIDTH};
 use super::ray::Ray;
@@ -13,7 +13,7 @@ pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
 /// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
 const FEW: usize = 7 * 9;
-const MANY: usize = 7 * DEPTH;
+const MANY: usize = 7 * MAX_DEPTH;
 
 /// Upper bound of the length of any path through the tree's coordinates.
 const FARTHEST: f64 = 8.0;
