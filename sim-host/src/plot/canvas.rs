@@ -116,8 +116,20 @@ impl<'b, B: Surface> Canvas<'b, B> {
         if points.len() < 2 {
             return Ok(());
         }
-        let (points, style) = (self.units(points), self.stroke(line));
-        check(self.backend.draw_path(points, &style))
+        let style = self.stroke(line);
+        // The backend of pixels joins all segments by mitres, which are long spikes where a path turns back: it is cut there.
+        let turns_back = |at: &usize| {
+            let [before, after] = [points[*at] - points[at - 1], points[at + 1] - points[*at]];
+            before.dot(after) < -0.7 * before.length() * after.length()
+        };
+        let cuts = (1..points.len().saturating_sub(1)).filter(turns_back).chain([points.len().saturating_sub(1)]);
+        let mut from = 0;
+        for cut in cuts {
+            let part = self.units(points.get(from..=cut).unwrap_or(points));
+            check(self.backend.draw_path(part, &style))?;
+            from = cut;
+        }
+        Ok(())
     }
 
     /// Draws a circle, filled or not.
