@@ -72,7 +72,7 @@ export type AddableTypes = {
 export type Answer = {
   /** Number that the page gave the command. */
   number: number,
-  /** Reason for the refusal; none if the command was carried out. */
+  /** Reason of the refusal; `None` if the command was carried out. */
   refused: string | null, };
 
 /** A beam of a range sensor. */
@@ -250,7 +250,7 @@ export type Mesh = {
   /** Materials in the order of the triangles: each applies to the next [`Material::triangles`] of them. */
   materials: Array<Material>, };
 
-/** Message of the server. */
+/** Message from the server to a page. */
 export type Message = { "type": "welcome" } & Welcome | { "type": "scene" } & Scene | { "type": "snapshot" } & Snapshot | { "type": "detail" } & Detail | { "type": "events" } & Events | { "type": "build" } & Build | { "type": "answer" } & Answer;
 
 /** Constant properties of a movable object. */
@@ -553,7 +553,7 @@ export type Track = {
 
 /** Version of the server, and the rights of the page. */
 export type Welcome = {
-  /** [`PROTOCOL`]. */
+  /** Version of the protocol: [`PROTOCOL`]. */
   protocol: number,
   /** Version of the simulator. */
   version: string,
