@@ -121,7 +121,7 @@ impl Law {
         let (over, under) = (2.0 * half_sin, half_cos * (rate - pull * sin) - half_sin * pull * cos);
         if pull.abs() > rate.abs() {
             let ratio = q * over / under;
-            if ratio >= 0.0 && ratio < 1.0 { 0.5 * math::ln_1p(2.0 * ratio / (1.0 - ratio)) / q } else { f64::INFINITY }
+            if (0.0..1.0).contains(&ratio) { 0.5 * math::ln_1p(2.0 * ratio / (1.0 - ratio)) / q } else { f64::INFINITY }
         } else if q == 0.0 {
             let seconds = over / under;
             if seconds >= 0.0 { seconds } else { f64::INFINITY }
