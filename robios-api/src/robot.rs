@@ -6,7 +6,7 @@ use std::panic::Location;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use robios_sys::{Host, Robios6Table, Robios7Table, Status, SupportTable};
+use robios_sys::{ByteBuffer, Host, Robios6Table, Robios7Table, Status, SupportTable};
 
 use crate::audio::Audio;
 use crate::call_site;
@@ -159,6 +159,37 @@ impl Robot {
     /// The console for error messages.
     pub fn console_error(&self) -> Console<'_> {
         Console::error(self)
+    }
+
+    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input.
+    ///
+    /// In place of `std::io::stdin`, which would read the host's own input. Invalid UTF-8 is replaced.
+    ///
+    /// ```
+    /// # use robios_api::prelude::*;
+    /// fn greet(robot: &Robot) {
+    ///     while let Some(name) = robot.read_line() {
+    ///         writeln!(robot.console(), "hello {name}");
+    ///     }
+    /// }
+    /// # assert_eq!(robios_api::fake::Fake::new().input("Ada\nGrace").run(greet).console(), "hello Ada\nhello Grace\n");
+    /// ```
+    #[track_caller]
+    pub fn read_line(&self) -> Option<String> {
+        let mut line = Vec::new();
+        let mut room = [0; 256];
+        loop {
+            let count: i32 = support!(self, input(ByteBuffer::from(&mut room[..])));
+            let count = usize::try_from(count).unwrap_or_default().min(room.len());
+            line.extend_from_slice(&room[..count]);
+            if count == 0 || line.ends_with(b"\n") {
+                break;
+            }
+        }
+        let text = String::from_utf8_lossy(&line);
+        let text = text.strip_suffix('\n').unwrap_or(&text);
+        let text = text.strip_suffix('\r').unwrap_or(text);
+        (!line.is_empty()).then(|| text.to_owned())
     }
 
     /// The robot's own random numbers.

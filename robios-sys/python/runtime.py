@@ -11,6 +11,7 @@ Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_co
 
 import array as _array
 import ctypes as _ctypes
+import io as _io
 import mmap as _mmap
 import opcode as _opcode
 import os as _os
@@ -1159,6 +1160,21 @@ class _Console:
 _consoles = _Console(_STDOUT), _Console(_STDERR)
 
 
+class _Input(_io.RawIOBase):
+    """Standard input of the robot: lines that the simulator has."""
+
+    def readable(self):
+        return True
+
+    def readinto(self, room):
+        if _channel is None:
+            return 0
+        _sys.stdout.flush()  # a prompt
+        data, length = _call(_support_input, len(room))
+        room[:length] = data[:length]
+        return length
+
+
 def _now_us():
     return int(_call(_support_time_us)[0])
 
@@ -1312,7 +1328,7 @@ def _main(path):
     _os.dup2(null, 0)
     _os.close(null)
     _die_with_host(channel)
-    _sys.stdin = open(_os.devnull)
+    _sys.stdin = _io.TextIOWrapper(_io.BufferedReader(_Input()), encoding="utf-8", errors="replace")
     _sys.stdout, _sys.stderr = _consoles
     _ctypes.CDLL = _ctypes.cdll._dlltype = _ELSE["CDLL"] = _cdll(_ctypes.CDLL)
     _signal.signal(_signal.SIGURG, _tell_place)

@@ -68,10 +68,23 @@ static ssize_t cookie_write(void *console, const char *bytes, size_t len)
     return (ssize_t)len;
 }
 
+/* Reads standard input. Never leaves the program, since a FILE may be in use. */
 static ssize_t cookie_read(void *console, char *bytes, size_t len)
 {
-    (void)console, (void)bytes, (void)len;
-    return 0; /* end of file */
+    int32_t count = 0;
+    (void)console;
+    if (may_call() && !self.is_leaving) {
+        struct frame *frame = self.frame;
+        int32_t status;
+        send_line(&self.out); /* a prompt */
+        status = self.host->support->input(self.robot, room_of(bytes, len), &count);
+        self.frame = frame;
+        if (status == EYESIM_STOP) {
+            self.stop_pending = 1;
+            count = 0;
+        }
+    }
+    return count;
 }
 
 static FILE *opened(struct console *console, const char *mode)
@@ -79,7 +92,8 @@ static FILE *opened(struct console *console, const char *mode)
     cookie_io_functions_t functions = {.read = cookie_read, .write = cookie_write};
     FILE *stream = fopencookie(console, mode, functions);
     if (stream != NULL) {
-        setvbuf(stream, NULL, _IONBF, 0);
+        if (console != NULL)
+            setvbuf(stream, NULL, _IONBF, 0);
         /* A thread that is parked for ever after a fault must not hold a lock that the exit of the process waits for. */
         __fsetlocking(stream, FSETLOCKING_BYCALLER);
     }
@@ -250,25 +264,95 @@ LIBC(int, __dprintf_chk, (int descriptor, int flag, const char *format, ...))
     WITH_ARGUMENTS(format, print_to(descriptor, format, arguments));
 }
 
-LIBC(int, getchar, (void)) { return fgetc(stdin); }
-LIBC(int, getchar_unlocked, (void)) { return fgetc(stdin); }
-LIBC(wint_t, getwchar, (void)) { return fgetwc(stdin); }
+/* Reading functions are interposed so that a program at the end of its standard input asks the host again each time, which tells
+ * the user, and so that it can be stopped there. */
+static void begin_reading(FILE *stream)
+{
+    if (stream != NULL && stream == stdin)
+        clearerr_unlocked(stream);
+}
+static void end_reading(FILE *stream)
+{
+    if (stream != NULL && stream == stdin)
+        written(0);
+}
+LIBC(int, fgetc, (FILE *stream))
+{
+    int c;
+    begin_reading(stream);
+    c = fgetc_unlocked(stream);
+    end_reading(stream);
+    return c;
+}
+LIBC(int, getc, (FILE *stream)) { return libc_fgetc(stream); }
+LIBC(int, _IO_getc, (FILE *stream)) { return libc_fgetc(stream); }
+LIBC(int, getchar, (void)) { return libc_fgetc(stdin); }
+LIBC(int, getchar_unlocked, (void)) { return libc_fgetc(stdin); }
+LIBC(wint_t, getwchar, (void))
+{
+    wint_t c;
+    begin_reading(stdin);
+    c = fgetwc(stdin);
+    end_reading(stdin);
+    return c;
+}
+LIBC(char *, fgets, (char *line, int len, FILE *stream))
+{
+    begin_reading(stream);
+    line = fgets_unlocked(line, len, stream);
+    end_reading(stream);
+    return line;
+}
 LIBC(char *, gets, (char *line))
 {
     int c = EOF;
     char *end = line;
-    while ((c = fgetc(stdin)) != EOF && c != '\n')
+    while ((c = libc_fgetc(stdin)) != EOF && c != '\n')
         *end++ = (char)c;
     *end = '\0';
     return c == EOF && end == line ? NULL : line;
 }
-LIBC(int, scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
-LIBC(int, __isoc99_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
-LIBC(int, __isoc23_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
-LIBC(int, vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
-LIBC(int, __isoc99_vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
-LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
+LIBC(size_t, fread, (void *to, size_t size, size_t count, FILE *stream))
+{
+    begin_reading(stream);
+    count = fread_unlocked(to, size, count, stream);
+    end_reading(stream);
+    return count;
+}
+extern ssize_t __getdelim(char **line, size_t *room, int end, FILE *stream);
+LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
+{
+    ssize_t len;
+    begin_reading(stream);
+    len = __getdelim(line, room, end, stream);
+    end_reading(stream);
+    return len;
+}
+LIBC(ssize_t, getline, (char **line, size_t *room, FILE *stream)) { return libc_getdelim(line, room, '\n', stream); }
+static int scan(FILE *stream, const char *format, va_list arguments)
+{
+    int count;
+    begin_reading(stream);
+    count = vfscanf(stream, format, arguments);
+    end_reading(stream);
+    return count;
+}
+LIBC(int, fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
+LIBC(int, __isoc99_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
+LIBC(int, __isoc23_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
+LIBC(int, scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
+LIBC(int, __isoc99_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
+LIBC(int, __isoc23_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
+LIBC(int, vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
+LIBC(int, __isoc99_vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
+LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
 
+static ssize_t read_input(void *bytes, size_t len)
+{
+    ssize_t count = cookie_read(NULL, bytes, len);
+    written(0);
+    return count;
+}
 LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 {
     struct console *console = console_of(descriptor);
@@ -301,11 +385,12 @@ LIBC(int, fileno, (FILE *stream))
 }
 LIBC(ssize_t, read, (int descriptor, void *bytes, size_t len))
 {
-    return descriptor == 0 ? 0 : syscall(SYS_read, descriptor, bytes, len);
+    return descriptor == 0 ? read_input(bytes, len) : syscall(SYS_read, descriptor, bytes, len);
 }
 LIBC(ssize_t, __read_chk, (int descriptor, void *bytes, size_t len, size_t room))
 {
-    return descriptor == 0 ? 0 : syscall(SYS_read, descriptor, bytes, len < room ? len : room);
+    len = len < room ? len : room;
+    return descriptor == 0 ? read_input(bytes, len) : syscall(SYS_read, descriptor, bytes, len);
 }
 LIBC(int, close, (int descriptor))
 {
@@ -629,12 +714,12 @@ LIBC(int, __sprintf_chk, (char *to, int flag, size_t room, const char *format, .
 LIBC(char *, __fgets_chk, (char *to, size_t room, int len, FILE *stream))
 {
     check_room(len < 0 ? 0 : (size_t)len, room, "fgets");
-    return fgets(to, len, stream);
+    return libc_fgets(to, len, stream);
 }
 LIBC(size_t, __fread_chk, (void *to, size_t room, size_t size, size_t count, FILE *stream))
 {
     check_room(size != 0 && count > (size_t)-1 / size ? (size_t)-1 : size * count, room, "fread");
-    return fread(to, size, count, stream);
+    return libc_fread(to, size, count, stream);
 }
 LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * place, int value)) { longjmp(place, value); }
 

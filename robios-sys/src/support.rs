@@ -129,5 +129,9 @@ crate::table::function_table! {
         /// Lets the other tasks that are ready run first if a tick has passed since the calling task was resumed. No time passes.
         /// Used by the shim after a section in which tasks must not switch. Returns 0.
         fn task_turn() -> i32 = 0;
+
+        /// Reads from standard input: the rest of the current line with its end, at most as many bytes as fit.
+        /// Waits for a line where somebody may still type one. Returns the number of bytes, 0 at the end of the input.
+        fn input(bytes: OutBytes) -> i32 = 0;
     }
 }

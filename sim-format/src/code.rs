@@ -74,6 +74,7 @@ codes! {
     LinkUnknown = "link-unknown": "a sensor or link sits on a link that there is not",
     MazBlank = "maz-blank": "a blank line inside a maze",
     MazBorder = "maz-border": "the upper border of a maze is missing",
+    MazCellFirst = "maz-cell-first": "a cell size that not every EyeSim reads",
     MazCellTwice = "maz-cell-twice": "two cell sizes that differ in one maze",
     MazEmpty = "maz-empty": "a maze file without a maze",
     MazGap = "maz-gap": "the border of a maze has a gap",

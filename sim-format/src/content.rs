@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Span;
 use super::spec::{
-    CostsRef, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec,
+    CostsRef, Dialect, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec,
     SerialLine, SimSpec, Solid, TypeRef, WorldSpec,
 };
 
@@ -17,7 +17,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.program.iter_mut().for_each(forget);
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
-        // A hint at the generation of a program, which no other format has.
+        // A hint at the generation of a program, which formats give in different ways.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
@@ -35,6 +35,8 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         None => {}
     }
     scene.run.noise.iter_mut().for_each(forget_noise);
+    // Of the others only that hint remains.
+    scene.run.dialect = scene.run.dialect.filter(|dialect| *dialect == Dialect::Vr2018);
     scene
 }
 

@@ -5,7 +5,7 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::load::{Files, Loaded};
 use super::print::{self, Printed};
 use super::spec::{
-    LooksSpec, ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+    Dialect, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -158,6 +158,15 @@ impl FileFormat {
 /// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
 /// files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
+    convert_with(from, to, files, &|_, _| None)
+}
+
+/// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program leaves no doubt of it.
+pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
+
+/// Converts as [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect
+/// of the sim file, which decides only where a program does not.
+pub fn convert_with(from: &str, to: &str, files: &dyn Files, told: &ToldGeneration<'_>) -> Converted {
     let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
         let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi or .esObj";
@@ -165,7 +174,7 @@ pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
     };
     let mut conversion = Conversion { from, to, files, lost: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
-        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target),
+        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target, told),
         (FileFormat::World | FileFormat::Maze, FileFormat::World | FileFormat::Maze | FileFormat::Scene) => {
             conversion.world(source, target)
         }
@@ -204,7 +213,7 @@ struct Conversion<'a> {
 }
 
 impl Conversion<'_> {
-    fn scene(&mut self, target: FileFormat) -> Loaded {
+    fn scene(&mut self, target: FileFormat, told: &ToldGeneration<'_>) -> Loaded {
         let loaded = load_scene(self.from, self.files);
         if loaded.has_errors() {
             return loaded;
@@ -219,7 +228,8 @@ impl Conversion<'_> {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
-            Printed { text: print::print_scene(&sim), lost: Vec::new() }
+            let lost = if sim.form == SceneForm::Sim { state_generations(&mut sim, &loaded.scene, told) } else { Vec::new() };
+            Printed { text: print::print_scene(&sim), lost }
         };
         self.write(self.to.to_owned(), printed);
         loaded
@@ -244,7 +254,7 @@ impl Conversion<'_> {
                 None => ("wld", WorldKind::World, print::print_world(&world)),
             };
             let path = self.beside("", extension, printed);
-            sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
+            sim.world = Some(WorldLine { kind, path, cell: None, looks: LooksSpec::default() });
         }
         for (robi, span) in inline.robot_types {
             let companion = print::print_companion(&robi);
@@ -437,6 +447,34 @@ impl Conversion<'_> {
             reference.text = path::relative(new, &first);
         }
     }
+}
+
+/// States in a scene read from a sim file what its lines tell of the programs: the generation of those that `told` knows, and the
+/// dialect. Returns what cannot be stated.
+fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration<'_>) -> Vec<String> {
+    let is_vr = scene.robots.iter().any(|robot| robot.dialect == Some(7));
+    let by_lines = if is_vr { Dialect::Vr2023 } else { Dialect::Classic };
+    if !scene.robots.is_empty() {
+        sim.run.dialect.get_or_insert(by_lines);
+    }
+    let generations: Vec<Option<u32>> = scene.robots.iter().map(|robot| told(scene, robot)).collect();
+    if let Some(first) = generations.first().copied().flatten()
+        && generations.iter().all(|generation| *generation == Some(first))
+    {
+        sim.run.api = Some(first);
+        return Vec::new();
+    }
+    let mut lost = Vec::new();
+    for (robot, generation) in scene.robots.iter().zip(generations) {
+        let line = sim.robots.iter_mut().find(|line| line.span == robot.span);
+        line.into_iter().for_each(|line| line.api = generation);
+        let is_other = robot.dialect != sim.run.dialect.map(Dialect::generation);
+        if is_other && generation.is_none() && robot.program.is_some() {
+            let number = robot.dialect.unwrap_or_default();
+            lost.push(format!("that the program of {} is of RoBIOS {number} where its calls do not tell", robot.id));
+        }
+    }
+    lost
 }
 
 /// Sorts lines that name a loaded type into robots and objects, by the kind of the type.

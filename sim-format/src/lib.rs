@@ -36,14 +36,14 @@ mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
-pub use convert::{Converted, LiveEntity, Output, convert, print_current_scene};
+pub use convert::{Converted, LiveEntity, Output, ToldGeneration, convert, convert_with, print_current_scene};
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, decode, load_maze, load_noise, load_object, load_robi,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, decode, load_maze, load_maze_with, load_noise, load_object, load_robi,
     load_scene, load_scene_with, load_world,
 };
-pub use maze::read_maze;
+pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
 pub use noise::{NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
 pub use robi::read_robi;

@@ -8,12 +8,12 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec, SerialLine,
+    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec, SerialLine,
     SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
-    read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj,
+    read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
 use sim_core::build::MeshSource;
 use sim_core::drive::DriveKind;
@@ -121,11 +121,22 @@ impl Loaded {
 /// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once, however many
 /// robots or objects use it. Robots and objects that start inside something else give a warning.
 pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
-    load_scene_with(path, None, files)
+    load_scene_with(path, Overrides::default(), files)
 }
 
-/// Loads a scene as [`load_scene`], with a seed that overrides the scene's own: random layouts depend on it.
-pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Loaded {
+/// Values that override those of a scene and change how its files are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Seed of the run, on which random layouts depend.
+    pub seed: Option<u64>,
+    /// EyeSim whose conventions the scene follows.
+    pub dialect: Option<Dialect>,
+    /// Side of the cells of the scene's maze file, in metres; positive.
+    pub maze_cell: Option<f64>,
+}
+
+/// Loads a scene as [`load_scene`], with values that override the scene's own.
+pub fn load_scene_with(path: &str, overrides: Overrides, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
         return loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() });
@@ -133,7 +144,10 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
     let is_toml = path::extension(path) == "toml";
     let (mut sim, diagnostics) = if is_toml { read_scene(path, &text) } else { read_sim(path, &text) };
     loader.diagnostics.extend(diagnostics);
+    let Overrides { seed, dialect, maze_cell } = overrides;
     sim.run.seed = seed.or(sim.run.seed);
+    sim.run.dialect = dialect.or(sim.run.dialect);
+    sim.world.iter_mut().for_each(|line| line.cell = maze_cell.or(line.cell));
     let folder = path::folder_of(path).to_owned();
     for (robi, _) in &mut sim.inline.robot_types {
         loader.serial_files(path, &folder, robi);
@@ -167,10 +181,15 @@ pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
 
 /// Reads a maze file alone; the scene has no robots.
 pub fn load_maze(path: &str, files: &dyn Files) -> Loaded {
-    load_alone(path, files, read_maze)
+    load_maze_with(path, CellRules::default(), files)
 }
 
-fn load_alone(path: &str, files: &dyn Files, read: fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) -> Loaded {
+/// Reads a maze file alone, with these rules for the size of its cells; the scene has no robots.
+pub fn load_maze_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
+    load_alone(path, files, |file, text| read_maze_with(file, text, rules))
+}
+
+fn load_alone(path: &str, files: &dyn Files, read: impl Fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) -> Loaded {
     let mut loader = Loader::new(files);
     let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
     if let Some(text) = loader.root(path) {
@@ -401,7 +420,9 @@ impl<'a> Loader<'a> {
         let text = self.take(&path, bytes);
         let (world, diagnostics) = match line.kind {
             WorldKind::World => read_world(&path, &text),
-            WorldKind::Maze => read_maze(&path, &text),
+            WorldKind::Maze => {
+                read_maze_with(&path, &text, CellRules { dialect: sim.run.dialect, cell: line.cell })
+            }
         };
         self.diagnostics.extend(diagnostics);
         Some(WorldSpec { looks: line.looks, ..world })

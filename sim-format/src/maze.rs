@@ -8,19 +8,34 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec, WorldSpec,
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, Dialect, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec, WorldSpec,
 };
 use super::{Severity, Span};
 use sim_core::pose::Pose;
 use sim_core::unit;
 
-/// Reads a maze file.
+/// Rules for the size of a maze's cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellRules {
+    /// EyeSim for which the maze was drawn; `None` if nobody says it: then a size that not every EyeSim reads is a warning.
+    pub dialect: Option<Dialect>,
+    /// Side of the cells in metres, in place of what the file says.
+    pub cell: Option<f64>,
+}
+
+/// Reads a maze file; the size of its cells stands alone on the last or the first line.
 ///
 /// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
 /// Adjacent wall pieces on one line are merged, so that walls have no joints that the maze does not have.
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
+    read_maze_with(file, text, CellRules::default())
+}
+
+/// Reads a maze file as [`read_maze`], with these rules for the size of its cells.
+pub fn read_maze_with(file: &str, text: &str, rules: CellRules) -> (WorldSpec, Vec<Diagnostic>) {
     let mut sink = Sink::new(file);
-    let (rows, cell) = rows_and_cell(&mut sink, text);
+    let (rows, sizes) = rows_and_sizes(&mut sink, text);
+    let cell = cell_size(&mut sink, &sizes, rules);
     let mut drawing = Drawing::new(Grid::of(&mut sink, &rows));
     for (row, line) in rows.iter().enumerate() {
         drawing.row(&mut sink, row as u32, line);
@@ -30,10 +45,70 @@ pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     (world, sink.finish())
 }
 
-/// Drawn lines from top to bottom, the upper border first, and the cell size in metres.
-fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
+/// A line with a number alone.
+struct SizeLine<'a> {
+    word: Word<'a>,
+    /// The number in metres; `None` for an invalid one, which is already reported.
+    size: Option<f64>,
+    /// Rows drawn above the line.
+    rows_above: usize,
+    /// No row is drawn below the line.
+    is_last: bool,
+}
+
+/// The cell size in metres that the lines `sizes` and the `rules` give.
+fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
+    if let Some(cell) = rules.cell {
+        return cell;
+    }
+    let mm = unit::mm_from_metres;
+    if rules.dialect == Some(Dialect::Vr2018) {
+        let (last, others) = match sizes.split_last() {
+            Some((last, others)) if last.is_last => (last.size, others),
+            _ => (None, sizes),
+        };
+        let cell = last.unwrap_or(DEFAULT_CELL);
+        for other in others.iter().filter(|other| other.size.is_some_and(|size| size != cell)) {
+            let message = format!(
+                "EyeSim VR of 2018 reads the size of cells on the last line only: `{}` counts for nothing, cells have {} mm",
+                other.word.text,
+                mm(cell)
+            );
+            sink.warn(Code::MazCellFirst, other.word.span, message, CELL_FORM);
+        }
+        return cell;
+    }
+    let mut cell: Option<f64> = None;
+    for SizeLine { word, size, .. } in sizes {
+        if let (Some(old), Some(new)) = (cell, *size)
+            && old != new
+        {
+            let message = format!("a second cell size `{}`; it replaces {} mm", word.text, mm(old));
+            sink.warn(Code::MazCellTwice, word.span, message, CELL_FORM);
+        }
+        cell = size.or(cell);
+    }
+    if let ([first], None) = (sizes, rules.dialect)
+        && first.rows_above == 0
+        && first.size.is_some_and(|size| size != DEFAULT_CELL)
+    {
+        let message = format!(
+            "cells of {} mm by the first line; EyeSim VR of 2018 reads the last line only and takes {} mm",
+            first.word.text,
+            mm(DEFAULT_CELL)
+        );
+        let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_FORM);
+        diagnostic.suggestion = Some("`--maze-cell MM` or `cell_mm` of a scene says which one is meant".to_owned());
+    }
+    cell.unwrap_or(DEFAULT_CELL)
+}
+
+const CELL_FORM: &str = "the cell size in mm, alone on the last line";
+
+/// Drawn lines from top to bottom, the upper border first, and the lines with a cell size.
+fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<SizeLine<'a>>) {
     let mut rows: Vec<Line<'_>> = Vec::new();
-    let mut cell = None;
+    let mut sizes: Vec<SizeLine<'_>> = Vec::new();
     let mut blank: Option<Line<'_>> = None;
     for line in line::lines(text) {
         let words = line.words();
@@ -45,7 +120,12 @@ fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
             continue;
         };
         if line::looks_numeric(first.text) {
-            cell_size(sink, first, words.get(1), &mut cell);
+            if let Some(extra) = words.get(1) {
+                let message = format!("`{}` is left over after the cell size", extra.text);
+                sink.warn(Code::WordExtra, extra.span, message, CELL_FORM);
+            }
+            let size = line::number(sink, Severity::Warning, first, &Quantity::size("cell size"));
+            sizes.push(SizeLine { word: *first, size, rows_above: rows.len(), is_last: false });
         } else if line.text.starts_with(['|', ' ', '_', '\t']) {
             if let Some(blank) = blank.take() {
                 let message = "a blank line inside the maze is left out";
@@ -57,6 +137,7 @@ fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
             sink.warn(Code::MazLine, line.span(), message, "a row that begins with `|`, `_` or a blank, or one number");
         }
     }
+    sizes.iter_mut().for_each(|size| size.is_last = size.rows_above == rows.len());
     let is_border = |line: &Line<'_>| line.text.chars().all(|c| matches!(c, '_' | ' ' | '\t'));
     match rows.first() {
         None => {
@@ -70,23 +151,7 @@ fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
         }
         Some(_) => {}
     }
-    (rows, cell.unwrap_or(DEFAULT_CELL))
-}
-
-fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &mut Option<f64>) {
-    let form = "the cell size in mm, alone in the last or the first line";
-    if let Some(extra) = extra {
-        let message = format!("`{}` is left over after the cell size", extra.text);
-        sink.warn(Code::WordExtra, extra.span, message, form);
-    }
-    let size = line::number(sink, Severity::Warning, word, &Quantity::size("cell size"));
-    if let (Some(old), Some(new)) = (*cell, size)
-        && old != new
-    {
-        let message = format!("a second cell size `{}`; it replaces {} mm", word.text, unit::mm_from_metres(old));
-        sink.warn(Code::MazCellTwice, word.span, message, form);
-    }
-    *cell = size.or(*cell);
+    (rows, sizes)
 }
 
 /// Layout of the drawing: columns for walls and columns for cells.

@@ -10,7 +10,7 @@ use super::diagnostic::Sink;
 use super::load::Loader;
 use super::scene::FreeSpace;
 use super::spec::{
-    Collider, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
+    Collider, Dialect, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
     SceneForm, SimSpec, StartRef, TypeRef, WorldSpec,
 };
 use super::types::{LoadedType, Types};
@@ -251,7 +251,7 @@ impl Placer<'_> {
         group.is_full = start.is_none();
         let (Some(robi), Some(start)) = (&group.robi, start) else { return };
         let dialect = match (self.sim.form, &line.kind) {
-            (SceneForm::Toml, _) => None,
+            (SceneForm::Toml, _) => self.sim.run.dialect.map(Dialect::generation),
             (SceneForm::Sim, TypeRef::File(_)) => Some(6),
             (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
         };
@@ -323,7 +323,10 @@ impl Placer<'_> {
             StartRef::Pose(pose) => Some(pose),
             StartRef::Next | StartRef::Many { .. } => self.next(line.span),
             StartRef::Letter { letter, heading } => {
-                let start = self.lettered(letter, line.span)?;
+                let start = match self.sim.run.dialect {
+                    Some(Dialect::Vr2018) => self.starts.of_2018().or_else(|| self.lettered(letter, line.span))?,
+                    _ => self.lettered(letter, line.span)?,
+                };
                 let at = start.position;
                 Some(heading.map_or(start, |heading| Pose::new(at.x, at.y, heading)))
             }
@@ -387,6 +390,15 @@ impl<'a> Starts<'a> {
         let place = self.taken.iter().position(|taken| !taken)?;
         self.taken[place] = true;
         Some(self.world?.starts[place].pose)
+    }
+
+    /// The start of a maze in EyeSim VR of 2018, whatever the letter: that of the last letter, and the robot faces along x.
+    fn of_2018(&mut self) -> Option<Pose> {
+        let starts = &self.world?.starts;
+        let place = (0..starts.len()).rfind(|place| starts[*place].letter.is_some())?;
+        self.taken[place] = true;
+        let at = starts[place].pose.position;
+        Some(Pose::new(at.x, at.y, 0.0))
     }
 
     /// Takes the first free start with this letter; if all are taken, returns the first: two robots of one letter share a cell.

@@ -7,7 +7,7 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::spec::{
-    LooksSpec, MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+    Dialect, LooksSpec, MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
 };
 use super::{Span, builtin, path};
 use sim_core::pose::Pose;
@@ -25,19 +25,25 @@ const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 
 /// Reads a sim file, but none of the files that it refers to (see [`super::load_scene`]).
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
-    let mut reader = Reader { sink: Sink::new(file), sim: SimSpec { file: file.to_owned(), ..SimSpec::default() } };
+    let sim = SimSpec { file: file.to_owned(), ..SimSpec::default() };
+    let mut reader = Reader { sink: Sink::new(file), sim, is_of_2018: false, is_newer: false };
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
             reader.line(first, rest);
         }
     }
+    reader.sim.run.dialect = (reader.is_of_2018 && !reader.is_newer).then_some(Dialect::Vr2018);
     (reader.sim, reader.sink.finish())
 }
 
 struct Reader {
     sink: Sink,
     sim: SimSpec,
+    /// A line has a form that EyeSim VR of 2018 has and newer ones do not.
+    is_of_2018: bool,
+    /// A line has a form that EyeSim VR of 2018 does not have.
+    is_newer: bool,
 }
 
 impl Reader {
@@ -73,7 +79,7 @@ impl Reader {
             let message = format!("a second world `{}`; it replaces that of line {}", path.text, old.path.span.line);
             self.sink.warn(Code::SimWorldTwice, path.span, message, "one `world` or `maze` line");
         }
-        self.sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
+        self.sim.world = Some(WorldLine { kind, path, cell: None, looks: LooksSpec::default() });
     }
 
     fn settings(&mut self, rest: &[Word<'_>]) {
@@ -93,6 +99,7 @@ impl Reader {
     /// Reads `robi FILE` or `robot FILE`, which loads a robot type.
     fn robot_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let path = path::reference(&mut self.sink, Severity::Error, keyword, rest, "`robi FILE.robi`");
+        self.mark(keyword, "robi");
         self.sim.robot_types.extend(path);
     }
 
@@ -100,7 +107,15 @@ impl Reader {
     fn object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+        self.mark(keyword, "obj");
         self.sim.object_types.extend(path);
+    }
+
+    /// Notes the EyeSim VR to whose form the keyword of a line that loads a type belongs; `old` is that of 2018.
+    fn mark(&mut self, keyword: &Word<'_>, old: &str) {
+        let is_old = keyword.text.eq_ignore_ascii_case(old);
+        self.is_of_2018 |= is_old;
+        self.is_newer |= !is_old;
     }
 
     /// Reads `robi FILE PROGRAM [X Y PHI]`.
@@ -218,6 +233,7 @@ impl Reader {
         let (start, program) = match rest.first().and_then(letter) {
             Some(letter) => {
                 let has_heading = rest.get(1).is_some_and(is_number);
+                self.is_newer |= has_heading;
                 let heading = match rest.get(1).filter(|_| has_heading) {
                     Some(word) => Some(line::number(&mut self.sink, Severity::Error, word, &POSE[2])?),
                     None => None,

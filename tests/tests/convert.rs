@@ -80,3 +80,91 @@ fn the_schema_is_the_one_of_the_docs() {
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     assert_eq!(ran.stdout.trim(), committed.trim());
 }
+
+/// A program of RoBIOS-7 whose calls are in RoBIOS 6, too: 20 ms here, 200 ms there.
+const OF_BOTH: &str = "#include \"eyebot.h\"\nint main(void) { OSWait(20); LCDPrintf(\"%d\", OSGetCount()); return 0; }\n";
+const OF_7: &str = "#include \"eyebot.h\"\nint main(void) { VWStraight(100, 100); return VWWait(); }\n";
+
+#[test]
+fn generations_survive_a_conversion() {
+    let scratch = scene();
+    scratch.write("seven.c", OF_7);
+    scratch.write("both.c", OF_BOTH);
+    scratch.write("later.sim", "world room.wld\nS4 1000 1000 0 later.x\n");
+    let sims = [
+        ("vr", "S4 500 500 0 seven.x\nLabBot 1500 500 90 seven.x\n", "api = 7\n"),
+        ("unsure", "S4 500 500 0 both.x\n", "dialect = \"vr2023\"\n"),
+        ("mixed", "S4 500 500 0 both.x\nLabBot 1500 500 90 prog.c\n", "api = 6\n"),
+        ("classic", "robi bot.robi both.c 500 500 0\n", "dialect = \"classic\"\n"),
+        ("both", "robi bot.robi prog.c 500 500 0\nS4 1500 500 90 seven.x\n", "api = 7\n"),
+        ("old", "robi bot.robi\nBot 500 500 0 both.x\n", "dialect = \"vr2018\"\n"),
+    ];
+    for (name, lines, stated) in sims {
+        let (sim, toml, back) = (format!("{name}.sim"), format!("{name}.scene.toml"), format!("{name}-back.sim"));
+        scratch.write(&sim, &format!("world room.wld\n{lines}"));
+        for (from, to) in [(&sim, &toml), (&toml, &back)] {
+            let ran = scratch.eyesim(&["convert", from, "-o", to]);
+            assert_eq!(ran.code, Some(0), "{ran:#?}");
+        }
+        assert!(scratch.read(&toml).contains(stated), "{name}: {}", scratch.read(&toml));
+        let digests = [&sim, &toml, &back].map(|scene| scratch.report(scene, &[], 0)["digest"].clone());
+        assert!(digests[0].is_string() && digests.iter().all(|digest| *digest == digests[0]), "{name}: {digests:?}");
+    }
+    // A program that is missing at the conversion may be of either generation.
+    assert_eq!(scratch.eyesim(&["convert", "later.sim", "-o", "later.scene.toml"]).code, Some(0));
+    for program in [OF_7, PROGRAM, OF_BOTH] {
+        scratch.write("later.c", program);
+        let digests = ["later.sim", "later.scene.toml"].map(|scene| scratch.report(scene, &[], 0)["digest"].clone());
+        assert_eq!(digests[0], digests[1], "{program}");
+    }
+}
+
+#[test]
+fn samples_and_scenes_of_others_run_the_same_once_converted() {
+    let scratch = Scratch::new();
+    scratch.write("both.c", OF_BOTH);
+    let corpus = root().join("../shared/eyesim/corpus");
+    if !corpus.is_dir() {
+        println!("skipped in part: there are no files of EyeSim at {}", corpus.display());
+    }
+    let mut sims = sims_below(&root().join("sims"));
+    let own = sims.len();
+    sims.extend(sims_below(&corpus));
+    assert!(own > 20);
+    let mut compared = 0;
+    for (index, sim) in sims.iter().enumerate() {
+        let toml = format!("{index}.scene.toml");
+        let path = sim.to_str().expect("UTF-8");
+        if scratch.eyesim(&["convert", path, "-o", &toml]).code != Some(0) {
+            assert!(index >= own, "{path} converts");
+            continue;
+        }
+        // The programs of others are not there.
+        let robots = if index < own { 0 } else { scratch.read(&toml).matches("[[robot]]").count() };
+        let programs: Vec<String> = (1..=robots).map(|robot| format!("--program={robot}=both.c")).collect();
+        let args: Vec<&str> = programs.iter().map(String::as_str).collect();
+        let both = [path, &toml].map(|scene| {
+            let report = format!("{index}.json");
+            let ran = scratch.eyesim(&[&["run", scene, "--until", "1", "-q", "--report", &report], &args[..]].concat());
+            let read = std::fs::read_to_string(scratch.path().join(&report)).unwrap_or_default();
+            let _ = std::fs::remove_file(scratch.path().join(&report));
+            let report: serde_json::Value = serde_json::from_str(&read).unwrap_or_default();
+            (ran.code, report["digest"].clone())
+        });
+        assert_eq!(both[0], both[1], "{path}");
+        assert!(index >= own || both[0].1.is_string(), "{path} runs");
+        compared += usize::from(both[0].1.is_string());
+    }
+    assert!(compared >= own);
+}
+
+/// The sim files below a folder.
+fn sims_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    paths.sort();
+    let below = |path: std::path::PathBuf| {
+        if path.is_dir() { sims_below(&path) } else { Some(path).filter(|path| path.extension() == Some("sim".as_ref())).into_iter().collect() }
+    };
+    paths.into_iter().flat_map(below).collect()
+}

@@ -467,3 +467,116 @@ fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
         assert_at(robot, x, y, phi_deg);
     }
 }
+
+/// Tells the heading, turns by SIMSetRobot as `phi` says, and tells it again.
+fn turner(phi: i32) -> String {
+    format!(
+        "#include \"eyebot.h\"\nint main() {{\n    int x, y, z, phi;\n    SIMGetRobot(0, &x, &y, &z, &phi);\n    \
+         LCDPrintf(\"%d\\n\", phi);\n    SIMSetRobot(0, 1000, 500, 0, {phi});\n    SIMGetRobot(0, &x, &y, &z, &phi);\n    \
+         LCDPrintf(\"%d %d %d\\n\", x, y, phi);\n    VWStraight(300, 100);\n    VWWait();\n    return 0;\n}}\n"
+    )
+}
+
+#[test]
+fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
+    let scratch = Scratch::new();
+    scratch.write("room.wld", ROOM);
+    let told = |scene: &str, args: &[&str]| {
+        let robot = scratch.report(scene, args, 0)["robots"][0].clone();
+        let lcd = |row: usize| robot["lcd"][row].as_str().expect("text").trim_end().to_owned();
+        let end = ["x_m", "y_m"].map(|key| (number(&robot["pose"], key) * 1000.0).round());
+        (lcd(0), lcd(1), end)
+    };
+    // By the source of 2018: what is told is 360 - (90 - heading), what is set is 90 - heading.
+    let of_2018 = |first: &str, second: &str, end| (first.to_owned(), second.to_owned(), end);
+    scratch.write("turn.c", &turner(0));
+    scratch.write("a.sim", "world room.wld\nS4 500 500 0 turn.x\n");
+    assert_eq!(told("a.sim", &[]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
+    assert_eq!(told("a.sim", &["--dialect", "vr2023"]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
+    assert_eq!(told("a.sim", &["--dialect", "vr2018"]), of_2018("270", "1000 500 360", [1000.0, 800.0]));
+    scratch.write("turn.c", &turner(90));
+    assert_eq!(told("a.sim", &["--dialect", "vr2018"]), of_2018("270", "1000 500 270", [1300.0, 500.0]), "clockwise");
+    scratch.write("turn.c", &turner(-45));
+    let (_, told_again, [x, y]) = told("a.sim", &["--dialect", "vr2018"]);
+    assert_eq!((told_again.as_str(), x, y), ("1000 500 45", 788.0, 712.0));
+    // The scene says it as well, and a file that only EyeSim VR of 2018 has.
+    scratch.write("turn.c", &turner(0));
+    let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"turn.c\"\nx_mm = 500\ny_mm = 500\n";
+    scratch.write("b.scene.toml", &format!("[scene]\ndialect = \"vr2018\"\n[world]\nfile = \"room.wld\"\n{robot}"));
+    assert_eq!(told("b.scene.toml", &[]).1, "1000 500 360");
+    assert_eq!(told("b.scene.toml", &["--dialect", "vr2023"]).1, "1000 500 0");
+    scratch.write("tin.esObj", "name Tin\nobj tin.obj\nscale 1\nmass 1 0 0 0\ncapsule 0 50 0 30 100 y\n");
+    scratch.write("c.sim", "world room.wld\nobj tin.esObj\nS4 500 500 0 turn.x\n");
+    assert_eq!(told("c.sim", &[]).1, "1000 500 360");
+    let ran = scratch.eyesim(&["run", "c.sim"]);
+    assert!(ran.stderr.contains("--dialect=vr2018 holds, --dialect=vr2023 changes that"), "{ran:#?}");
+    assert_eq!(told("c.sim", &["--dialect", "vr2023"]).1, "1000 500 0");
+    let refused = scratch.eyesim(&["run", "c.sim", "--dialect", "vr2020"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("expected vr2018, vr2023 or classic"), "{refused:#?}");
+}
+
+/// Drives one cell of 360 mm and tells what is ahead.
+const STEP: &str = "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
+
+#[test]
+fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
+    let scratch = Scratch::new();
+    scratch.write("step.c", STEP);
+    scratch.write("m.maz", "720\n _____\n|   S |\n| |_| |\n|U____|\n");
+    scratch.write("a.sim", "world m.maz\nS4 U 0 step.x\n");
+    let x_of = |scene: &str, args: &[&str]| {
+        let robot = scratch.report(scene, args, 0)["robots"][0].clone();
+        (number(&robot, "pose.x_m") * 1000.0).round() - 360.0
+    };
+    assert_eq!(x_of("a.sim", &[]), 360.0, "half a cell of 720 mm");
+    let ran = scratch.eyesim(&["run", "a.sim"]);
+    assert!(ran.stderr.contains("maz-cell-first"), "{ran:#?}");
+    assert_eq!(x_of("a.sim", &["--maze-cell", "360"]), 180.0);
+    assert_eq!(x_of("a.sim", &["--maze-cell", "1000"]), 500.0);
+    for args in [&["--dialect", "vr2023"], &["--maze-cell", "360"]] {
+        let ran = scratch.eyesim(&[&["run", "a.sim", "--strict"][..], args].concat());
+        assert_eq!(ran.code, Some(0), "said, so without a warning: {ran:#?}");
+        let checked = scratch.eyesim(&[&["check", "a.sim", "m.maz", "--strict"][..], args].concat());
+        assert!(!checked.stdout.contains("maz-cell-first"), "{checked:#?}");
+    }
+    // Only the last line, the last letter and heading 0 in 2018.
+    scratch.write("b.sim", "world m.maz\nS4 s step.x\n");
+    let robot = scratch.report("b.sim", &["--dialect", "vr2018"], 0)["robots"][0].clone();
+    let [x, y] = ["pose.x_m", "pose.y_m"].map(|key| (number(&robot, key) * 1000.0).round());
+    assert_eq!((x, y), (180.0 + 360.0, 180.0));
+    let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"step.c\"\nx_mm = 360\ny_mm = 360\n";
+    scratch.write("c.scene.toml", &format!("[world]\nfile = \"m.maz\"\ncell_mm = 500\n{robot}"));
+    let report = scratch.report("c.scene.toml", &["--strict"], 0);
+    // From x = 360 by 360 mm, in a row of 1500 mm.
+    assert_eq!(report["robots"][0]["lcd"][0].as_str().map(str::trim), Some("720"), "{report:#}");
+    scratch.write("d.scene.toml", &format!("[world]\nfile = \"room.wld\"\ncell_mm = 500\n{robot}"));
+    scratch.write("room.wld", ROOM);
+    let refused = scratch.eyesim(&["check", "d.scene.toml"]);
+    assert!(refused.code == Some(2) && refused.stdout.contains("`room.wld` is no maze"), "{refused:#?}");
+    scratch.write("e.sim", "world room.wld\nS4 500 500 0 step.x\n");
+    let refused = scratch.eyesim(&["run", "e.sim", "--maze-cell", "360"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("no maze"), "{refused:#?}");
+}
+
+#[test]
+fn a_robot_that_leaves_through_a_gap_is_told_with_its_instant() {
+    let scratch = Scratch::new();
+    scratch.write("out.c", "#include \"eyebot.h\"\nint main() { VWStraight(1000, 100); VWWait(); return 0; }\n");
+    // A lower-case `s` in the bottom row, and a `|` that is missing at the right.
+    for (maze, heading, distance) in [(" ___\n|   |\n|s _|\n", 270, 180.0), (" ___\n|   |\n|__S\n", 0, 180.0)] {
+        scratch.write("m.maz", maze);
+        scratch.write("a.sim", &format!("world m.maz\nS4 S {heading} out.x\n"));
+        let checked = scratch.eyesim(&["check", "m.maz"]);
+        assert!(checked.stdout.contains("maz-gap"), "{checked:#?}");
+        let left = |slot: &str| number(&scratch.report("a.sim", &["--slot", slot], 0)["robots"][0], "left_floor_s");
+        // At 100 mm/s after the start of the call's end.
+        assert!((left("50") - distance / 100.0).abs() < 0.01, "{}", left("50"));
+        assert_eq!(left("50"), left("1"), "whatever the slots");
+        let ran = scratch.eyesim(&["run", "a.sim"]);
+        assert_eq!(ran.stderr.matches("has left the floor at (").count(), 1, "{ran:#?}");
+    }
+    scratch.write("room.wld", ROOM);
+    scratch.write("b.sim", "world room.wld\nS4 500 500 0 out.x\n");
+    let report = scratch.report("b.sim", &[], 0);
+    assert!(report["robots"][0]["left_floor_s"].is_null(), "{report:#}");
+}

@@ -111,6 +111,8 @@ pub struct Fake {
     messages: Vec<(u64, Message)>,
     answers: Option<radio::Answers>,
     arguments: Vec<String>,
+    /// Text of the standard input.
+    input: String,
     limit: Duration,
     seed: u64,
 }
@@ -147,6 +149,7 @@ impl Fake {
             messages: Vec::new(),
             answers: None,
             arguments: Vec::new(),
+            input: String::new(),
             limit: Duration::from_secs(60),
             seed: 1,
         }
@@ -208,6 +211,12 @@ impl Fake {
     pub fn key(mut self, time: Duration, key: Key) -> Self {
         self.keys.push((time, key));
         self.keys.sort_by_key(|(time, _)| *time);
+        self
+    }
+
+    /// Sets the text of the standard input.
+    pub fn input(mut self, text: impl Into<String>) -> Self {
+        self.input = text.into();
         self
     }
 

@@ -68,6 +68,8 @@ pub(super) struct State {
     pub is_in_callback: bool,
     pub lcd: LcdBuffer,
     pub console: String,
+    /// Bytes of the standard input that the program has read.
+    pub input_read: usize,
     pub random: BTreeMap<u32, u64>,
     pub variables: [i32; 16],
     pub clock_offset_us: i64,
@@ -128,6 +130,7 @@ impl FakeRobot {
             is_in_callback: false,
             lcd: if generation == 7 { LcdBuffer::large() } else { LcdBuffer::new() },
             console: String::new(),
+            input_read: 0,
             random: BTreeMap::new(),
             variables: [0; 16],
             clock_offset_us: 0,
@@ -393,5 +396,15 @@ impl Support for FakeRobot {
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
         self.act(|_| name.set(b"program"))?;
         Ok(7)
+    }
+
+    fn input(&self, bytes: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|state| {
+            let rest = &self.fake.input.as_bytes()[state.input_read..];
+            let line = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+            let count = bytes.set(&rest[..line]);
+            state.input_read += count;
+            count as i32
+        })
     }
 }

@@ -82,6 +82,12 @@ impl Robot {
         self.0.console_error()
     }
 
+    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input. In place of `std::io::stdin`.
+    #[track_caller]
+    pub fn read_line(&self) -> Option<String> {
+        self.0.read_line()
+    }
+
     /// The robot's own random numbers.
     pub fn random(&self) -> Random<'_> {
         self.0.random()

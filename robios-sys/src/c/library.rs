@@ -29,7 +29,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("warnx", PRINTS),
     ("vwarn", PRINTS),
     ("vwarnx", PRINTS),
-    ("stdin", ENDS_INPUT),
+    ("stdin", READS),
     ("stdout", PRINTS),
     ("stderr", PRINTS),
     ("fputc", PRINTS_ANY),
@@ -60,20 +60,30 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("write", WRITES),
     ("writev", WRITES),
     ("fileno", "the robot's own streams have the descriptors 0 to 2"),
-    ("read", "descriptor 0 is at its end"),
-    ("__read_chk", "descriptor 0 is at its end"),
+    ("read", "descriptor 0 is the robot's standard input"),
+    ("__read_chk", "descriptor 0 is the robot's standard input"),
     ("close", "leaves descriptors 0 to 2, which are the host's, open"),
     ("isatty", "nothing is a terminal"),
-    ("getchar", ENDS_INPUT),
-    ("getchar_unlocked", ENDS_INPUT),
-    ("getwchar", ENDS_INPUT),
-    ("gets", ENDS_INPUT),
-    ("scanf", ENDS_INPUT),
-    ("vscanf", ENDS_INPUT),
-    ("__isoc99_scanf", ENDS_INPUT),
-    ("__isoc99_vscanf", ENDS_INPUT),
-    ("__isoc23_scanf", ENDS_INPUT),
-    ("__isoc23_vscanf", ENDS_INPUT),
+    ("fgetc", READS_ANY),
+    ("getc", READS_ANY),
+    ("_IO_getc", READS_ANY),
+    ("fgets", READS_ANY),
+    ("fread", READS_ANY),
+    ("getdelim", READS_ANY),
+    ("getline", READS_ANY),
+    ("fscanf", READS_ANY),
+    ("__isoc99_fscanf", READS_ANY),
+    ("__isoc23_fscanf", READS_ANY),
+    ("getchar", READS),
+    ("getchar_unlocked", READS),
+    ("getwchar", READS),
+    ("gets", READS),
+    ("scanf", READS),
+    ("vscanf", READS),
+    ("__isoc99_scanf", READS),
+    ("__isoc99_vscanf", READS),
+    ("__isoc23_scanf", READS),
+    ("__isoc23_vscanf", READS),
     ("__memcpy_chk", CHECKS),
     ("__mempcpy_chk", CHECKS),
     ("__memmove_chk", CHECKS),
@@ -263,7 +273,8 @@ const PRINTS: &str = "prints to the robot's console, line by line";
 const PRINTS_ANY: &str = "as ever; on the robot's console the robot can be stopped there";
 const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
 const WRITES: &str = "descriptors 1 and 2 are the robot's console";
-const ENDS_INPUT: &str = "standard input is at its end";
+const READS: &str = "reads the robot's standard input, `--stdin`";
+const READS_ANY: &str = "as ever; of standard input the robot's own";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
 const DRAWS48: &str = "the sequence that POSIX fixes; without a seed it starts at a place of the robot's own";

@@ -40,7 +40,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 - **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; an incomplete
   last line is shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
   everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
-- **Input** is at its end.
+- **Input** is the text of `--stdin`, of which each robot has a copy, a line at a time; without it, input is at its end. Text printed
+  without an end of line, such as a question, is shown before a read.
 - **C++.** The library of C++ is linked into each program, so that its streams, clocks and random numbers end in these
   functions. `std::random_device` draws from the robot's own stream.
 - **Headers** beside a program, whatever they are called, change none of this: their declarations are linked to the

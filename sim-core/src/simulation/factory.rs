@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use super::Robot;
 use crate::build;
 use crate::drive::{Model, ModelError, Motion};
@@ -26,6 +28,8 @@ pub struct RobotFactory {
     /// Rule of contacts with walls, and the friction of these.
     contact: ContactKind,
     wall_friction: f64,
+    /// Corners of the rectangle around floor and walls, m.
+    floor: (DVec2, DVec2),
     /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
     /// Cache of the robots' noise profiles.
@@ -61,6 +65,7 @@ impl RobotFactory {
             ground: build::ground(&scene.world),
             contact: scene.run.contact.unwrap_or_default(),
             wall_friction: scene.run.wall_friction.unwrap_or(f64::INFINITY),
+            floor: scene.world.bounds(),
             models: BTreeMap::new(),
             profiles: Vec::new(),
         }
@@ -82,6 +87,7 @@ impl RobotFactory {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }
         let mut robot = Robot::new(motion, Arc::clone(&spec.robi), since, self.seed, self.is_verbose);
+        robot.watch_floor(self.floor);
         let Some(profile) = self.profile(spec) else { return Ok((robot, RadioNoise::default())) };
         robot.set_noise(since, &profile).map_err(failed("noise of the drive: "))?;
         Ok((robot, profile.radio))

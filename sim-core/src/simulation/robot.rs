@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::RobotId;
 use crate::contact::Thing;
 use crate::device::Devices;
@@ -17,6 +19,7 @@ use crate::record::{Event, Journal, Numbers, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
+use crate::unit;
 use crate::world::{Contact, LegContact, World};
 
 use super::Placement;
@@ -52,6 +55,28 @@ pub struct Robot {
     recorded_pose: Option<Pose>,
     /// Recorded walk, of a robot with legs.
     pub walk: WalkRecord,
+    /// Watch of the floor's edge; `None` in a world without a floor.
+    floor: Option<FloorWatch>,
+}
+
+/// Watch of the edge of the floor, which a robot leaves where a wall is missing.
+#[derive(Clone, Debug)]
+struct FloorWatch {
+    /// Lower left and upper right corner, m.
+    corners: (DVec2, DVec2),
+    /// Start of the watch.
+    since: Time,
+    /// The robot's centre was on the floor at the end of a slot.
+    has_been_on: bool,
+    /// Instant at which it first left the floor.
+    left: Option<Time>,
+}
+
+impl FloorWatch {
+    fn contains(&self, point: DVec2) -> bool {
+        let (low, high) = self.corners;
+        point.cmpge(low).all() && point.cmple(high).all()
+    }
 }
 
 /// Interval at which contacts of legs are checked. Source: our choice.
@@ -91,7 +116,24 @@ impl Robot {
             seed,
             recorded_pose,
             walk: WalkRecord::default(),
+            floor: None,
         }
+    }
+
+    /// Sets the lower left and the upper right corner of the floor, m: the first time that the robot leaves it is recorded. No effect
+    /// for a floor without an area.
+    pub fn watch_floor(&mut self, corners: (DVec2, DVec2)) {
+        let has_area = corners.0.cmplt(corners.1).all();
+        let (since, start) = (self.now, self.motion.pose(self.now).position);
+        self.floor = has_area.then(|| {
+            let watch = FloorWatch { corners, since, has_been_on: false, left: None };
+            FloorWatch { has_been_on: watch.contains(start), ..watch }
+        });
+    }
+
+    /// Instant at which the robot's centre first left the floor.
+    pub fn left_floor(&self) -> Option<Time> {
+        self.floor.as_ref()?.left
     }
 
     /// Sets the noise models from `at` on, the start of the present slot; the caller sets that of the radio at the channel.
@@ -228,11 +270,39 @@ impl Robot {
         let pose = self.motion.pose(slot_end);
         if self.recorded_pose != Some(pose) {
             self.recorded_pose = Some(pose);
+            self.check_floor(slot_end, &pose);
             let Pose { position, heading } = pose;
             let event =
                 Event::Pose { x_m: position.x, y_m: position.y, phi_rad: heading.remainder(), turns: heading.turns() };
             self.journal.record(slot_end, &event);
         }
+    }
+
+    /// Records that the robot has left the floor, at the instant at which its centre passed the edge; of a slot longer than the world's
+    /// history only the last part is searched.
+    fn check_floor(&mut self, slot_end: Time, pose: &Pose) {
+        let Some(floor) = self.floor.as_mut().filter(|floor| floor.left.is_none()) else { return };
+        if floor.contains(pose.position) {
+            floor.has_been_on = true;
+            return;
+        }
+        if !floor.has_been_on {
+            return;
+        }
+        let (mut on, mut off) = (floor.since.max(slot_end - HISTORY), slot_end);
+        if !floor.contains(self.motion.pose(on).position) {
+            off = on;
+        }
+        while off - on > Time(1) {
+            let middle = Time(on.0 + (off - on).0 / 2);
+            let place = if floor.contains(self.motion.pose(middle).position) { &mut on } else { &mut off };
+            *place = middle;
+        }
+        floor.left = Some(off);
+        let DVec2 { x, y } = self.motion.pose(off).position;
+        let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round());
+        let text = format!("the robot has left the floor at ({x}, {y}) mm: a wall or a piece of the border is missing there");
+        self.journal.record(off, &Event::Hint { text: &text });
     }
 
     /// Records the footfalls of a legged robot in the slot, and its posture at the slot's end, if that has changed since the last

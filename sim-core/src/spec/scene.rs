@@ -89,6 +89,8 @@ pub struct WorldLine {
     pub kind: WorldKind,
     /// The file.
     pub path: PathRef,
+    /// Side of a maze's cells in metres, in place of what its file says.
+    pub cell: Option<f64>,
     /// Looks of the world, from the scene; world files have none.
     pub looks: LooksSpec,
 }
@@ -208,12 +210,48 @@ pub struct RunSpec {
     pub costs: Option<CostsRef>,
     /// Generation of the RoBIOS API that the robots' programs are written for: 6 or 7.
     pub api: Option<u32>,
+    /// EyeSim whose conventions the scene and its programs follow.
+    pub dialect: Option<Dialect>,
     /// Noise profile of devices and drives.
     pub noise: Option<NoiseRef>,
     /// Motion of a robot that is pushed against a wall.
     pub contact: Option<ContactKind>,
     /// Coefficient of friction of the walls; a robot slides along them with the lower one of this and its own.
     pub wall_friction: Option<f64>,
+}
+
+/// EyeSim whose conventions a scene and its programs follow. See `docs/dialects.md`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// EyeSim 5 and 6.
+    Classic,
+    /// EyeSim VR of 2017 and 2018.
+    Vr2018,
+    /// Later EyeSim VR, and EyeSim X.
+    #[default]
+    Vr2023,
+}
+
+impl Dialect {
+    /// All dialects, the oldest first.
+    pub const ALL: [Self; 3] = [Self::Classic, Self::Vr2018, Self::Vr2023];
+
+    /// Word for the dialect in files and on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Classic => "classic",
+            Self::Vr2018 => "vr2018",
+            Self::Vr2023 => "vr2023",
+        }
+    }
+
+    /// Generation of the RoBIOS API that this EyeSim has: 6 or 7.
+    pub fn generation(self) -> u32 {
+        match self {
+            Self::Classic => 6,
+            Self::Vr2018 | Self::Vr2023 => 7,
+        }
+    }
 }
 
 /// Motion of a robot that is pushed against a wall. See `docs/motion.md`.
@@ -372,7 +410,7 @@ pub struct RobotSpec {
     /// Noise profile of devices and drive, from the robot's line, else from the scene. A profile in a file has been read.
     pub noise: Option<NoiseRef>,
     /// Generation of the RoBIOS API of the simulator whose dialect the line uses: 6 for `robi` lines, 7 for those of
-    /// EyeSim VR; `None` in our own format.
+    /// EyeSim VR; in our own format that of the scene's dialect.
     pub dialect: Option<u32>,
     /// Place of its line in the sim file.
     pub span: Span,

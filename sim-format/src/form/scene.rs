@@ -15,7 +15,7 @@ use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
-use crate::spec::{ContactKind, CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
+use crate::spec::{ContactKind, CostEntry, CostTable, CostsRef, Dialect, PathRef, RobotLine, RunSpec, Settings, SimSpec};
 use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, RadioModel};
 use sim_core::time::Time;
@@ -67,6 +67,8 @@ impl Form for RunSpec {
              out.",
         )
         .maybe(6..=7, &mut self.api);
+        keys.key("dialect", "EyeSim whose conventions the scene and its programs follow; `vr2023` if left out.")
+            .maybe(Word, &mut self.dialect);
         keys.key(
             "noise",
             "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
@@ -146,6 +148,20 @@ const COSTS: Custom<CostsRef> = Custom {
         })
     },
 };
+
+impl Words for Dialect {
+    const NAME: &'static str = "DialectForm";
+    const ABOUT: &'static str = "EyeSim whose conventions a scene and its programs follow.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Dialect::Classic, "classic", "EyeSim 5 and 6: programs are of RoBIOS 6 where their calls do not tell."),
+        (
+            Dialect::Vr2018,
+            "vr2018",
+            "EyeSim VR of 2017 and 2018: headings of the SIM functions from y, the size of a maze's cells on the last line.",
+        ),
+        (Dialect::Vr2023, "vr2023", "Later EyeSim VR: programs are of RoBIOS-7 where their calls do not tell."),
+    ];
+}
 
 impl Words for ContactKind {
     const NAME: &'static str = "ContactForm";

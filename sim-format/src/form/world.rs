@@ -17,8 +17,8 @@ use crate::spec::{
 /// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe an inline world.
-const INLINE: [&str; 10] =
-    ["floor_mm", "wall", "maze", "cell_mm", "texture", "texture_turned", "surface", "terrain", "start", "object"];
+const INLINE: [&str; 9] =
+    ["floor_mm", "wall", "maze", "texture", "texture_turned", "surface", "terrain", "start", "object"];
 
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
@@ -53,7 +53,7 @@ impl WorldTable {
                     (WorldKind::Maze, "maz" | "maze") | (WorldKind::World, "wld") => None,
                     (kind, _) => Some(kind),
                 };
-                let spec = WorldSpec { looks: line.looks, ..WorldSpec::default() };
+                let spec = WorldSpec { looks: line.looks, cell: line.cell, ..WorldSpec::default() };
                 Self { file: Some(line.path.clone()), kind, spec, ..Self::default() }
             }
             (None, None) => Self::default(),
@@ -65,12 +65,17 @@ impl WorldTable {
         if self.is_in_place {
             sim.inline.world = Some(self.spec);
         } else if let Some(path) = self.file {
-            let kind = match path::extension(&path.text).as_str() {
-                "maz" | "maze" => WorldKind::Maze,
-                _ => self.kind.unwrap_or(WorldKind::World),
-            };
-            sim.world = Some(WorldLine { kind, path, looks: self.spec.looks });
+            let kind = kind_of_file(&path, self.kind);
+            sim.world = Some(WorldLine { kind, path, cell: self.spec.cell, looks: self.spec.looks });
         }
+    }
+}
+
+/// Kind of a world's file: that of its extension, else the stated one.
+fn kind_of_file(path: &PathRef, stated: Option<WorldKind>) -> WorldKind {
+    match path::extension(&path.text).as_str() {
+        "maz" | "maze" => WorldKind::Maze,
+        _ => stated.unwrap_or(WorldKind::World),
     }
 }
 
@@ -83,15 +88,25 @@ impl Form for WorldTable {
         if is_file {
             keys.mention(&["kind"]);
         }
-        keys.key("file", "A `.wld` or a `.maz`; no other key but `kind`, `colour`, `light` and `sky` then.")
+        keys.key("file", "A `.wld` or a `.maz`; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
             .maybe(TEXT, &mut self.file);
         if is_file || !is_read {
             keys.key("kind", "How a file is read whose extension does not say: `world` if left out.")
                 .maybe(Word, &mut self.kind);
         }
         if is_file {
-            if self.file.is_some() {
+            if let Some(file) = &self.file {
+                let is_maze = kind_of_file(file, self.kind) == WorldKind::Maze;
+                cell(keys, &mut self.spec.cell);
                 looks(keys, &mut self.spec.looks);
+                if let Some((reader, section)) = keys.reading()
+                    && section.has("cell_mm")
+                    && !is_maze
+                {
+                    let message = format!("`cell_mm` is the size of a maze's cells, and `{}` is no maze", file.text);
+                    let span = reader.key_span(section, "cell_mm");
+                    reader.sink.error(Code::TomlConflict, span, message, "a `.maz`, or `kind = \"maze\"`");
+                }
             }
             if let Some((reader, section)) = keys.reading() {
                 reader.exclude(section, "file", &INLINE);
@@ -139,8 +154,7 @@ impl WorldTable {
             keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);
         }
         if !is_drawn {
-            keys.key("cell_mm", "Side of the cells of a world that is a maze of walls, in mm.")
-                .maybe(Quantity::size("cell size"), &mut world.cell);
+            cell(keys, &mut world.cell);
             keys.key("wall", "Walls.").list(PARTS, &mut world.walls);
         }
         keys.key("start", "Places where robots without a pose start.").list(PARTS, &mut world.starts);
@@ -154,6 +168,15 @@ impl Words for WorldKind {
     const ABOUT: &'static str = "How a file is read.";
     const WORDS: &'static [(Self, &'static str, &'static str)] =
         &[(WorldKind::World, "world", "As a `.wld`."), (WorldKind::Maze, "maze", "As a `.maz`.")];
+}
+
+/// Declares the size of a maze's cells.
+fn cell(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
+    keys.key(
+        "cell_mm",
+        "Side of the cells in mm: of a world that is a maze of walls, or of a `.maz` in place of what the file says.",
+    )
+    .maybe(Quantity::size("cell size"), cell);
 }
 
 /// Declares properties of a world that only cameras see.

@@ -7,7 +7,7 @@ use super::Printed;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::path;
 use crate::spec::{
-    Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
+    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -29,6 +29,11 @@ struct Printer<'a> {
     scene: &'a SceneSpec,
 }
 
+/// Returns true if the scene follows EyeSim VR of 2018.
+fn is_of_2018(sim: &SimSpec) -> bool {
+    sim.run.dialect == Some(Dialect::Vr2018)
+}
+
 impl Printer<'_> {
     fn sim(&mut self, sim: &SimSpec) {
         if let Some(world) = &sim.world {
@@ -47,13 +52,15 @@ impl Printer<'_> {
             self.line(&[&["settings"][..], &settings].concat());
         }
         let robots = self.robots_of_files(sim);
+        // These keywords tell the dialect of a sim file.
+        let [robot, object] = if is_of_2018(sim) { ["robi", "obj"] } else { ["robot", "object"] };
         for path in sim.robot_types.iter().chain(&robots) {
             let file = self.word(&path.text);
-            self.line(&["robi", &file]);
+            self.line(&[robot, &file]);
         }
         for path in &sim.object_types {
             let file = self.word(&path.text);
-            self.line(&["object", &file]);
+            self.line(&[object, &file]);
         }
         self.run(sim);
         self.robots(sim);
@@ -81,6 +88,7 @@ impl Printer<'_> {
 
     fn run(&mut self, sim: &SimSpec) {
         let run = &sim.run;
+        let has_types = !self.robots_of_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
         let said = [
             (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
@@ -88,6 +96,8 @@ impl Printer<'_> {
             (run.until.is_some(), "the end of the run"),
             (run.costs.is_some(), "the cost table"),
             (run.api.is_some(), "the generation of the API"),
+            (is_of_2018(sim) && !has_types, "the dialect"),
+            (sim.world.as_ref().is_some_and(|line| line.cell.is_some()), "the size of the maze's cells"),
             (run.noise.is_some(), "the noise profile"),
             (sim.radio != RadioModel::default(), "the radio"),
             (sim.inline.world.is_some(), "the world described in place"),

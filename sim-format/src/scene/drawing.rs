@@ -4,9 +4,9 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use crate::diagnostic::Diagnostic;
-use crate::spec::WorldSpec;
+use crate::spec::{Dialect, WorldSpec};
 use crate::table::{Reader, Section};
-use crate::{Span, read_maze};
+use crate::{CellRules, Span, read_maze_with};
 
 impl Reader {
     /// Reads a world drawn as the text of a `.maz`.
@@ -14,7 +14,9 @@ impl Reader {
         let value = section.get(key);
         let drawing = self.text(section, key).unwrap_or_default();
         let Some(value) = value.filter(|_| !drawing.is_empty()) else { return WorldSpec::default() };
-        let (mut world, diagnostics) = read_maze(self.sink.file(), &drawing);
+        // No EyeSim reads a drawing in place, so no reading but ours is possible.
+        let rules = CellRules { dialect: Some(Dialect::default()), cell: None };
+        let (mut world, diagnostics) = read_maze_with(self.sink.file(), &drawing, rules);
         let place = self.place_of(value, &drawing);
         for diagnostic in diagnostics {
             let Diagnostic { severity, code, span, message, expected, suggestion, .. } = diagnostic;

@@ -43,6 +43,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     ),
     (Code::MazBlank, "a.maz", " _\n| |\n\n|_|\n"),
     (Code::MazBorder, "a.maz", "| |\n|_|\n"),
+    (Code::MazCellFirst, "a.maz", "720\n _\n|_|\n"),
     (Code::MazCellTwice, "a.maz", "360\n _\n|_|\n720\n"),
     (Code::MazEmpty, "a.maz", "# nothing\n360\n"),
     (Code::MazGap, "a.maz", " _\n|S|\n| |\n|s|\n"),

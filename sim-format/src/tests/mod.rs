@@ -128,6 +128,41 @@ fn cell_size_defaults_to_360_mm_and_the_last_one_counts() {
     assert_eq!((maze.cell, codes(&diagnostics)), (Some(0.72), vec!["maz-cell-twice"]));
 }
 
+#[test]
+fn each_eyesim_reads_the_cell_size_that_it_reads() {
+    let read = |text: &str, dialect, cell| {
+        let (maze, diagnostics) = read_maze_with("m.maz", text, CellRules { dialect, cell });
+        (maze.cell.expect("a maze"), codes(&diagnostics))
+    };
+    let (first, last) = ("720\n _\n|_|\n", " _\n|_|\n720\n");
+    let none: Vec<&str> = Vec::new();
+    assert_eq!(read(first, None, None), (0.72, vec!["maz-cell-first"]), "nobody says which reading is meant");
+    assert_eq!(read(first, Some(Dialect::Vr2023), None), (0.72, none.clone()));
+    assert_eq!(read(first, Some(Dialect::Classic), None), (0.72, none.clone()));
+    assert_eq!(read(first, Some(Dialect::Vr2018), None), (0.36, vec!["maz-cell-first"]));
+    assert_eq!(read(first, Some(Dialect::Vr2018), Some(0.5)), (0.5, none.clone()));
+    for dialect in [None, Some(Dialect::Vr2018), Some(Dialect::Vr2023)] {
+        assert_eq!(read(last, dialect, None), (0.72, none.clone()), "{dialect:?}");
+        assert_eq!(read("360\n _\n|_|\n", dialect, None), (0.36, none.clone()), "both readings agree");
+        assert_eq!(read("720\n _\n|_|\n720\n\n", dialect, None), (0.72, none.clone()));
+    }
+    assert_eq!(read("720\n _\n|_|\n500\n", Some(Dialect::Vr2018), None), (0.5, vec!["maz-cell-first"]));
+    assert_eq!(read("720\n _\n|_|\n500\n", None, None), (0.5, vec!["maz-cell-twice"]));
+}
+
+#[test]
+fn the_form_of_a_sim_file_tells_the_dialect_where_it_makes_it_sure() {
+    let dialect = |text: &str| read_sim("a.sim", text).0.run.dialect;
+    let of_2018 = Some(Dialect::Vr2018);
+    assert_eq!(dialect("world a.wld\nrobi Own.robi\nOwn 1 2 3 p.x\n"), of_2018);
+    assert_eq!(dialect("obj can.esObj\nS4 1 2 3 p.x\n"), of_2018);
+    assert_eq!(dialect("robot Own.robi\nOwn 1 2 3 p.x\n"), None);
+    assert_eq!(dialect("robi Own.robi\nobject can.esObj\n"), None, "forms of both");
+    assert_eq!(dialect("robi Own.robi\nOwn S 90 p.x\n"), None, "letter and heading came later");
+    assert_eq!(dialect("robi Own.robi\nOwn s p.x\n"), of_2018);
+    assert_eq!(dialect("robi Own.robi p.c 1 2 3\nS4 1 2 3\n"), None, "a classic line loads no type");
+}
+
 const S4: &str = "# comment\nname  S4 plus \ndiameter 186\nspeed 600\nturn 300\nmodel S4.ms3d\naxis 40\n\
     psd PSD_FRONT -200 60 20 30 0\npsd PSD_LEFT 56 45 30 90\ncamera 45 0 72 SERVO1(-90, +90) -5 80 60\n\
     wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";

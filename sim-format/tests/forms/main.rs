@@ -13,7 +13,7 @@ use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
 use sim_format::{
-    Code, FileError, Files, Severity, content, convert, load_scene, load_scene_with, read_companion, read_robi,
+    Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion, read_robi,
     read_scene,
 };
 
@@ -347,7 +347,7 @@ fn random_places_keep_clear_and_follow_the_seed() {
         }
     }
     assert_eq!(places(&load_scene("a.scene.toml", &files)), places(&loaded));
-    let other = load_scene_with("a.scene.toml", Some(6), &files);
+    let other = load_scene_with("a.scene.toml", Overrides { seed: Some(6), ..Overrides::default() }, &files);
     assert_ne!(places(&other), places(&loaded));
     assert_eq!(other.scene.run.seed, Some(6));
 }

@@ -6,11 +6,12 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sim_core::build::MeshSource;
-use sim_core::spec::{CostsRef, SceneSpec, Span};
-use sim_format::{Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Severity};
+use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
+use sim_format::{CellRules, Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen};
+use super::run::{parse_dialect, parse_maze_cell};
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{
     FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_functions,
@@ -36,6 +37,12 @@ pub struct CheckArgs {
     /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
+    /// EyeSim whose conventions the files follow: vr2018, vr2023 or classic [default: that of the scene, else vr2023]
+    #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
+    pub dialect: Option<Dialect>,
+    /// Side of the cells of mazes in millimetres, in place of what their files say
+    #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
+    pub maze_cell: Option<f64>,
     /// Warnings, too, lead to exit code 2
     #[arg(long)]
     pub strict: bool,
@@ -49,7 +56,8 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
     let (names, empty) = expand(&args.files, &mut files);
     let find = finder(search_path(&files)?, args.api);
-    let mut checked = check(&names, &files, &*find);
+    let overrides = Overrides { dialect: args.dialect, maze_cell: args.maze_cell, ..Overrides::default() };
+    let mut checked = check(&names, overrides, &files, &*find);
     checked.diagnostics.extend(empty);
     let screen = Screen::of_stdout(args.color);
     let mut text = diagnostic::render(&checked.diagnostics, &checked.inputs, args.format, screen)?;
@@ -89,13 +97,13 @@ impl Checked {
 }
 
 /// Checks the files `names` with all that they name.
-pub fn check(names: &[String], files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
+pub fn check(names: &[String], overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
     // A file may be named by several others, and be one of `names` itself.
     let mut said: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
     let mut read: BTreeSet<String> = BTreeSet::new();
     for name in names {
-        let loaded = check_one(name, files, find_program);
+        let loaded = check_one(name, overrides, files, find_program);
         let is_new = |d: &Diagnostic| said.insert((d.file.clone(), d.span, d.code, d.message.clone()));
         checked.diagnostics.extend(loaded.diagnostics.into_iter().filter(is_new));
         checked.inputs.extend(loaded.inputs.into_iter().filter(|input| read.insert(input.path.clone())));
@@ -103,18 +111,21 @@ pub fn check(names: &[String], files: &dyn Files, find_program: &FindProgram<'_>
     checked
 }
 
-fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
+fn check_one(name: &str, overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_lowercase().as_str() {
-        "sim" => check_sim(name, files, find_program),
+        "sim" => check_sim(name, overrides, files, find_program),
         "wld" => with_looks(sim_format::load_world(name, files), files, |_| ()),
-        "maz" | "maze" => sim_format::load_maze(name, files),
+        "maz" | "maze" => {
+            let rules = CellRules { dialect: overrides.dialect, cell: overrides.maze_cell };
+            sim_format::load_maze_with(name, rules, files)
+        }
         "esobj" => {
             let (object, loaded) = sim_format::load_object(name, files);
             with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
         }
         "robi" => check_robi(name, files),
-        "toml" if is_scene(name, files) => check_sim(name, files, find_program),
+        "toml" if is_scene(name, files) => check_sim(name, overrides, files, find_program),
         "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
         "toml" => check_robi(&format!("{stem}.robi"), files),
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
@@ -136,8 +147,8 @@ fn is_noise(name: &str, files: &dyn Files) -> bool {
 /// Extensions of files checked in a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
-fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = with_looks(sim_format::load_scene(name, files), files, |_| ());
+fn check_sim(name: &str, overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
+    let mut loaded = with_looks(sim_format::load_scene_with(name, overrides, files), files, |_| ());
     // EyeSim reads the file and places the robot all the same.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
@@ -286,7 +297,7 @@ mod tests {
     #[test]
     fn each_mistake_of_a_world_has_line_column_and_expected() {
         let (folder, names) = folder(&[("a.wld", BROKEN)]);
-        let checked = check(&names, &DiskFiles::with_home(folder.path()), &find_all);
+        let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let placed: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();
         let places: Vec<(u32, u32)> =
             placed.iter().map(|diagnostic| (diagnostic.span.line, diagnostic.span.column)).collect();
@@ -306,10 +317,10 @@ mod tests {
         let robi = "wheel 54 3600 1000 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
         let (folder, names) = folder(&[("s.sim", sim), ("r.robi", robi), ("a.wld", "floor 1000 1000")]);
         let files = DiskFiles::with_home(folder.path());
-        let checked = check(&names, &files, &find_all);
+        let checked = check(&names, Overrides::default(), &files, &find_all);
         assert_eq!(checked.diagnostics, []);
         assert_eq!((checked.summary().as_str(), checked.is_rejected(true)), ("3 files checked: no mistakes", false));
-        let checked = check(&names, &files, &find_nothing);
+        let checked = check(&names, Overrides::default(), &files, &find_nothing);
         assert_eq!(checked.diagnostics.len(), 1, "{:?}", checked.diagnostics);
         assert_eq!((checked.diagnostics[0].code, checked.diagnostics[0].span.column), (Code::ProgramMissing, 13));
     }
@@ -317,7 +328,7 @@ mod tests {
     #[test]
     fn warnings_reject_only_when_strict() {
         let (folder, names) = folder(&[("a.wld", "floor 1 1\n1 2 3\n")]);
-        let checked = check(&names, &DiskFiles::with_home(folder.path()), &find_all);
+        let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         assert_eq!((checked.is_rejected(false), checked.is_rejected(true)), (false, true));
     }
 
@@ -325,7 +336,7 @@ mod tests {
     fn files_without_a_kind_and_missing_files_are_errors() {
         let (folder, _) = folder(&[]);
         let names = ["a.txt".to_owned(), slashed(&folder.path().join("a.maz"))];
-        let checked = check(&names, &DiskFiles::with_home(folder.path()), &find_all);
+        let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let codes: Vec<Code> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert_eq!(codes, [Code::FileKind, Code::FileMissing]);
     }

@@ -5,13 +5,15 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_format::print::scene_schema;
-use sim_format::{Converted, convert, has_errors};
+use sim_format::{Converted, convert_with, has_errors};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{self, Colour, Format, Screen};
 use super::output::say;
 use crate::files::{DiskFiles, slashed};
+use crate::launch::check::{search_path, told_generation};
 
 /// Arguments of `eyesim convert`.
 #[derive(Args)]
@@ -38,7 +40,9 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let rooted = |path: &Path| if same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
     let from = rooted(&args.file).context("no working folder")?;
     let to = rooted(&args.output).context("no working folder")?;
-    let converted = convert(&files.name(&from), &slashed(&to), &files);
+    let search = search_path(&files).context("no working folder")?;
+    let told = |scene: &SceneSpec, robot: &RobotSpec| told_generation(&search, scene, robot);
+    let converted = convert_with(&files.name(&from), &slashed(&to), &files, &told);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);

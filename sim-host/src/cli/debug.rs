@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use sim_core::RobotId;
 use sim_core::time::Time;
-use sim_format::load_scene_with;
+use sim_format::{Overrides, load_scene_with};
 
 use super::run::{self, RunArgs, parse_seconds};
 use crate::executive::interrupt;
@@ -92,7 +92,8 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
 /// Robot to be debugged and the name of its program; mistakes in the scene are reported by the run.
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
-    let mut scene = load_scene_with(&files.name(&args.sim), args.seed, &files).scene;
+    let overrides = Overrides { seed: args.seed, ..Overrides::default() };
+    let mut scene = load_scene_with(&files.name(&args.sim), overrides, &files).scene;
     assign_programs(&mut scene, &args.programs)?;
     let index = match args.robot {
         Some(robot) => index_of(&scene, robot).context("--robot")?,

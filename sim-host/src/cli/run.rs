@@ -13,8 +13,9 @@ use std::process::ExitCode;
 use anyhow::{Context, ensure};
 use clap::builder::PossibleValue;
 use clap::{Args, FromArgMatches as _};
-use sim_core::spec::{ContactKind, SceneSpec};
+use sim_core::spec::{ContactKind, Dialect, SceneSpec};
 use sim_core::time::Time;
+use sim_core::unit;
 
 use super::cc::parse_api;
 use super::output::say;
@@ -92,9 +93,18 @@ pub struct RunArgs {
     /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
+    /// EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: that of the scene, else vr2023]
+    #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
+    pub dialect: Option<Dialect>,
+    /// Side of the cells of the scene's maze file in millimetres, in place of what the file says
+    #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
+    pub maze_cell: Option<f64>,
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
+    /// Standard input of the programs: a file, or `-` for that of eyesim; each robot reads the whole text on its own
+    #[arg(long, value_name = "FILE")]
+    pub stdin: Option<PathBuf>,
     /// Arguments of a robot's program in place of those of the sim file: `1:"--kp 0.5"`, without a number for all robots
     #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
     pub args: Vec<String>,
@@ -167,7 +177,10 @@ impl RunArgs {
             timeout: self.timeout,
             programs: self.programs.clone(),
             api: self.api,
+            dialect: self.dialect,
+            maze_cell: self.maze_cell,
             keys: self.keys.clone(),
+            stdin: self.stdin.clone(),
             arguments: self.args.clone(),
             costs: self.costs.clone(),
             noise: self.noise.clone(),
@@ -301,6 +314,32 @@ fn exit_code(ended: &Ended) -> ExitCode {
 fn parse_contact(text: &str) -> Result<ContactKind, String> {
     ContactKind::ALL.into_iter().find(|kind| kind.word() == text).ok_or_else(|| "expected slide or stall".to_owned())
 }
+
+/// The dialect of this name.
+///
+/// # Errors
+/// Message with the accepted names.
+pub fn parse_dialect(text: &str) -> Result<Dialect, String> {
+    Dialect::ALL
+        .into_iter()
+        .find(|dialect| dialect.word() == text)
+        .ok_or_else(|| "expected vr2018, vr2023 or classic".to_owned())
+}
+
+/// Parses the size of a maze's cells; the result is in metres.
+///
+/// # Errors
+/// Message with the expected unit.
+pub fn parse_maze_cell(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(mm) if (MIN_CELL_MM..=MAX_CELL_MM).contains(&mm) => Ok(unit::metres_from_mm(mm)),
+        _ => Err("expected millimetres, such as 360".into()),
+    }
+}
+
+/// Sizes of cells that can be meant.
+const MIN_CELL_MM: f64 = 1.0;
+const MAX_CELL_MM: f64 = 1e6;
 
 fn parse_slot(text: &str) -> Result<Time, String> {
     let millis: f64 = text.parse().unwrap_or(f64::NAN);

@@ -299,6 +299,7 @@ mod tests {
             odometry: None,
             path_m: 1.6,
             contacts: 0,
+            left_floor_s: None,
             footfalls: None,
             touches: None,
             lcd: if id == 1 { lcd } else { vec![String::new(); 7] },
@@ -337,6 +338,7 @@ mod tests {
             reason: Some("returned 3".into()),
             exit_code: Some(3),
             contacts: 12,
+            left_floor_s: None,
             ..robot(3, Outcome::Failed)
         };
         report(vec![RobotReport { odometry, ..robot(1, Outcome::Finished) }, waiting, failed])

@@ -122,7 +122,10 @@ pub fn judge(
     if let Some(broken) = broken {
         let place = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        return ProgramStatus { reason: Some(place.to_string()), fault: Some(place), ..status(outcome, None) };
+        let reads_on = broken.is_overdue && robot.robios.input.has_ended();
+        let input = if reads_on { "; it has read its standard input, which has come to its end (`--stdin`)" } else { "" };
+        let reason = Some(format!("{place}{input}"));
+        return ProgramStatus { reason, fault: Some(place), ..status(outcome, None) };
     }
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },

@@ -139,6 +139,8 @@ pub struct RobotEnd {
     pub path: f64,
     /// Number of contacts with other bodies.
     pub contacts: u32,
+    /// Instant at which its centre first left the floor.
+    pub left_floor: Option<Time>,
     /// Number of footfalls, and of contacts of other parts; `None` for a robot without legs.
     pub steps: Option<[u64; 2]>,
     /// Its display.
@@ -404,6 +406,7 @@ impl Scheduler {
                 odometry: robot.motion.odometry(time),
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),
+                left_floor: robot.left_floor(),
                 steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
                 panel: robot.robios.take_panel(),
                 output_cut: robot.robios.console.cut_bytes(),

@@ -23,6 +23,7 @@ use crate::robios::Robios;
 use crate::robios::camera::CameraOutput;
 use crate::robios::console::Console;
 use crate::robios::ground_truth::EntityNumbers;
+use crate::robios::input::Input;
 use crate::robios::key::Press;
 use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
@@ -40,6 +41,8 @@ pub struct RobotOptions {
     pub may_execute: bool,
     /// Bytes that each program may print.
     pub output_limit: u64,
+    /// Text of the programs' standard input; each robot reads a copy.
+    pub stdin: Option<Arc<[u8]>>,
     /// Every call is recorded.
     pub is_verbose: bool,
     /// Scenery for the cameras.
@@ -170,8 +173,10 @@ impl Spawner {
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let mut robios = new_robios(&spec.robi).with_entity_numbers(Arc::clone(&self.entity_numbers));
         robios.storage = Storage::new(Path::new(&self.scene.folder));
+        robios.dialect = self.scene.run.dialect.unwrap_or_default();
         robios.os.may_execute = self.options.may_execute;
         robios.console = Console::new(self.options.output_limit);
+        robios.input = Input::new(self.options.stdin.clone());
         let (scenery, frames) = (Arc::clone(&self.options.scenery), self.options.frames.clone());
         robios.camera_output = CameraOutput { scenery, frames };
         let name = program.map(|program| program.name.clone()).unwrap_or_default();

@@ -64,6 +64,7 @@ impl BuiltScene {
             keys: settings.keys.clone(),
             may_execute: options.allow_execute,
             output_limit: options.output_limit,
+            stdin: settings.stdin.clone(),
             is_verbose: options.is_verbose,
             scenery: Arc::clone(&scenery),
             frames: frames.clone(),

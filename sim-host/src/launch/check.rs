@@ -8,7 +8,7 @@ use sim_format::{Code, Diagnostic, Files as _, Severity};
 
 use crate::files::DiskFiles;
 use crate::program::find::{ProgramSource, SearchPath, find_program};
-use crate::program::generation::choose;
+use crate::program::generation::{ChoiceReason, choose};
 use crate::program::scene::wanted_of;
 use crate::program::{Generation, GenerationHint};
 use crate::robios::cost;
@@ -39,6 +39,15 @@ pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'s
         let wanted = GenerationHint { api: api.or(said.api), ..said };
         choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
     })
+}
+
+/// The generation, 6 or 7, of a robot's program if the scene states it or the functions that the program calls leave no doubt of it.
+pub fn told_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec) -> Option<u32> {
+    let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
+    let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
+    let ProgramSource::Sources { files, .. } = found.source else { return None };
+    let choice = choose(&files, wanted_of(robot)).ok()?;
+    matches!(choice.why, ChoiceReason::Said | ChoiceReason::Calls(_)).then(|| choice.generation.number())
 }
 
 /// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, of any diagnostic.

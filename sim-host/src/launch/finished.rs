@@ -84,6 +84,7 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         odometry: Some(end.odometry.into()),
         path_m: end.path,
         contacts: u64::from(end.contacts),
+        left_floor_s: end.left_floor.map(Time::seconds),
         footfalls: end.steps.map(|[footfalls, _]| footfalls),
         touches: end.steps.map(|[_, touches]| touches),
         lcd: end.panel.lines(),

@@ -3,8 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use sim_core::spec::ContactKind;
+use sim_core::spec::{ContactKind, Dialect};
 use sim_core::time::Time;
+use sim_format::Overrides;
 
 use super::settings::ProgramOption;
 use crate::executive::load::DebugTarget;
@@ -39,8 +40,15 @@ pub struct Options {
     pub programs: Vec<ProgramOption>,
     /// Generation of RoBIOS that the programs are written for.
     pub api: Option<Generation>,
+    /// EyeSim whose conventions scene and programs follow, in place of the scene's.
+    pub dialect: Option<Dialect>,
+    /// Side of the cells of the scene's maze in metres, in place of what its file says.
+    pub maze_cell: Option<f64>,
     /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
     pub keys: Vec<String>,
+    /// File with the standard input of the programs, of which each robot reads a copy; `-`: this process's standard input, read to its
+    /// end before the run.
+    pub stdin: Option<PathBuf>,
     /// Arguments of programs in place of the scene's: `1:--kp 0.5`; without a number for all robots.
     pub arguments: Vec<String>,
     /// File with the costs of RoBIOS calls, in place of the scene's.
@@ -65,6 +73,13 @@ pub struct Options {
     pub debug: Option<DebugTarget>,
 }
 
+impl Options {
+    /// Values that override those of the scene when its files are read.
+    pub fn overrides(&self) -> Overrides {
+        Overrides { seed: self.seed, dialect: self.dialect, maze_cell: self.maze_cell }
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -78,7 +93,10 @@ impl Default for Options {
             timeout: 10.0,
             programs: Vec::new(),
             api: None,
+            dialect: None,
+            maze_cell: None,
             keys: Vec::new(),
+            stdin: None,
             arguments: Vec::new(),
             costs: None,
             noise: None,

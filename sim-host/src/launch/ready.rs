@@ -7,6 +7,7 @@ use std::sync::Arc;
 use sim_core::record::{Digest, KindSet, Record, Recorder};
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_core::time::Time;
+use sim_core::unit;
 use sim_core::world::World;
 use sim_format::{Diagnostic, InputFile};
 
@@ -161,7 +162,10 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     }
     options.programs.iter().for_each(|program| add("program", program));
     options.api.iter().for_each(|api| add("api", &api.number()));
+    options.dialect.iter().for_each(|dialect| add("dialect", &dialect.word()));
+    options.maze_cell.iter().for_each(|cell| add("maze-cell", &unit::mm_from_metres(*cell)));
     options.keys.iter().for_each(|keys| add("keys", keys));
+    options.stdin.iter().for_each(|path| add("stdin", &slashed(path)));
     options.arguments.iter().for_each(|arguments| add("args", arguments));
     options.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
     options.noise.iter().for_each(|noise| add("noise", noise));

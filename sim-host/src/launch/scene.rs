@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail, ensure};
-use sim_core::spec::{CostsRef, SceneSpec};
+use sim_core::spec::{CostsRef, Dialect, SceneSpec};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
 use super::built::BuiltScene;
@@ -49,7 +49,13 @@ impl Scene {
     }
 
     fn read(path: &Path, mut files: DiskFiles, options: Options) -> Result<Self, Error> {
-        let mut loaded = load_scene_with(&files.name(path), options.seed, &files);
+        let mut loaded = load_scene_with(&files.name(path), options.overrides(), &files);
+        if options.maze_cell.is_some_and(|cell| loaded.scene.world.cell != Some(cell)) && !loaded.has_errors() {
+            return Err(Error::InvalidRequest(format!(
+                "--maze-cell: the world of `{}` is no maze in a file of its own",
+                path.display()
+            )));
+        }
         loaded.scene.run.contact = options.contact.or(loaded.scene.run.contact);
         if let Some(noise) = &options.noise {
             assign_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::invalid_request)?;
@@ -69,6 +75,12 @@ impl Scene {
     /// repeat the run.
     pub fn spec_mut(&mut self) -> &mut SceneSpec {
         &mut self.loaded.scene
+    }
+
+    /// Dialect that only the form of the sim file tells, if it is not the usual one.
+    pub fn guessed_dialect(&self) -> Option<Dialect> {
+        let is_sim = !self.loaded.scene.file.to_lowercase().ends_with(".toml");
+        self.loaded.scene.run.dialect.filter(|_| is_sim && self.options.dialect.is_none())
     }
 
     /// Mistakes in the scene's files.
@@ -133,7 +145,8 @@ impl Scene {
         }
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
         let programs = Programs::build(&scene, &search, builder).map_err(Error::invalid_request)?;
-        let read = read_files(&inputs, settings.costs_input.as_ref(), &programs);
+        let of_options = settings.costs_input.iter().chain(&settings.stdin_input);
+        let read = read_files(inputs.iter().chain(of_options), &programs);
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
         Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
@@ -177,9 +190,8 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Every file that determines the run, each once, in the order in which the files are read.
-fn read_files(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
-    let mut inputs: Vec<Input> =
-        scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
+fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, programs: &Programs) -> Vec<Input> {
+    let mut inputs: Vec<Input> = files.map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
     let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
     // A source that was deleted after its compilation cannot be hashed any more.
     inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))));

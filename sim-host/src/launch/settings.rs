@@ -1,7 +1,9 @@
 //! Settings of a run: the options combined with the scene.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read as _;
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context, anyhow, bail, ensure};
 use sim_core::simulation::DEFAULT_SLOT;
@@ -33,6 +35,10 @@ pub struct Settings {
     pub costs: Costs,
     /// File with the costs, if the options name one.
     pub costs_input: Option<InputFile>,
+    /// Text of the programs' standard input.
+    pub stdin: Option<Arc<[u8]>>,
+    /// File of that text, if it is one.
+    pub stdin_input: Option<InputFile>,
 }
 
 impl Settings {
@@ -55,6 +61,7 @@ impl Settings {
             Some(path) => read_costs(path)?,
             None => (costs_of(scene)?, None),
         };
+        let (stdin, stdin_input) = options.stdin.as_deref().map(read_stdin).transpose().context("--stdin")?.unzip();
         let run = &scene.run;
         let until = options.until.or(run.until);
         Ok(Self {
@@ -65,6 +72,8 @@ impl Settings {
             keys,
             costs,
             costs_input,
+            stdin,
+            stdin_input: stdin_input.flatten(),
         })
     }
 }
@@ -308,6 +317,17 @@ fn read_costs(path: &Path) -> anyhow::Result<(Costs, Option<InputFile>)> {
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
+/// The text of a file, or of this process's standard input for `-`, read to its end; and the file.
+fn read_stdin(path: &Path) -> anyhow::Result<(Arc<[u8]>, Option<InputFile>)> {
+    if path.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).context("standard input")?;
+        return Ok((bytes.into(), None));
+    }
+    let bytes = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
+    Ok((bytes.as_slice().into(), Some(InputFile { path: slashed(path), bytes })))
+}
+
 /// The costs given by the scene, with the built-in ones for all other calls.
 fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
     let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
@@ -316,8 +336,6 @@ fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use sim_core::RobotId;
     use sim_core::pose::Pose;
     use sim_core::spec::{PathRef, Span};

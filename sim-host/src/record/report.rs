@@ -109,6 +109,8 @@ pub struct RobotReport {
     pub path_m: f64,
     /// Number of contacts that began.
     pub contacts: u64,
+    /// Time at which its centre first left the floor, s; none if it did not.
+    pub left_floor_s: Option<f64>,
     /// Number of footfalls; none for a robot without legs.
     pub footfalls: Option<u64>,
     /// Number of touches that began by parts other than soles; none for a robot without legs.
@@ -223,6 +225,7 @@ mod tests {
             odometry: None,
             path_m: 1.6,
             contacts: 2,
+            left_floor_s: None,
             footfalls: Some(7),
             touches: None,
             lcd,

@@ -1,10 +1,11 @@
 //! Functions of RoBIOS-7 that only a simulator can have: ground-truth poses, and placement of robots and objects.
 //!
-//! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise.
+//! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise; those of
+//! EyeSim VR of 2018 differ ([`heading_told`], [`heading_meant`]).
 
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};
-use sim_core::spec::{ObjectSpec, SceneSpec};
+use sim_core::spec::{Dialect, ObjectSpec, SceneSpec};
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
@@ -92,7 +93,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
         return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
     }
     let pose = if id == robot.id { robot.motion.pose(now) } else { world.robot_pose(id, now) };
-    give(&pose, into);
+    give(robot.robios.dialect, &pose, into);
 }
 
 /// `SIMSetRobot`: places the own robot at once, another robot at the slot's end. Odometry is not affected.
@@ -103,7 +104,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     if id != robot.id && !world.is_robot_present(id, robot.now) {
         return robot.rejected(Call::SIMSetRobot, |_| is_gone("robot", number));
     }
-    let pose = pose(to);
+    let pose = pose_meant(robot.robios.dialect, to);
     if id != robot.id {
         return place(robot, Placeable::Robot(id), pose);
     }
@@ -123,7 +124,7 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
         Some(NumberedObject::Fixed(pose)) => pose,
         None => return no_object(robot, Call::SIMGetObject, number),
     };
-    give(&pose, into);
+    give(robot.robios.dialect, &pose, into);
 }
 
 /// `SIMSetObject`: places the object at the slot's end.
@@ -132,7 +133,9 @@ pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
             robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
         }
-        Some(NumberedObject::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),
+        Some(NumberedObject::Movable(object)) => {
+            place(robot, Placeable::Object(object), pose_meant(robot.robios.dialect, to));
+        }
         Some(NumberedObject::Fixed(_)) => {
             robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
         }
@@ -151,10 +154,38 @@ pub fn object_count(robot: &Robot) -> i32 {
 }
 
 /// Stores a pose; z is 0, since everything stands on the floor.
-fn give(pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
-    let numbers = pose_numbers(pose);
+fn give(dialect: Dialect, pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
+    let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
+    let numbers = [x_mm, y_mm, heading_told(dialect, phi_degrees)];
     [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
     z.set(0);
+}
+
+fn pose_meant(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {
+    pose([x_mm, y_mm, heading_meant(dialect, phi_degrees)])
+}
+
+/// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. EyeSim VR of 2018 gives 360 minus the
+/// yaw of Unity, which is 90 - `phi` from 0 to 359: so 1 to 360, counter-clockwise from -y.
+fn heading_told(dialect: Dialect, phi: i32) -> i32 {
+    match dialect {
+        Dialect::Vr2018 => 360 - yaw(phi),
+        Dialect::Classic | Dialect::Vr2023 => phi,
+    }
+}
+
+/// Heading in degrees, counter-clockwise from x, that a program means by `phi`. For EyeSim VR of 2018 it is the yaw of Unity:
+/// clockwise from y.
+fn heading_meant(dialect: Dialect, phi: i32) -> i32 {
+    match dialect {
+        Dialect::Vr2018 => yaw(phi),
+        Dialect::Classic | Dialect::Vr2023 => phi,
+    }
+}
+
+/// Yaw of Unity, clockwise from y, from 0 to 359, of a heading counter-clockwise from x; and the reverse, up to whole turns.
+fn yaw(phi: i32) -> i32 {
+    (90 - i64::from(phi)).rem_euclid(360) as i32
 }
 
 fn is_gone(what: &str, number: i32) -> String {
@@ -189,6 +220,15 @@ fn no_object(robot: &mut Robot, call: Call, number: i32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn headings_of_2018_are_those_of_its_source() {
+        let told = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_told(dialect, phi));
+        assert_eq!([90, 0, 180, -90, 89].map(told), [[360, 90], [270, 0], [90, 180], [180, -90], [359, 89]]);
+        let meant = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_meant(dialect, phi));
+        assert_eq!([0, 90, 180, -90].map(meant), [[90, 0], [0, 90], [270, 180], [180, -90]]);
+        assert_eq!(heading_meant(Dialect::Vr2018, i32::MIN), (90 + (1_i64 << 31)).rem_euclid(360) as i32);
+    }
 
     #[test]
     fn objects_are_numbered_on_from_the_robots() {

@@ -27,6 +27,7 @@ mod hdt;
 pub mod hint;
 pub mod image;
 mod image7;
+pub mod input;
 pub mod ir;
 pub mod irtv;
 pub mod key;
@@ -73,7 +74,7 @@ use std::sync::Arc;
 use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
-use sim_core::spec::RobiSpec;
+use sim_core::spec::{Dialect, RobiSpec};
 use sim_core::world::World;
 
 use call::Call;
@@ -129,6 +130,10 @@ pub struct Robios {
     pub irtv: Option<irtv::Settings>,
     /// Counters of the program's output.
     pub console: console::Console,
+    /// Standard input of the program.
+    pub input: input::Input,
+    /// EyeSim whose conventions hold.
+    pub dialect: Dialect,
     /// Robots and objects of the scene.
     pub entity_numbers: Arc<ground_truth::EntityNumbers>,
     /// Hints given for the program.

@@ -11,6 +11,7 @@ use sim_core::time::Time;
 use super::caller::{Caller, Poll};
 use super::console::print_lines;
 use super::flow::Flow;
+use super::input::{self, Read};
 use super::robot::{Ending, Robot, WaitReason};
 use super::task::TaskWait;
 
@@ -135,6 +136,15 @@ impl<F: Flow> Support for Caller<F> {
 
     fn task_turn(&self) -> Result<i32, Stop> {
         self.turn(SupportCall::task_turn).map(|()| 0)
+    }
+
+    fn input(&self, bytes: &mut OutBytes) -> Result<i32, Stop> {
+        let read = self.wait(SupportCall::input, |robot, _| input::read(robot, bytes.capacity()))?;
+        match read {
+            Read::Bytes(line) => Ok(bytes.set(&line) as i32),
+            Read::End => Ok(0),
+            Read::Loop => Err(self.fail(self.robot(), input::LOOP.to_owned())),
+        }
     }
 }
 

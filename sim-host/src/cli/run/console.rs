@@ -35,6 +35,13 @@ use sim_core::RobotId;
 pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
     let scene = Scene::open(&args.sim, args.options())?;
     report_diagnostics(scene.diagnostics(), scene.inputs(), args.strict)?;
+    if let Some(dialect) = scene.guessed_dialect().filter(|_| !args.quiet) {
+        say(format_args!(
+            "`{}` is written for EyeSim VR of 2018 (`robi` or `obj` loads a type): --dialect={} holds, --dialect=vr2023 changes that",
+            args.sim.display(),
+            dialect.word()
+        ));
+    }
     Ok(scene)
 }
 

@@ -1,0 +1,94 @@
+//! Standard input of a program: a text that the run is given, of which each robot reads a copy of its own.
+
+use std::sync::Arc;
+
+use sim_core::time::Time;
+
+use super::caller::Poll;
+use super::robot::Robot;
+
+/// Standard input of a robot's program.
+#[derive(Clone, Debug, Default)]
+pub struct Input {
+    /// The text of the run; `None` if it has none.
+    text: Option<Arc<[u8]>>,
+    /// Bytes that the program has read.
+    read: usize,
+    /// Reads at the end of the text that followed each other closely, and the time of the last one.
+    at_end: u32,
+    last_at_end: Time,
+    /// The program has read at the end of the text.
+    has_ended: bool,
+}
+
+/// Result of a read.
+pub enum Read {
+    /// The rest of a line, with its end.
+    Bytes(Vec<u8>),
+    /// The input is at its end.
+    End,
+    /// The program does nothing but read at the end of its input.
+    Loop,
+}
+
+/// Reads at the end of the input, each within [`CLOSE`] of the one before, that make an endless loop. Source: our choice.
+const MOST_AT_END: u32 = 1000;
+/// Virtual time between two reads of such a loop. Source: our choice.
+const CLOSE: Time = Time::from_millis(5);
+
+/// Reason for the end of a program that reads in a loop at the end of its input.
+pub const LOOP: &str = "it reads its standard input in a loop, which has come to its end: `--stdin FILE` gives it a text";
+
+impl Input {
+    /// Input with the text of the run, if there is one.
+    pub fn new(text: Option<Arc<[u8]>>) -> Self {
+        Self { text, ..Self::default() }
+    }
+
+    /// Returns true if the program has read at the end of its input.
+    pub fn has_ended(&self) -> bool {
+        self.has_ended
+    }
+
+    /// The next bytes up to the end of a line, at most `room`; empty at the end of the text.
+    fn next(&mut self, room: usize) -> &[u8] {
+        let rest = self.text.as_deref().and_then(|text| text.get(self.read..)).unwrap_or_default();
+        let line = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+        let bytes = &rest[..line.min(room)];
+        self.read += bytes.len();
+        bytes
+    }
+}
+
+/// Reads standard input at the end of a call.
+pub(super) fn read(robot: &mut Robot, room: usize) -> Poll<Read> {
+    let now = robot.now;
+    let input = &mut robot.robios.input;
+    let bytes = input.next(room);
+    if !bytes.is_empty() || room == 0 {
+        let bytes = bytes.to_vec();
+        input.at_end = 0;
+        return Poll::Ready(Read::Bytes(bytes));
+    }
+    let is_close = now - input.last_at_end <= CLOSE;
+    input.at_end = if is_close { input.at_end + 1 } else { 1 };
+    input.last_at_end = now;
+    let (is_loop, has_text) = (input.at_end >= MOST_AT_END, input.text.is_some());
+    if !std::mem::replace(&mut input.has_ended, true) && !has_text {
+        robot.hint("the program reads its standard input, which is empty: `--stdin FILE` gives it a text");
+    }
+    Poll::Ready(if is_loop { Read::Loop } else { Read::End })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_read_line_by_line_and_has_an_end() {
+        let mut input = Input::new(Some(Arc::from(&b"one\ntwo three"[..])));
+        let mut next = |room| String::from_utf8_lossy(input.next(room)).into_owned();
+        assert_eq!([next(80), next(3), next(80), next(80), next(80)], ["one\n", "two", " three", "", ""]);
+        assert_eq!(Input::new(None).next(80), b"");
+    }
+}
