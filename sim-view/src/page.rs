@@ -17,8 +17,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// Loads the page: the embedded one or, in a checkout, the one built there. If that has to be built first, which takes some
-    /// seconds to a minute, `say` is told.
+    /// Loads the page: the embedded one or, in a checkout, the one built there. Calls `say` if the page has to be built
+    /// first, which takes some seconds to a minute.
     #[must_use]
     pub fn load(mut say: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {

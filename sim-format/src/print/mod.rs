@@ -1,4 +1,4 @@
-//! Printers: specs to texts of every kind of file; reading the text gives the same spec.
+//! Printers: convert specs to the text of every kind of file. Reading that text gives the same spec again.
 //!
 //! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to
 //! the same double; if there is none (for coordinates that were computed in a local frame), the nearest is used.

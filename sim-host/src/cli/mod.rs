@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand, exit codes as a contract.
+//! The command line: one file for each subcommand, and fixed exit codes.
 //!
 //! 0: the run ended or reached `--until`; 1: a robot program failed; 2: usage or file errors; 3: internal error;
 //! 130: interrupted.
@@ -62,7 +62,7 @@ enum Command {
     #[cfg(not(feature = "window"))]
     #[command(hide = true)]
     View(absent::AbsentArgs),
-    /// Run once more what a trace holds, hands included
+    /// Show the run of a trace in a browser, or run it again and compare
     #[cfg(feature = "window")]
     Replay(replay::ReplayArgs),
     #[cfg(not(feature = "window"))]

@@ -44,7 +44,7 @@ pub struct ReplayArgs {
     /// What `eyesim run --trace` wrote
     #[arg(value_name = "TRACE")]
     trace: PathBuf,
-    /// Run it again, with what hands did, and say whether the same happens
+    /// Run it again, with its user interventions, and report whether the two runs are equal
     #[arg(long)]
     verify: bool,
     /// Robots that run at one time [default: one for each processor]

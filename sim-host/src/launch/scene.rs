@@ -38,7 +38,7 @@ impl Scene {
         Self::read(path, DiskFiles::of_environment(), options)
     }
 
-    /// As [`Scene::open`], for a scene given as `text`, as if it were the file `path`, which need not exist: its name determines the
+    /// Reads a scene as [`Scene::open`], but from `text`. The file `path` need not exist: its name determines the
     /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors

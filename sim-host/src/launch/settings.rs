@@ -39,7 +39,7 @@ impl Settings {
     /// Settings of a run of `scene`; gives its robots the programs and arguments of `options`.
     ///
     /// # Errors
-    /// A robot does not exist, keys, words or costs cannot be read, or no robot needs a program of the options.
+    /// A robot does not exist, keys, arguments or costs cannot be read, or no robot needs a program of the options.
     pub fn new(options: &Options, scene: &mut SceneSpec) -> anyhow::Result<Self> {
         let mut keys = Vec::new();
         for script in &options.keys {
@@ -126,7 +126,7 @@ impl std::fmt::Display for ProgramOption {
 }
 
 /// Gives the robots of `scene` the programs of the command line. An option with a robot's number takes precedence over one with the
-/// name of its program, and that over one with its type.
+/// name of a program, and an option with the name of a program over one with the name of a type.
 ///
 /// # Errors
 /// An option fits no robot.
