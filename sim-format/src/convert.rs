@@ -296,7 +296,7 @@ impl Conversion<'_> {
                 Ok(text) => Printed { text, lost: print::beside_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
-                    self.lost.error(Code::ConvertMaze, Span::default(), why, expected);
+                    self.lost.error(Code::ConvertMaze, Span::default(), why.to_string(), expected);
                     return;
                 }
             },

@@ -14,7 +14,7 @@ mod text;
 mod world;
 
 pub(super) use maze::beside_maze;
-pub use maze::print_maze;
+pub use maze::{NotAMaze, print_maze};
 pub use noise::print_noise;
 pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};

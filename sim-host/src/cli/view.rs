@@ -132,7 +132,7 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     }
     let access = match (&args.token, args.listen) {
         (Some(token), _) => Access::Class { token: token.clone() },
-        (None, Some(_)) => Access::Class { token: random_token().map_err(anyhow::Error::msg)? },
+        (None, Some(_)) => Access::Class { token: random_token()? },
         (None, None) => Access::Local,
     };
     open_window(page, access, args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), args.port, title)

@@ -131,7 +131,7 @@ impl Ready {
             sinks,
             interrupt,
         };
-        let scheduler = Scheduler::start(parts, &limits).map_err(|error| Error::Start(error.to_string()))?;
+        let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
         Ok(Running { scheduler, settings, scene, scenery, inputs })
     }
 
