@@ -5,7 +5,8 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::load::{Files, Loaded};
 use super::print::{self, Printed};
 use super::spec::{
-    Dialect, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+    Dialect, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef,
+    WorldKind, WorldLine,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -45,8 +46,10 @@ pub struct LiveEntity {
     pub pose: Pose,
 }
 
-/// Text of the scene `from` in our own form with the current state of a run: robots and movable objects at their current poses,
-/// without removed ones, with spawned ones (whose robots have no program). Robots are renumbered.
+/// Text of the scene `from` in our own form, with the state of a run.
+///
+/// Robots and movable objects stand at their current poses; spawned ones are included, removed ones left out. A spawned
+/// robot has no program. Robots are renumbered without gaps.
 ///
 /// References are relative to the scene's own folder. Objects placed by the world's file stay at their original poses.
 ///
@@ -97,7 +100,8 @@ fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotL
 fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
     let of_scene = number;
-    // The world's objects come before those of the scene's lines, whose spans are of another file.
+    // The world's objects come first. Their spans refer to another file and may equal those of lines, so matching
+    // starts at the end.
     let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
     let mut gone = Vec::new();
     for spec in scene.objects.iter().rev() {
@@ -228,7 +232,8 @@ impl Conversion<'_> {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
-            let lost = if sim.form == SceneForm::Sim { state_generations(&mut sim, &loaded.scene, told) } else { Vec::new() };
+            let lost =
+                if sim.form == SceneForm::Sim { state_generations(&mut sim, &loaded.scene, told) } else { Vec::new() };
             Printed { text: print::print_scene(&sim), lost }
         };
         self.write(self.to.to_owned(), printed);
@@ -303,7 +308,7 @@ impl Conversion<'_> {
                 Ok(text) => Printed { text, lost: print::beside_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
-                    self.lost.error(Code::ConvertMaze, Span::default(), why, expected);
+                    self.lost.error(Code::ConvertMaze, Span::default(), why.to_string(), expected);
                     return;
                 }
             },

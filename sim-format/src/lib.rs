@@ -40,8 +40,8 @@ pub use convert::{Converted, LiveEntity, Output, ToldGeneration, convert, conver
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, decode, load_maze, load_maze_with, load_noise, load_object, load_robi,
-    load_scene, load_scene_with, load_world,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, decode, load_maze, load_maze_with, load_noise,
+    load_object, load_robi, load_scene, load_scene_with, load_world,
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;

@@ -8,8 +8,8 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec, SerialLine,
-    SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec,
+    SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
     CellRules, MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj,
@@ -18,7 +18,8 @@ use super::{
 use sim_core::build::MeshSource;
 use sim_core::drive::DriveKind;
 
-/// Deviation of the ground from the floor's height, in metres, up to which it counts as level for wheels. Source: our choice.
+/// Deviation of the ground from the floor's height, in metres, up to which the ground counts as level for wheels.
+/// Source: our choice.
 const LEVEL: f64 = 1e-3;
 
 /// File system interface of the readers; paths have slashes.
@@ -420,9 +421,7 @@ impl<'a> Loader<'a> {
         let text = self.take(&path, bytes);
         let (world, diagnostics) = match line.kind {
             WorldKind::World => read_world(&path, &text),
-            WorldKind::Maze => {
-                read_maze_with(&path, &text, CellRules { dialect: sim.run.dialect, cell: line.cell })
-            }
+            WorldKind::Maze => read_maze_with(&path, &text, CellRules { dialect: sim.run.dialect, cell: line.cell }),
         };
         self.diagnostics.extend(diagnostics);
         Some(WorldSpec { looks: line.looks, ..world })

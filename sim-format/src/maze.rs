@@ -8,7 +8,8 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, Dialect, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec, WorldSpec,
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, Dialect, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec,
+    WorldSpec,
 };
 use super::{Severity, Span};
 use sim_core::pose::Pose;

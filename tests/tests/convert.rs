@@ -82,7 +82,8 @@ fn the_schema_is_the_one_of_the_docs() {
 }
 
 /// A program of RoBIOS-7 whose calls are in RoBIOS 6, too: 20 ms here, 200 ms there.
-const OF_BOTH: &str = "#include \"eyebot.h\"\nint main(void) { OSWait(20); LCDPrintf(\"%d\", OSGetCount()); return 0; }\n";
+const OF_BOTH: &str =
+    "#include \"eyebot.h\"\nint main(void) { OSWait(20); LCDPrintf(\"%d\", OSGetCount()); return 0; }\n";
 const OF_7: &str = "#include \"eyebot.h\"\nint main(void) { VWStraight(100, 100); return VWWait(); }\n";
 
 #[test]
@@ -164,7 +165,11 @@ fn sims_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
     paths.sort();
     let below = |path: std::path::PathBuf| {
-        if path.is_dir() { sims_below(&path) } else { Some(path).filter(|path| path.extension() == Some("sim".as_ref())).into_iter().collect() }
+        if path.is_dir() {
+            sims_below(&path)
+        } else {
+            Some(path).filter(|path| path.extension() == Some("sim".as_ref())).into_iter().collect()
+        }
     };
     paths.into_iter().flat_map(below).collect()
 }

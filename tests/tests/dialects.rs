@@ -516,7 +516,8 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
 }
 
 /// Drives one cell of 360 mm and tells what is ahead.
-const STEP: &str = "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
+const STEP: &str =
+    "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
 
 #[test]
 fn the_cells_of_a_maze_are_as_large_as_somebody_says() {

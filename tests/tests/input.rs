@@ -51,13 +51,25 @@ const READERS: [(&str, &str); 7] = [
 fn programs_in_each_language_read_the_same_text() {
     let scratch = Scratch::new();
     scratch.write("in.txt", "Ada\n3 4\nrest\n");
-    let has_python = std::process::Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
+    let has_python =
+        std::process::Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
     let readers: Vec<_> = READERS.iter().filter(|(name, _)| has_python || !name.ends_with(".py")).collect();
     readers.iter().for_each(|(name, text)| drop(scratch.write(name, text)));
     let names: Vec<&str> = readers.iter().map(|(name, _)| *name).collect();
     write_scene(&scratch, &names);
     for exec in ["thread", "process"] {
-        let ran = scratch.eyesim(&["run", "scene.sim", "--api", "7", "--stdin", "in.txt", "--exec", exec, "--report", "r.json"]);
+        let ran = scratch.eyesim(&[
+            "run",
+            "scene.sim",
+            "--api",
+            "7",
+            "--stdin",
+            "in.txt",
+            "--exec",
+            exec,
+            "--report",
+            "r.json",
+        ]);
         assert_eq!(ran.code, Some(0), "{ran:#?}");
         // Each robot reads a copy from its beginning: 3 + 4, and 6 more characters.
         assert_eq!(ran.stdout.matches("] Ada 7 6\n").count(), readers.len(), "{ran:#?}");
@@ -86,7 +98,8 @@ fn the_text_may_come_through_a_pipe_and_a_rust_program_reads_it() {
     );
     write_scene(&scratch, &["reader"]);
     let mut command = scratch.command(&["run", "scene.sim", "--stdin", "-"]);
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     child.stdin.take().expect("a pipe").write_all(b"one\r\n\ntwo").expect("it is read");
     let out = child.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&out.stdout);
@@ -123,10 +136,14 @@ fn an_empty_input_is_told_and_no_loop_at_its_end_goes_on() {
     let ran = run("int i; for (i = 0; i < 1500; i++) { if (getchar() == 'q') return 1; OSWait(20); } return 0;", &[]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     scratch.write("in.txt", "12\n");
-    let ran = run("int a, b = 5; return scanf(\"%d%d\", &a, &b) == 1 && a == 12 && b == 5 ? 0 : 2;", &["--stdin", "in.txt"]);
+    let ran =
+        run("int a, b = 5; return scanf(\"%d%d\", &a, &b) == 1 && a == 12 && b == 5 ? 0 : 2;", &["--stdin", "in.txt"]);
     assert!(ran.code == Some(0) && !ran.stderr.contains(hint), "{ran:#?}");
     let missing = run("return 0;", &["--stdin", "none.txt"]);
-    assert!(missing.code == Some(2) && missing.stderr.contains("--stdin") && missing.stderr.contains("none.txt"), "{missing:#?}");
+    assert!(
+        missing.code == Some(2) && missing.stderr.contains("--stdin") && missing.stderr.contains("none.txt"),
+        "{missing:#?}"
+    );
 }
 
 #[test]

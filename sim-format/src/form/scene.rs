@@ -15,7 +15,9 @@ use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
-use crate::spec::{ContactKind, CostEntry, CostTable, CostsRef, Dialect, PathRef, RobotLine, RunSpec, Settings, SimSpec};
+use crate::spec::{
+    ContactKind, CostEntry, CostTable, CostsRef, Dialect, PathRef, RobotLine, RunSpec, Settings, SimSpec,
+};
 use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, RadioModel};
 use sim_core::time::Time;
@@ -96,7 +98,8 @@ impl Kind<Time> for WholeMicros {
         let At { reader, section, key } = at;
         let seconds = reader.number(section, key, &self.0)?;
         let micros = (seconds * 1e6).round();
-        // Smaller than any deviation written on purpose in decimal milliseconds.
+        // The tolerance allows for rounding; a deviation that is written on purpose, in decimal milliseconds, is
+        // larger.
         if (seconds * 1e6 - micros).abs() > 1e-5 {
             let span = reader.key_span(section, key);
             let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);

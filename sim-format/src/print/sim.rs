@@ -7,7 +7,8 @@ use super::Printed;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::path;
 use crate::spec::{
-    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
+    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef,
+    WorldKind,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -72,7 +73,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Files of types of robots without a program, which a classic line cannot represent.
+    /// Type files of robots without a program; a classic line cannot represent a robot without a program.
     fn robots_of_files(&self, sim: &SimSpec) -> Vec<PathRef> {
         let mut files: Vec<PathRef> = Vec::new();
         for line in &sim.robots {
@@ -88,7 +89,8 @@ impl Printer<'_> {
 
     fn run(&mut self, sim: &SimSpec) {
         let run = &sim.run;
-        let has_types = !self.robots_of_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
+        let has_types =
+            !self.robots_of_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
         let said = [
             (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
@@ -107,7 +109,8 @@ impl Printer<'_> {
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }
 
-    /// Adds the lines of the robots in the order of their numbers, which in a sim file follow from the order alone.
+    /// Adds the lines of the robots in the order of their numbers: in a sim file the order of the lines determines the
+    /// numbers.
     fn robots(&mut self, sim: &SimSpec) {
         let lines = || sim.robots.iter().chain(&sim.named);
         // Robots of a `starts` layout are printed with poses, so other robots would take their starts.

@@ -13,8 +13,8 @@ use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
 use sim_format::{
-    Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion, read_robi,
-    read_scene,
+    Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion,
+    read_robi, read_scene,
 };
 
 /// File system of the files below a folder, overlaid by those written in the test.

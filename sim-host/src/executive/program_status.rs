@@ -123,7 +123,8 @@ pub fn judge(
         let place = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
         let reads_on = broken.is_overdue && robot.robios.input.has_ended();
-        let input = if reads_on { "; it has read its standard input, which has come to its end (`--stdin`)" } else { "" };
+        let input =
+            if reads_on { "; it has read its standard input, which has come to its end (`--stdin`)" } else { "" };
         let reason = Some(format!("{place}{input}"));
         return ProgramStatus { reason, fault: Some(place), ..status(outcome, None) };
     }

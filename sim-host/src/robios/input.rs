@@ -37,7 +37,8 @@ const MOST_AT_END: u32 = 1000;
 const CLOSE: Time = Time::from_millis(5);
 
 /// Reason for the end of a program that reads in a loop at the end of its input.
-pub const LOOP: &str = "it reads its standard input in a loop, which has come to its end: `--stdin FILE` gives it a text";
+pub const LOOP: &str =
+    "it reads its standard input in a loop, which has come to its end: `--stdin FILE` gives it a text";
 
 impl Input {
     /// Input with the text of the run, if there is one.
