@@ -34,7 +34,7 @@ struct Case {
     truth: f64,
 }
 
-/// Error and time of `cast`, which returns metres. No return counts as a hit at the range.
+/// Error and time of `cast`, which returns metres. `None`, a ray without a hit, counts as a hit at the range.
 fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
     let distance = |case: &Case| cast(case).unwrap_or(RANGE);
     let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();

@@ -15,7 +15,7 @@ const TAB: usize = 4;
 const CUT: char = '…';
 /// Least number of columns of source, even on a narrower terminal.
 const MIN_COLUMNS: usize = 16;
-/// Most bytes searched for a neighbouring line: longer lines are no help.
+/// Greatest length of the line above the mistake, in bytes: a longer one is not shown, since it would be no help.
 const MAX_NEIGHBOUR: usize = 1 << 16;
 
 /// Line of a mistake, with its neighbouring lines unless the beginning of the line is cut off.
@@ -70,8 +70,9 @@ impl Excerpt {
 }
 
 impl SourceCode for Excerpt {
-    /// Returns the whole text for any span. The position is that of the mistake if no context lines are requested, else
-    /// the text's own.
+    /// Returns the whole text for any span. If no context lines are requested, its position is that of the mistake: by
+    /// such a request `miette` asks which line and column to print above the text. Otherwise it is that of the first
+    /// line of the text.
     fn read_span<'a>(
         &'a self,
         _: &SourceSpan,

@@ -12,7 +12,7 @@ use super::*;
 const COUNT: u64 = 2_000;
 const LOSSES: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8];
 const RATES: [f64; 6] = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// Length of an acknowledgement in bytes: the number of the message.
+/// Length of an acknowledgement in bytes; it holds only the number of the acknowledged message.
 const ACK: usize = 1;
 /// Slot lengths.
 const SLOTS: [(Time, &str); 3] =
@@ -84,7 +84,8 @@ fn patience(slot: Time) -> Time {
     round_trip(slot) + round_trip(slot)
 }
 
-/// Expected throughput as a share of one message per round trip, and half of the 99.9 % interval of the measured one.
+/// Expected throughput as a share of one message per round trip, and half the width of the 99.9 % interval in which
+/// the measured share should lie.
 ///
 /// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
 /// one timeout.

@@ -29,7 +29,7 @@ struct Subtree {
 struct Collapse {
     /// Expected cost of the subtree as at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
-    /// Share of the left subtree in at most 2, 3, ... 8 children; 0 if one child fewer is as good.
+    /// How many of at most 2, 3, ... 8 children the left subtree gets; 0 if one child fewer in all is as good.
     left: [usize; WIDTH - 1],
     /// The subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
