@@ -6,6 +6,7 @@
 //! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
 //! programs that fault or never return.
 
+pub mod confine;
 pub mod damage;
 pub mod dispatcher;
 pub mod fault;
@@ -14,6 +15,7 @@ pub mod interrupt;
 pub mod intervene;
 pub mod load;
 pub mod notifier;
+pub mod orphan;
 pub mod pace;
 pub mod process;
 pub mod program;

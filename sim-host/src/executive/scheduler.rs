@@ -14,11 +14,12 @@ use sim_core::{ObjectId, RobotId};
 use super::Executor;
 use super::dispatcher::{Boundary, End};
 use super::fault::Broken;
-use super::interrupt::Interrupt;
+use super::interrupt::{self, Interrupt};
 use super::intervene::Refusal;
 use super::program::RobotProgram;
 use super::program_status::{PossibleSenders, ProgramStatus, RunEnd};
 use super::run::{EXIT_TIMEOUT, Run};
+use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
 use crate::record::Sinks;
@@ -181,7 +182,7 @@ impl Scheduler {
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_requested_exit = true;
             // The flows started so far exit again, up to the first robot without one.
-            scheduler.run.ids_with_program().all(|id| scheduler.exit_program(id));
+            scheduler.run.ids_with_program().all(|id| scheduler.exit_program(id, EXIT_TIMEOUT));
             return Err(error);
         }
         Ok(scheduler)
@@ -290,6 +291,7 @@ impl Scheduler {
             }
             if last_check.elapsed() >= POLL_INTERVAL {
                 last_check = Instant::now();
+                self.take_signals_back();
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
@@ -313,7 +315,12 @@ impl Scheduler {
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
-            run.robot(id).ending.get_or_insert(broken.ending());
+            let broken = {
+                let mut robot = run.robot(id);
+                let broken = broken.with_reason(robot.ending.as_ref());
+                robot.ending.get_or_insert(broken.ending());
+                broken
+            };
             self.broken.push((id, broken));
             run.dispatcher.lock().end_with(End::Broken);
         }
@@ -341,9 +348,23 @@ impl Scheduler {
         }
     }
 
-    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`].
+    /// Installs the handlers of faults and interrupts again that programs on threads have replaced.
+    fn take_signals_back(&self) {
+        let is_of_program = |address: usize| {
+            let on_threads = self.run.programs().filter_map(|program| match program {
+                RobotProgram::Thread(program) => Some(program.addresses()),
+                RobotProgram::Process(_) => None,
+            });
+            on_threads.into_iter().any(|addresses| addresses.contains(&address))
+        };
+        Handlers::take_back(is_of_program);
+        interrupt::take_back(is_of_program);
+    }
+
+    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`], half of it after an interrupt.
     fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
-        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > STOP_TIMEOUT && running.contains(id);
+        let timeout = if self.run.interrupt().is_set() { STOP_TIMEOUT / 2 } else { STOP_TIMEOUT };
+        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > timeout && running.contains(id);
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
@@ -354,20 +375,24 @@ impl Scheduler {
             return;
         }
         self.has_requested_exit = true;
+        let mut has_waited_in_vain = false;
         for id in self.run.ids_with_program() {
-            self.exit_program(id);
+            // Each program may take its time, but after an interrupt the user waits only once.
+            let timeout =
+                if has_waited_in_vain && self.run.interrupt().is_set() { Duration::ZERO } else { EXIT_TIMEOUT };
+            has_waited_in_vain |= !self.exit_program(id, timeout);
         }
     }
 
-    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within [`EXIT_TIMEOUT`].
-    fn exit_program(&self, id: RobotId) -> bool {
+    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within `timeout`.
+    fn exit_program(&self, id: RobotId, timeout: Duration) -> bool {
         let run = &self.run;
         run.is_stopping.store(true, Ordering::Release);
         let has_departed = || run.dispatcher.lock().has_departed(id);
         if !has_departed() {
             run.executor().resume(id, 0);
         }
-        let deadline = Instant::now() + EXIT_TIMEOUT;
+        let deadline = Instant::now() + timeout;
         while !has_departed() && Instant::now() < deadline {
             run.notifier().wait(deadline.saturating_duration_since(Instant::now()));
         }
@@ -431,7 +456,7 @@ impl Drop for Scheduler {
         self.run.programs().for_each(|program| program.end(deadline));
         if is_at_rest && !self.has_requested_exit && !damage::is_heap_lost() {
             // The remaining programs exit and release what they hold, up to the first that does not.
-            self.run.ids_with_program().all(|id| self.exit_program(id));
+            self.run.ids_with_program().all(|id| self.exit_program(id, EXIT_TIMEOUT));
         }
         let has_departed = |id| self.run.dispatcher.lock().has_departed(id) && !self.abandoned.contains(&id);
         if !self.run.executor().end(&has_departed) {

@@ -4,6 +4,7 @@
 //! and without sinks.
 
 pub mod event_store;
+mod file;
 pub mod frame;
 pub mod log;
 #[cfg(feature = "window")]
