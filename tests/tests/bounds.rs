@@ -151,13 +151,13 @@ fn a_programs_floats_are_not_the_hosts() {
 }
 
 const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
-                      #include <stdlib.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
+                      #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
 
 /// Runs a program beside a good one on this kind of flow: exit code, what is told of it, and the outcome of the good one.
 fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
-    let good = "int main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.5, 0.5); VWDriveWait(vw); return 0; }\n";
+    let good = "int main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.1, 0.5); VWDriveWait(vw); return 0; }\n";
     scratch.write("good.c", &format!("#include \"eyebot.h\"\n{good}"));
     write_scene(&scratch, &["good.c", "bad.c"]);
     let args = ["run", "scene.sim", "--exec", exec, "--timeout", "0.5", "--report", "r.json", "--trace", "t.jsonl"];
@@ -181,7 +181,7 @@ const ENDS: &[(&str, &str)] = &[
         "floating-point division by zero",
     ),
     (
-        "__attribute__((optimize(\"stack-protector-all\"))) static void f(int n) { volatile char b[8]; for (int i = 0; i < n; i++) b[i] = 65; }\n\
+        "__attribute__((optimize(\"stack-protector-all\"))) static void f(int n) { volatile char b[8]; memset((void *)b, 65, n); __asm__ volatile(\"\" : : \"r\"(b) : \"memory\"); }\n\
       int main(void) { OSWait(20); f(600); exit(0); }",
         "stack smashed",
     ),
@@ -217,7 +217,7 @@ fn what_would_end_or_replace_eyesim_on_a_thread_is_told() {
     ] {
         let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
         assert_eq!(code, Some(1), "{program}: {said}");
-        assert!(said.contains(words) && said.contains("bad.c:11"), "{program}: {said}");
+        assert!(said.contains(words) && said.contains("bad.c:12"), "{program}: {said}");
     }
 }
 
@@ -229,8 +229,8 @@ fn a_program_that_could_end_eyesim_runs_in_a_process_of_its_own() {
     write_scene(&scratch, &["good.c", "bad.c"]);
     let ran = scratch.eyesim(&["run", "scene.sim", "-v", "--report", "r.json"]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
-    assert!(ran.stderr.contains("`bad.c` runs in a process: it uses `syscall`"), "{ran:#?}");
-    assert!(!ran.stderr.contains("`good.c` runs in a process"), "{ran:#?}");
+    assert!(ran.stderr.contains("program `bad` runs in a process: it uses `syscall`"), "{ran:#?}");
+    assert!(!ran.stderr.contains("program `good` runs in a process"), "{ran:#?}");
     let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
     assert_eq!(report["robots"][0]["outcome"], "finished");
 }
@@ -310,7 +310,9 @@ fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
             let pid = host.id().to_string();
             assert!(Command::new("kill").args([*signal, pid.as_str()]).status().expect("kill").success());
             let code = host.wait().expect("it ends").code();
-            assert_eq!(code, Some(130), "{exec} {program}");
+            // A handler of faults is taken back at once on a thread, and the fault ends the run before the interrupt.
+            let is_told_before = exec == "thread" && program.contains("SIGSEGV") && code == Some(1);
+            assert!(code == Some(130) || is_told_before, "{exec} {program}: {code:?}");
             // Two seconds on an idle machine; tests share theirs.
             assert!(sent.elapsed() < Duration::from_secs(30), "{exec} {program}: {:?}", sent.elapsed());
             println!("{exec} {signal} {:?} {program}", sent.elapsed());

@@ -23,9 +23,9 @@ use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt;
 use crate::executive::load::DebugTarget;
-use crate::executive::orphan::Orphanage;
 use crate::executive::program::Exec;
 use crate::executive::scheduler::Ended;
+use crate::executive::subreaper::Subreaper;
 use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
@@ -248,11 +248,11 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     };
     let mut script = console::script(args)?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
-    let orphanage = Orphanage::open();
+    let subreaper = Subreaper::start();
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);
     let ran = run.finish();
-    match orphanage.end_all() {
+    match subreaper.end_all() {
         0 => {}
         count => say(format_args!("{count} processes that programs had started and left behind were ended")),
     }

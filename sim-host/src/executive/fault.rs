@@ -27,10 +27,15 @@ pub(super) const SEARCH: usize = 4096;
 /// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
 const GUARD: usize = 64 << 10;
 
+/// Words on a stack that cannot have overflowed.
+const SHALLOW: usize = 1024;
+
 impl Broken {
     /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
     pub(super) fn new(fault: Fault, [low, _]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
-        let near_guard = low > 0 && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
+        // A shallow stack has not overflowed: other memory may end just below it.
+        let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
+        let near_guard = low > 0 && is_deep && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
         let what = match fault.signal {
             OVERDUE_SIGNAL => "no RoBIOS call returned in time".into(),
             EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),

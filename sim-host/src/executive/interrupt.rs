@@ -114,8 +114,8 @@ extern "C" fn on_interrupt(signal: i32) {
 /// what is recorded up to the last slot is in the trace.
 extern "C" fn on_foreign_fault(signal: i32) {
     const WORDS: &[u8] =
-        b"error: a thread that a robot program started by itself has faulted: such threads are outside the \
-        guarantee; the run ends here, the trace is complete up to the last slot\n";
+        b"error: a thread that a robot program started by itself has faulted, or one whose stack and own variables a program has \
+        overwritten: such threads are outside the guarantee; the run ends here, the trace is complete up to the last slot\n";
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
     if is_first_thread || !Handlers::are_held() {

@@ -15,7 +15,6 @@ pub mod interrupt;
 pub mod intervene;
 pub mod load;
 pub mod notifier;
-pub mod orphan;
 pub mod pace;
 pub mod process;
 pub mod program;
@@ -25,6 +24,7 @@ pub mod scheduler;
 pub mod script;
 pub mod signal;
 pub mod spawn;
+pub mod subreaper;
 pub mod thread;
 pub mod watchdog;
 

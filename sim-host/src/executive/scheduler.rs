@@ -157,7 +157,7 @@ const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 /// Time in which a stopped program must react before its flow is abandoned.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Processor time in seconds that a program may still use after the user has interrupted the run.
+/// Time in seconds, of the processor or real, that programs may still use after the user has interrupted the run.
 const INTERRUPT_TIMEOUT: f64 = 0.5;
 
 impl Scheduler {
@@ -265,6 +265,7 @@ impl Scheduler {
     /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
         let mut last_check = Instant::now();
+        let mut interrupted: Option<Instant> = None;
         loop {
             let left = deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
             if left.is_zero() {
@@ -284,6 +285,11 @@ impl Scheduler {
             if self.run.interrupt().is_set() {
                 dispatcher.end_with(End::Interrupted);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
+                if interrupted.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
+                    // The user waits: also where many programs compute, or the machine is loaded.
+                    dispatcher.skip_queue();
+                    timeout = 0.0;
+                }
             }
             if self.run.executor().must_end() {
                 dispatcher.end_with(End::HeapLost);

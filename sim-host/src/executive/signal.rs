@@ -45,7 +45,12 @@ pub struct ThreadBlock {
     on_fault: OnFault,
     /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
+    /// [`MARK`] combined with the block's address, once a thread has the block: tells the block from other memory.
+    mark: AtomicUsize,
 }
+
+/// See [`ThreadBlock::is_at`].
+const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 
 /// Action at a fault.
 enum OnFault {
@@ -117,7 +122,23 @@ impl ThreadBlock {
             faulted: AtomicBool::new(false),
             on_fault,
             alternate_stack: AtomicUsize::new(0),
+            mark: AtomicUsize::new(0),
         }
+    }
+
+    /// Returns true if there is a block at this address, which need not be mapped. Async-signal-safe.
+    ///
+    /// A program that writes beyond the top of its stack overwrites the thread's own variables, [`CURRENT`] among them.
+    fn is_at(address: *const Self) -> bool {
+        let mut word = 0_usize;
+        let place = address.addr().wrapping_add(std::mem::offset_of!(Self, mark));
+        let local = libc::iovec { iov_base: (&raw mut word).cast(), iov_len: size_of::<usize>() };
+        let remote = libc::iovec { iov_base: ptr::without_provenance_mut(place), iov_len: size_of::<usize>() };
+        // SAFETY: the kernel copies from this process itself, and fails where nothing is mapped; `word` has the stated size.
+        let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
+        // Where the kernel does not allow the copy, the address is trusted.
+        copied == size_of::<usize>() as isize && word == address.addr() ^ MARK
+            || copied < 0 && io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT)
     }
 
     /// The fault that parked this thread.
@@ -213,6 +234,7 @@ impl ThreadBlock {
         self.overdue.store(false, Ordering::Relaxed);
         let alternate = set_alternate_stack(self.alternate_stack.load(Ordering::Relaxed))?;
         self.alternate_stack.store(alternate, Ordering::Relaxed);
+        self.mark.store(ptr::from_ref(self).addr() ^ MARK, Ordering::Relaxed);
         CURRENT.set(self);
         Ok(())
     }
@@ -445,11 +467,11 @@ pub fn stop_overdue(block: &ThreadBlock) {
 
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
-    if block.is_null() {
+    if block.is_null() || !ThreadBlock::is_at(block) {
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
         return unsafe { chain_to_previous(signal, info, context) };
     }
-    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`).
+    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is where the variable says.
     let block = unsafe { &*block };
     if matches!(block.on_fault, OnFault::Park(_)) && signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
         block.overdue.store(true, Ordering::Relaxed);

@@ -1,7 +1,7 @@
 //! Detection of overdue programs, by the processor time of a thread or process since its release: a loaded machine makes none overdue.
 
 use std::fs;
-use std::path::Path;
+use std::io;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
@@ -120,8 +120,10 @@ pub fn is_traced(pid: &str) -> bool {
 }
 
 /// Returns true if the process `pid` has no thread `tid`.
-pub fn is_gone(pid: u32, tid: u32) -> bool {
-    !Path::new(&format!("/proc/{pid}/task/{tid}")).exists()
+pub fn is_gone(pid: i32, tid: i32) -> bool {
+    // SAFETY: tgkill takes no pointer, and signal 0 is only a question.
+    let status = unsafe { libc::syscall(libc::SYS_tgkill, pid, tid, 0) };
+    status < 0 && io::Error::last_os_error().raw_os_error() == Some(libc::ESRCH)
 }
 
 /// The kernel's ids of the threads of process `pid`; empty once it has ended.

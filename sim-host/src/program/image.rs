@@ -371,7 +371,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let (mut description, mut undefined) = (None, Vec::new());
     let is_resolver = |flags| matches!(flags, SymbolFlags::Elf { st_info, .. } if st_info & 0xf == elf::STT_GNU_IFUNC);
     let is_resolved = |flags| matches!(flags, RelocationFlags::Elf { r_type } if r_type == IRELATIVE);
-    let has_resolvers = file.dynamic_symbols().any(|symbol| symbol.is_definition() && is_resolver(symbol.flags()))
+    let has_resolvers = file.dynamic_symbols().any(|symbol| !symbol.is_undefined() && is_resolver(symbol.flags()))
         || file.dynamic_relocations().is_some_and(|mut all| all.any(|(_, one)| is_resolved(one.flags())));
     for symbol in file.dynamic_symbols() {
         match symbol.name() {

@@ -80,7 +80,12 @@ fn run(case: &Case, exec: &str) -> Told {
     if package.is_none() {
         scratch.write(bad, &case.source);
     }
-    write_scene(&scratch, &["good.c", bad, "good.c"]);
+    write_scene(&scratch, &[]);
+    // Too far away for the hostile robot to drive there.
+    let scene = format!(
+        "world room.wld\nrobi bot.robi good.c 600 600 0\nrobi bot.robi {bad} 2000 3600 0\nrobi bot.robi good.c 3400 600 0\n"
+    );
+    scratch.write("scene.sim", &scene);
     let mut args =
         vec!["run", "scene.sim", "--exec", exec, "--timeout", "0.5", "--until", "4", "--output-limit", "0.1"];
     args.extend(["--report", "r.json", "--trace", "t.jsonl", "--quiet"]);
@@ -91,7 +96,8 @@ fn run(case: &Case, exec: &str) -> Told {
     // A namespace keeps signals to all processes from the others of this machine.
     let limits = "ulimit -c 0; ulimit -n 512; ulimit -v 6000000; ulimit -f 400000";
     let shell = format!(
-        "{limits}; if unshare -p -f true 2>/dev/null; then exec timeout -s KILL {HANGS_S} unshare -p -f --kill-child \"$@\"; \
+        "{limits}; if unshare -p -f --mount-proc true 2>/dev/null; \
+         then exec timeout -s KILL {HANGS_S} unshare -p -f --mount-proc --kill-child sh -c '\"$@\"; exit $?' sh \"$@\"; \
          else exec timeout -s KILL {HANGS_S} \"$@\"; fi"
     );
     let start = Instant::now();
@@ -134,7 +140,9 @@ fn mistake(case: &Case, told: &Told, reference: &[String]) -> Option<String> {
     if *seconds >= HANGS_S || *code == Some(137) && !has_end && said.is_empty() && *seconds >= HANGS_S / 2 {
         return Some("hangs".to_owned());
     }
-    if !reference.starts_with(others) {
+    // Where the trace itself was harmed, its lines prove nothing, and the exit code says so.
+    let is_trace_harmed = *code == Some(2);
+    if !is_trace_harmed && !reference.starts_with(others) {
         return Some("changes another robot's record".to_owned());
     }
     if *code == Some(0) && !whole {

@@ -251,7 +251,7 @@ impl Child {
 
     /// Returns true if the process lives without this thread of its own.
     fn has_lost(&self, thread: u32) -> bool {
-        !self.is_debugged && watchdog::is_gone(self.pid.cast_unsigned(), thread)
+        !self.is_debugged && watchdog::is_gone(self.pid, thread.cast_signed())
     }
 
     /// Gives up a child that has sent a malformed message.

@@ -8,16 +8,16 @@ use std::time::{Duration, Instant};
 /// Time in which the processes must end.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Adopts the descendants of this process whose parents end, such as daemons, until it is told to end them.
+/// The subreaper of this process: adopts its descendants whose parents end, such as daemons, and ends them with the run.
 #[derive(Debug)]
-pub struct Orphanage {
+pub struct Subreaper {
     /// Children of this process that were there before.
     before: BTreeSet<i32>,
 }
 
-impl Orphanage {
+impl Subreaper {
     /// Lets the kernel give orphaned descendants to this process from now on, for a binary before its run.
-    pub fn open() -> Self {
+    pub fn start() -> Self {
         // SAFETY: prctl takes no pointer here; if the kernel refuses, daemons of programs outlive the run.
         unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) };
         Self { before: children() }
