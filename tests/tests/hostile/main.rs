@@ -129,7 +129,24 @@ fn in_words(report: &str, stderr: &str, scratch: &Scratch) -> String {
         Some(outcome) => format!("{outcome}: {}", robot["reason"].as_str().unwrap_or_default()),
         None => stderr.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().to_owned(),
     };
-    words.replace(&format!("{}/", scratch.path().display()), "").trim_end_matches([':', ' ']).to_owned()
+    let words = words.replace(&format!("{}/", scratch.path().display()), "");
+    without_chance(words.trim_end_matches([':', ' ']))
+}
+
+/// `words` with `...` for what differs from run to run: addresses above the program's first pages, and names of temporary files.
+fn without_chance(words: &str) -> String {
+    let mut kept = String::with_capacity(words.len());
+    let mut rest = words;
+    while let Some(start) =
+        ["at address 0x", "/.eyesim-"].iter().filter_map(|mark| Some(rest.find(mark)? + mark.len())).min()
+    {
+        let length = rest[start..].find(|letter: char| !letter.is_ascii_alphanumeric()).unwrap_or(rest.len() - start);
+        let (before, after) = (&rest[..start], &rest[start + length..]);
+        kept += before;
+        kept += if length > 4 { "..." } else { &rest[start..start + length] };
+        rest = after;
+    }
+    kept + rest
 }
 
 /// What is wrong with the outcome of a case, if anything.
