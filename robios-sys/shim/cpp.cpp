@@ -79,9 +79,12 @@ const char *name_of(const std::type_info &type)
     eyesim_uncaught(text);
 }
 
-[[maybe_unused]] const std::terminate_handler before = std::set_terminate(uncaught);
-
 } // namespace
+
+extern "C" HIDDEN void eyesim_report_uncaught()
+{
+    std::set_terminate(uncaught);
+}
 
 // Runs the destructors between here and `frame`, and jumps there. Returns if the stack cannot be walked.
 extern "C" HIDDEN void eyesim_unwind(struct frame *frame)

@@ -8,7 +8,6 @@
 #include <poll.h>
 #include <stdio_ext.h>
 #include <sys/select.h>
-#include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/timeb.h>
 #include <sys/times.h>
@@ -353,11 +352,16 @@ static ssize_t read_input(void *bytes, size_t len)
     written(0);
     return count;
 }
+/* Other names of the C library for functions that are interposed here. */
+extern ssize_t __write(int descriptor, const void *bytes, size_t len);
+extern ssize_t __read(int descriptor, void *bytes, size_t len);
+extern int __close(int descriptor);
+
 LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 {
     struct console *console = console_of(descriptor);
     if (console == NULL)
-        return syscall(SYS_write, descriptor, bytes, len);
+        return __write(descriptor, bytes, len);
     write_console(console, bytes, len);
     written(0);
     return (ssize_t)len;
@@ -367,13 +371,18 @@ LIBC(ssize_t, writev, (int descriptor, const struct iovec *parts, int count))
     struct console *console = console_of(descriptor);
     ssize_t len = 0;
     int i;
-    if (console == NULL)
-        return syscall(SYS_writev, descriptor, parts, count);
     for (i = 0; i < count; i++) {
-        write_console(console, parts[i].iov_base, parts[i].iov_len);
-        len += (ssize_t)parts[i].iov_len;
+        ssize_t part = (ssize_t)parts[i].iov_len;
+        if (console != NULL)
+            write_console(console, parts[i].iov_base, parts[i].iov_len);
+        else if ((part = __write(descriptor, parts[i].iov_base, parts[i].iov_len)) < 0)
+            return len > 0 ? len : -1;
+        len += part;
+        if (part < (ssize_t)parts[i].iov_len)
+            break;
     }
-    written(0);
+    if (console != NULL)
+        written(0);
     return len;
 }
 /* Descriptors of the robot's own streams, which have none in the system. */
@@ -385,17 +394,17 @@ LIBC(int, fileno, (FILE *stream))
 }
 LIBC(ssize_t, read, (int descriptor, void *bytes, size_t len))
 {
-    return descriptor == 0 ? read_input(bytes, len) : syscall(SYS_read, descriptor, bytes, len);
+    return descriptor == 0 ? read_input(bytes, len) : __read(descriptor, bytes, len);
 }
 LIBC(ssize_t, __read_chk, (int descriptor, void *bytes, size_t len, size_t room))
 {
     len = len < room ? len : room;
-    return descriptor == 0 ? read_input(bytes, len) : syscall(SYS_read, descriptor, bytes, len);
+    return descriptor == 0 ? read_input(bytes, len) : __read(descriptor, bytes, len);
 }
 LIBC(int, close, (int descriptor))
 {
     /* The first three are the host's. */
-    return descriptor >= 0 && descriptor <= 2 ? 0 : (int)syscall(SYS_close, descriptor);
+    return descriptor >= 0 && descriptor <= 2 ? 0 : __close(descriptor);
 }
 LIBC(int, isatty, (int descriptor))
 {
@@ -537,7 +546,11 @@ LIBC_NORETURN(__assert_perror_fail, (int number, const char *file, unsigned line
     char description[128];
     fail_assertion(strerror_r(number, description, sizeof description), file, line, function);
 }
-LIBC_NORETURN(__stack_chk_fail, (void)) { fail(FAILED_STACK, "stack smashing detected: a local array was overrun"); }
+LIBC_NORETURN(__stack_chk_fail, (void))
+{
+    check_frame();
+    fail(FAILED_STACK, "stack smashing detected: a local array was overrun");
+}
 LIBC_NORETURN(__chk_fail, (void)) { fail(FAILED_STACK, "buffer overflow detected"); }
 
 /* Messages of <err.h> and <error.h>, which go to the host's standard error and end the process. */
@@ -721,7 +734,30 @@ LIBC(size_t, __fread_chk, (void *to, size_t room, size_t size, size_t count, FIL
     check_room(size != 0 && count > (size_t)-1 / size ? (size_t)-1 : size * count, room, "fread");
     return libc_fread(to, size, count, stream);
 }
-LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * place, int value)) { longjmp(place, value); }
+
+/* ---- jumps: one out of a timer's function would leave the host in the middle of the call that the timer interrupts ---- */
+
+/* Stack pointer to which a jump leads; 0 if unknown. The C library hides it with a secret of the thread. */
+static uintptr_t target_of(const struct __jmp_buf_tag *place)
+{
+#if defined __x86_64__ && defined __GLIBC__
+    uintptr_t hidden = (uintptr_t)place->__jmpbuf[6], secret;
+    __asm__("mov %%fs:0x30, %0" : "=r"(secret));
+    return (hidden >> 17 | hidden << 47) ^ secret;
+#else
+    (void)place;
+    return 0;
+#endif
+}
+
+LIBC_NORETURN(longjmp, (struct __jmp_buf_tag * place, int value))
+{
+    if (may_call() && self.frame->outer != NULL && target_of(place) > (uintptr_t)self.frame)
+        fail(0, "longjmp out of a timer's function: the call that it interrupts would never end");
+    _longjmp(place, value);
+}
+LIBC_NORETURN(siglongjmp, (struct __jmp_buf_tag * place, int value)) { libc_longjmp(place, value); }
+LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * place, int value)) { libc_longjmp(place, value); }
 
 /* ---- random numbers: the robot's own streams ---- */
 

@@ -207,8 +207,8 @@ static void remove_task(struct task *task)
     note_end(task);
 }
 
-/* longjmp: a handler's buffer begins like a jmp_buf but ends before the signal mask. */
-_Noreturn void jump_to_handler(__pthread_unwind_buf_t *handler, int value) __asm__("longjmp");
+/* _longjmp: a handler's buffer begins like a jmp_buf but ends before the signal mask. */
+_Noreturn void jump_to_handler(__pthread_unwind_buf_t *handler, int value) __asm__("_longjmp");
 
 /* Ends the task, after its cleanup handlers in reverse order. */
 static _Noreturn void unwind_task(struct task *task)
@@ -225,13 +225,13 @@ static _Noreturn void unwind_task(struct task *task)
         task->base->jump_value = TASK_ENDS;
         eyesim_unwind(task->base);
     }
-    longjmp(task->base->place, TASK_ENDS);
+    _longjmp(task->base->place, TASK_ENDS);
 }
 
 static _Noreturn void end_task(struct task *task, void *result)
 {
     if (!may_call())
-        __builtin_trap(); /* a thread that is no task's */
+        eyesim_trap_off_task();
     task->result = result;
     task->refuses_cancel = task->is_ending = 1;
     unwind_task(task);
@@ -251,7 +251,7 @@ static __attribute__((noinline)) void *start_outermost(struct task *task)
 static int32_t run_task(void *data)
 {
     struct task *const task = data;
-    struct frame frame = {.task = task, .thread = this_thread()};
+    struct frame frame = {.task = task, .thread = this_thread(), .mark = MARK_OF(&frame)};
     task->thread = frame.thread;
     task->base = &frame;
     task->has_begun = 1;

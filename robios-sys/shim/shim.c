@@ -51,7 +51,10 @@ struct frame {
     const void *thread; /* which runs it */
     int is_left; /* by unwinding, which runs destructors */
     int jump_value; /* what unwinding brings to it in the end; 0 is LEAVES */
+    uintptr_t mark; /* MARK_OF(frame) unless the stack was overwritten */
 };
+
+#define MARK_OF(frame) ((uintptr_t)(frame) ^ (uintptr_t)0x5AFEF4A3E5EEDull)
 
 /* Values that longjmp passes to a frame. */
 enum { LEAVES = 1, TASK_ENDS = 2 };
@@ -108,14 +111,35 @@ static inline int may_call(void)
 
 /* ---- leaving the program ---- */
 
+/* Functions that fault where the program cannot be left any more. The host tells the reason by the function's name:
+ * sim-host/src/executive/program_status.rs. */
+#define TRAP(name)                                                                                                      \
+    static __attribute__((noinline, noclone, noreturn, cold)) void name(void)                                           \
+    {                                                                                                                   \
+        __asm__ volatile("/* " #name " */"); /* keeps the compiler from merging them */                                 \
+        __builtin_trap();                                                                                               \
+    }
+TRAP(eyesim_trap_stack_smashed)
+TRAP(eyesim_trap_off_task)
+
+/* Stops here if the frame that is the target of the way out has been overwritten. */
+static inline void check_frame(void)
+{
+    if (self.frame != NULL && self.frame->mark != MARK_OF(self.frame))
+        eyesim_trap_stack_smashed();
+}
+
 #ifdef EYESIM_CPP
 /* In cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns if it cannot. */
 HIDDEN void eyesim_unwind(struct frame *frame);
 
+/* In cpp.cpp: reports exceptions that the program does not catch, those of constructors included. */
+HIDDEN void eyesim_report_uncaught(void);
+
 /* Jumps to a frame at the end of unwinding. */
 HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
 {
-    longjmp(frame->place, frame->jump_value);
+    _longjmp(frame->place, frame->jump_value);
 }
 #else
 #define eyesim_unwind(frame) ((void)(frame))
@@ -128,13 +152,14 @@ static _Noreturn void leave(int exit_code)
         self.is_leaving = 1;
         self.exit_code = exit_code;
     }
+    check_frame();
     if (self.frame == NULL || self.frame->thread != this_thread())
-        __builtin_trap(); /* on a thread that is no task's, or before its start: there is no way out */
+        eyesim_trap_off_task();
     if (exit_code == EYESIM_EXIT_STOPPED && !self.frame->is_left) {
         self.frame->is_left = 1;
         eyesim_unwind(self.frame);
     }
-    longjmp(self.frame->place, LEAVES);
+    _longjmp(self.frame->place, LEAVES);
 }
 
 /* Handles a stop by the host: the running task was killed or cancelled, or else the program must end. */
@@ -152,7 +177,7 @@ static int reaches_host(void)
     if (!may_call() || !self.is_leaving)
         return may_call();
     if (++self.ignored_calls > MOST_IGNORED_CALLS)
-        longjmp(self.frame->place, LEAVES);
+        _longjmp(self.frame->place, LEAVES);
     return 0;
 }
 
@@ -225,6 +250,7 @@ static int32_t called_back(void *data)
     frame.task = frame.outer->task;
     frame.thread = this_thread();
     frame.is_left = frame.jump_value = 0;
+    frame.mark = MARK_OF(&frame);
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
         call_outermost(function);
@@ -315,7 +341,7 @@ HIDDEN _Noreturn void eyesim_uncaught(const char *text)
     if (text != NULL)
         fail(FAILED_EXCEPTION, text);
     if (!self.is_leaving && self.frame->jump_value == TASK_ENDS)
-        longjmp(self.frame->place, TASK_ENDS);
+        _longjmp(self.frame->place, TASK_ENDS);
     leave(EYESIM_EXIT_STOPPED);
 }
 
@@ -369,6 +395,9 @@ static __attribute__((noinline)) _Noreturn void run_program(int argc, char **arg
 {
     int exit_code = 0;
     OUTERMOST;
+#ifdef EYESIM_CPP
+    eyesim_report_uncaught();
+#endif
     construct(argc, argv);
 #ifdef EYESIM_VOID_MAIN
     main(argc, argv, environment);
@@ -386,6 +415,7 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     frame.task = &main_task;
     frame.thread = main_task.thread = this_thread();
     frame.is_left = frame.jump_value = 0;
+    frame.mark = MARK_OF(&frame);
     main_task.base = &frame;
     self.is_leaving = self.stop_pending = self.ignored_calls = 0;
     self.host = host;

@@ -1,13 +1,14 @@
 //! Check of start positions: a robot that starts inside a wall or another body never moves.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 use super::Span;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{Collider, ObjectSpec, ObjectType, SceneSpec, WorldSpec};
-use sim_core::RobotId;
-use sim_core::scene::{Bounds, BoundsIndex, Segment, Walls};
+use sim_core::scene::{Bounds, Segment, Walls};
 
 /// Depth up to which an overlap counts as rounding, in metres: the skin of the contact rule.
 const SKIN: f64 = 1e-6;
@@ -130,18 +131,98 @@ fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
 
 /// For each body, the first earlier body that it overlaps, unless both are fixed.
 fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
-    let mut index = BoundsIndex::default();
-    let bounds = bodies.iter().enumerate();
-    let bounds = bounds.map(|(i, body)| (RobotId::from_index(i), Bounds::of_disc(body.centre, body.radius)));
-    index.rebuild(&bounds.collect::<Vec<_>>());
-    let mut first: Vec<Option<usize>> = vec![None; bodies.len()];
-    index.pairs(|a, b| {
-        let (a, b) = (a.index(), b.index());
-        let [one, other] = [&bodies[a], &bodies[b]];
-        let apart = (one.centre - other.centre).length();
-        if first[b].is_none() && !(one.is_fixed && other.is_fixed) && apart < one.radius + other.radius - SKIN {
-            first[b] = Some(a);
+    let mut grids = Grids::default();
+    let first = |(number, body): (usize, &Body)| {
+        let first = grids.first_overlap(bodies, body);
+        grids.add(number, body);
+        first
+    };
+    bodies.iter().enumerate().map(first).collect()
+}
+
+/// Earlier bodies by the cells of their centres. Bodies of similar size have a grid, whose cells are about as large as they are.
+///
+/// The search stops at the first overlap: also where all bodies stand at one place, a body costs the same however many there are.
+#[derive(Default)]
+struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
+
+impl Grids {
+    /// Binary exponent of the greatest radius in the grid of bodies with this radius.
+    fn level_of(radius: f64) -> i32 {
+        let mut level = -30;
+        while level < 60 && radius > limit(level) {
+            level += 1;
         }
-    });
-    first
+        level
+    }
+
+    fn cell(level: i32, at: DVec2) -> [i64; 2] {
+        let cell = (at / (2.0 * limit(level))).floor();
+        // Saturates far outside of every world.
+        [cell.x as i64, cell.y as i64]
+    }
+
+    fn add(&mut self, number: usize, body: &Body) {
+        let level = Self::level_of(body.radius);
+        self.0.entry(level).or_default().entry(Self::cell(level, body.centre)).or_default().push(number);
+    }
+
+    /// The first body that overlaps `body`, unless both are fixed.
+    fn first_overlap(&self, bodies: &[Body], body: &Body) -> Option<usize> {
+        let mut first: Option<usize> = None;
+        for (level, grid) in &self.0 {
+            let reach = DVec2::splat(body.radius + limit(*level));
+            let [low, high] = [body.centre - reach, body.centre + reach].map(|at| Self::cell(*level, at));
+            let mut look = |numbers: &[usize]| {
+                let mut earlier = numbers.iter().take_while(|number| first.is_none_or(|first| **number < first));
+                first = earlier.find(|number| overlap(&bodies[**number], body)).copied().or(first);
+            };
+            if high[0].abs_diff(low[0]) < grid.len() as u64 {
+                let columns = (low[0]..=high[0]).flat_map(|x| grid.range([x, low[1]]..=[x, high[1]]));
+                columns.for_each(|(_, numbers)| look(numbers));
+            } else {
+                grid.range(low..=high).for_each(|(_, numbers)| look(numbers));
+            }
+        }
+        first
+    }
+}
+
+/// Greatest radius of a level in metres.
+fn limit(level: i32) -> f64 {
+    f64::from_bits(((level + 1023) as u64) << 52)
+}
+
+fn overlap(one: &Body, other: &Body) -> bool {
+    let apart = (one.centre - other.centre).length();
+    !(one.is_fixed && other.is_fixed) && apart < one.radius + other.radius - SKIN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_overlap_is_that_of_a_plain_search() {
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        let bodies: Vec<Body> = (0..600)
+            .map(|_| Body {
+                what: String::new(),
+                is_robot: true,
+                is_fixed: random() < 0.3,
+                centre: DVec2::new(random() * 10.0 - 5.0, random() * 10.0 - 5.0),
+                radius: 2.0 * random().powi(12) + 0.001,
+                span: Span::default(),
+                is_of_sim: true,
+            })
+            .collect();
+        let plain = |at: usize| bodies[..at].iter().position(|earlier| overlap(earlier, &bodies[at]));
+        let expected: Vec<_> = (0..bodies.len()).map(plain).collect();
+        assert_eq!(overlaps(&bodies), expected);
+        assert!((50..550).contains(&expected.iter().flatten().count()), "some overlap, others do not");
+    }
 }

@@ -118,7 +118,7 @@ fn a_program_that_takes_no_signal_is_left_behind() {
                    int main(void) { unsigned long all = ~0UL; OSWait(200);\n\
                    syscall(SYS_rt_sigprocmask, SIG_BLOCK, &all, 0, 8); for (;;); }\n";
     let start = Instant::now();
-    let (report, said) = beside_a_good_one(program, &["--timeout", "0.5"]);
+    let (report, said) = beside_a_good_one(program, &["--timeout", "0.5", "--exec", "thread"]);
     assert_eq!(report["robots"][1]["outcome"], "timeout", "{said}");
     let reason = report["robots"][1]["reason"].as_str().expect("a reason");
     assert!(reason.contains("blocks the signals"), "{reason}");
@@ -148,4 +148,191 @@ fn a_programs_floats_are_not_the_hosts() {
     assert_eq!(upwards.2.as_deref(), Some("1"), "and the program computes as it likes");
     let trapping = end("feenableexcept(FE_DIVBYZERO | FE_OVERFLOW | FE_UNDERFLOW | FE_INVALID)");
     assert_eq!(trapping, plain);
+}
+
+const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
+                      #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
+
+/// Runs a program beside a good one on this kind of flow: exit code, what is told of it, and the outcome of the good one.
+fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
+    let scratch = Scratch::new();
+    scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
+    let good = "int main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.1, 0.5); VWDriveWait(vw); return 0; }\n";
+    scratch.write("good.c", &format!("#include \"eyebot.h\"\n{good}"));
+    write_scene(&scratch, &["good.c", "bad.c"]);
+    let args = ["run", "scene.sim", "--exec", exec, "--timeout", "0.5", "--report", "r.json", "--trace", "t.jsonl"];
+    let ran = scratch.eyesim(&args);
+    let report: Value = std::fs::read_to_string(scratch.path().join("r.json"))
+        .map_or(Value::Null, |text| serde_json::from_str(&text).expect("a report"));
+    let reason = report["robots"][1]["reason"].as_str().unwrap_or_default().to_owned();
+    (ran.code, format!("{reason}\n{}{}", ran.stdout, ran.stderr), report["robots"][0]["outcome"].clone())
+}
+
+/// Programs whose ends used to be told wrongly, late or never: `main` after a wait of 0.2 s, then words for either kind of flow.
+const ENDS: &[(&str, &str)] = &[
+    (
+        "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h);\n*(volatile int *)0 = 1; return 0; }",
+        "",
+    ),
+    ("int main(void) { OSWait(20); syscall(SYS_exit, 0); return 0; }", "ended its own thread past the C library"),
+    ("int main(void) { OSWait(20); raise(SIGFPE); return 0; }", "the signal SIGFPE"),
+    (
+        "int main(void) { OSWait(20); feenableexcept(FE_DIVBYZERO); volatile double z = 0; z = 1 / z; return z > 1; }",
+        "floating-point division by zero",
+    ),
+    (
+        "__attribute__((optimize(\"stack-protector-all\"))) static void f(int n) { volatile char b[8]; memset((void *)b, 65, n); __asm__ volatile(\"\" : : \"r\"(b) : \"memory\"); }\n\
+      int main(void) { OSWait(20); f(600); exit(0); }",
+        "stack smashed",
+    ),
+    (
+        "static jmp_buf j; static void t(void) { longjmp(j, 1); }\nint main(void) { if (setjmp(j) == 0) { OSAttachTimer(10, t); OSWait(50); } OSWait(9); return 0; }",
+        "longjmp out of a timer's function",
+    ),
+    (
+        "static void (*r(void))(void) { for (;;) ; }\nvoid f(void) __attribute__((ifunc(\"r\")));\nint main(void) { f(); return 0; }",
+        "does not return",
+    ),
+];
+
+#[test]
+fn ends_behind_the_back_of_eyesim_are_told_on_every_kind_of_flow() {
+    for (program, words) in ENDS {
+        let is_ifunc = program.contains("ifunc");
+        for exec in ["auto", "process", "thread"] {
+            let (code, said, good) = told(program, exec);
+            assert_eq!(code, Some(1), "{exec} {program}: {said}");
+            assert!(said.contains(words), "{exec} {program}: {said}");
+            assert!(exec != "process" || is_ifunc || good == "finished", "{exec} {program}: {said}");
+        }
+    }
+}
+
+#[test]
+fn what_would_end_or_replace_eyesim_on_a_thread_is_told() {
+    for (program, words) in [
+        ("syscall(SYS_exit_group, 0);", "exit_group"),
+        ("{ char *a[] = {\"true\", 0}; execve(\"/bin/true\", a, 0); }", "execve"),
+        ("__asm__ volatile(\"syscall\" : : \"a\"(231), \"D\"(7)); raise(0);", "exit_group"),
+    ] {
+        let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
+        assert_eq!(code, Some(1), "{program}: {said}");
+        assert!(said.contains(words) && said.contains("bad.c:12"), "{program}: {said}");
+    }
+}
+
+#[test]
+fn a_program_that_could_end_eyesim_runs_in_a_process_of_its_own() {
+    let scratch = Scratch::new();
+    scratch.write("bad.c", &format!("{SYSTEM}int main(void) {{ OSWait(20); syscall(SYS_exit_group, 0); }}\n"));
+    scratch.write("good.c", "#include \"eyebot.h\"\nint main(void) { OSWait(100); return 0; }\n");
+    write_scene(&scratch, &["good.c", "bad.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim", "-v", "--report", "r.json"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    assert!(ran.stderr.contains("program `bad` runs in a process: it uses `syscall`"), "{ran:#?}");
+    assert!(!ran.stderr.contains("program `good` runs in a process"), "{ran:#?}");
+    let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+    assert_eq!(report["robots"][0]["outcome"], "finished");
+}
+
+#[test]
+fn a_record_that_is_not_whole_is_no_success() {
+    for harm in [
+        "unlink(\"t.jsonl\");",
+        "truncate(\"t.jsonl\", 10);",
+        "rename(\"bad.c\", \"t.jsonl\");",
+        "{ int n = open(\"/dev/null\", O_RDWR); for (int i = 3; i < 64; i++) if (i != n) dup2(n, i); }",
+    ] {
+        for exec in ["auto", "thread"] {
+            let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {harm} OSWait(50); return 0; }}"), exec);
+            let is_apart = exec == "auto" && harm.contains("dup2");
+            assert!(if is_apart { code == Some(0) } else { code == Some(2) }, "{exec} {harm} {code:?}: {said}");
+            assert!(is_apart || said.contains("it is not complete"), "{exec} {harm}: {said}");
+        }
+    }
+}
+
+#[test]
+fn processes_of_programs_do_not_outlive_the_run() {
+    let tag = format!("{}", std::process::id());
+    for exec in ["auto", "thread"] {
+        let sleeper = format!(
+            "int main(void) {{ OSWait(20); if (syscall(SYS_fork) == 0) {{ setsid(); execl(\"/bin/sleep\", \"sleep\", \"9{tag}\", (char *)0); }}\n\
+             usleep(1000); OSWait(50); return 0; }}"
+        );
+        let (_, said, _) = told(&sleeper, exec);
+        let list =
+            Command::new("sh").args(["-c", &format!("grep -l 9{tag} /proc/[0-9]*/cmdline 2>/dev/null")]).output();
+        let left = String::from_utf8_lossy(&list.expect("a shell").stdout).into_owned();
+        let left: Vec<&str> = left.lines().filter(|path| !path.contains("/self/")).collect();
+        let lives = |path: &&&str| std::fs::read_to_string(path).is_ok_and(|line| line.starts_with("sleep"));
+        assert_eq!(left.iter().filter(lives).count(), 0, "{exec}: {said}");
+    }
+}
+
+#[test]
+fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
+    let programs = [
+        "int main(void) { OSWait(20); for (;;) ; }",
+        "int main(void) { for (;;) OSWait(1); }",
+        "int main(void) { signal(SIGINT, SIG_IGN); signal(SIGTERM, SIG_IGN); OSWait(20); for (;;) ; }",
+        "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h); signal(SIGURG, SIG_IGN); *(volatile int *)0 = 1; }",
+        "int main(void) { unsigned long all = ~0UL; OSWait(20); syscall(SYS_rt_sigprocmask, SIG_BLOCK, &all, 0, 8); for (;;) ; }",
+        "static void end(void) { for (;;) OSWait(1); }\nint main(void) { atexit(end); OSWait(20); for (;;) syscall(SYS_pause); }",
+    ];
+    for (program, signal) in programs.iter().zip(["-INT", "-TERM"].iter().cycle()) {
+        for exec in ["thread", "process"] {
+            let scratch = Scratch::new();
+            scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
+            write_scene(&scratch, &["bad.c", "bad.c", "bad.c"]);
+            let args = [
+                "run",
+                "scene.sim",
+                "--exec",
+                exec,
+                "--timeout",
+                "600",
+                "--until",
+                "1e8",
+                "--speed",
+                "1",
+                "--trace",
+                "t.jsonl",
+            ];
+            let mut host = scratch.command(&args).stdout(std::process::Stdio::null()).spawn().expect("eyesim starts");
+            let start = Instant::now();
+            while !scratch.path().join("t.jsonl").exists() {
+                assert!(start.elapsed() < Duration::from_secs(200), "{exec} {program}: it does not begin");
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            std::thread::sleep(Duration::from_millis(500));
+            let sent = Instant::now();
+            let pid = host.id().to_string();
+            assert!(Command::new("kill").args([*signal, pid.as_str()]).status().expect("kill").success());
+            let code = host.wait().expect("it ends").code();
+            // A handler of faults is taken back at once on a thread, and the fault ends the run before the interrupt.
+            let is_told_before = exec == "thread" && program.contains("SIGSEGV") && code == Some(1);
+            assert!(code == Some(130) || is_told_before, "{exec} {program}: {code:?}");
+            // Two seconds on an idle machine; tests share theirs.
+            assert!(sent.elapsed() < Duration::from_secs(30), "{exec} {program}: {:?}", sent.elapsed());
+            println!("{exec} {signal} {:?} {program}", sent.elapsed());
+            assert_eq!(scratch.trace("t.jsonl").last().expect("a line")["event"], "end", "{exec} {program}");
+        }
+    }
+}
+
+#[test]
+fn a_build_script_that_loops_is_ended() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "bad/Cargo.toml",
+        "[package]\nname = \"endless-build\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n[workspace]\n",
+    );
+    scratch.write("bad/src/lib.rs", "");
+    scratch.write("bad/build.rs", "fn main() { loop { std::thread::sleep(std::time::Duration::from_secs(1)); } }\n");
+    write_scene(&scratch, &["bad"]);
+    let ran = scratch.command(&["run", "scene.sim"]).env("EYESIM_BUILD_TIMEOUT", "20").output().expect("eyesim starts");
+    let ran = tests::Ran::from(ran);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("cargo ran too long") && ran.stderr.contains("after 20 s"), "{ran:#?}");
 }

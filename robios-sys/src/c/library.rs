@@ -100,7 +100,9 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("__vsnprintf_chk", CHECKS),
     ("__fgets_chk", CHECKS),
     ("__fread_chk", CHECKS),
-    ("__longjmp_chk", "jumps without a check, as `longjmp` does"),
+    ("longjmp", JUMPS),
+    ("siglongjmp", JUMPS),
+    ("__longjmp_chk", JUMPS),
     ("rand", DRAWS),
     ("srand", "starts the robot's own stream anew"),
     ("random", DRAWS),
@@ -275,6 +277,7 @@ const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fai
 const WRITES: &str = "descriptors 1 and 2 are the robot's console";
 const READS: &str = "reads the robot's standard input, `--stdin`";
 const READS_ANY: &str = "as ever; of standard input the robot's own";
+const JUMPS: &str = "jumps, but not out of a timer's function: that ends the robot's program as failed";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
 const DRAWS48: &str = "the sequence that POSIX fixes; without a seed it starts at a place of the robot's own";
@@ -311,14 +314,32 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("posix_spawnp", PROCESS),
     ("system", PROCESS),
     ("popen", PROCESS),
+    ("execveat", PROCESS),
+    ("fexecve", PROCESS),
+    ("forkpty", PROCESS),
+    ("setsid", PROCESS),
+    ("setpgid", PROCESS),
+    ("setpgrp", PROCESS),
+    ("ptrace", PROCESS),
+    ("unshare", PROCESS),
     ("wait", PROCESS),
     ("waitpid", PROCESS),
     ("kill", SIGNAL),
+    ("killpg", SIGNAL),
     ("raise", SIGNAL),
+    ("gsignal", SIGNAL),
+    ("tgkill", SIGNAL),
+    ("sigqueue", SIGNAL),
     ("signal", SIGNAL),
     ("__sysv_signal", SIGNAL),
+    ("bsd_signal", SIGNAL),
+    ("ssignal", SIGNAL),
+    ("sigset", SIGNAL),
+    ("sigignore", SIGNAL),
     ("sigaction", SIGNAL),
+    ("sigaltstack", SIGNAL),
     ("sigprocmask", SIGNAL),
+    ("pthread_sigmask", SIGNAL),
     ("sigsuspend", SIGNAL),
     ("sigwait", SIGNAL),
     ("GOMP_parallel", THREAD),
@@ -335,11 +356,17 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("chdir", SHARED),
     ("fchdir", SHARED),
     ("umask", SHARED),
-    ("setrlimit", SHARED),
+    ("setrlimit", LIMIT),
+    ("setrlimit64", LIMIT),
+    ("prlimit", LIMIT),
+    ("prlimit64", LIMIT),
+    ("prctl", LIMIT),
     ("freopen", "may take a stream of the robot's away from its console"),
     ("dup", DESCRIPTOR),
     ("dup2", DESCRIPTOR),
     ("dup3", DESCRIPTOR),
+    ("close_range", DESCRIPTOR),
+    ("closefrom", DESCRIPTOR),
     ("readv", DESCRIPTOR),
     ("tcsetattr", "changes the terminal of the host"),
     ("ioctl", "changes the terminal of the host"),
@@ -357,7 +384,7 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("pselect", REAL_TIME),
     ("epoll_wait", REAL_TIME),
     ("timerfd_create", REAL_TIME),
-    ("syscall", "calls the system past all replacements"),
+    ("syscall", SYSTEM),
     ("_ZSt4cout", STREAMS),
     ("_ZSt4cerr", STREAMS),
     ("_ZSt4clog", STREAMS),
@@ -367,6 +394,8 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
 const PROCESS: &str = "starts or waits for processes, which are copies of the host";
 const SIGNAL: &str = "signals belong to the process, which is the host";
 const THREAD: &str = "threads that are no tasks of the robot do not run in virtual time";
+const LIMIT: &str = "changes the limits of the process, which is the host";
+const SYSTEM: &str = "calls the system past all replacements";
 const SHARED: &str = "changes what all robots and the host share";
 const DESCRIPTOR: &str = "reaches the host's input and output";
 const GENERATOR: &str = "changes the generator that the process shares";
@@ -380,10 +409,11 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 /// those that matter only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
-    let is_harmless =
-        |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what);
-    let is_everywhere = ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"]
-        .contains(&symbol);
+    let is_harmless = |what: &str| {
+        [PRINTS_ANY, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what)
+    };
+    let is_everywhere =
+        ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);
     match reason(INTERPOSED) {
         Some(what) if is_harmless(what) || is_everywhere => None,
         Some(_) => Some("acts on the process, and not on the robot, in a library built without the shim"),
@@ -391,9 +421,33 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     }
 }
 
+/// Returns the reason why a program that imports `symbol` could end the host, or disturb all robots, if it ran on a thread of the
+/// host; `None` for other symbols.
+///
+/// A library without the shim that imports `exit` or a function of the same kind ends the process itself.
+pub fn endangers_host(symbol: &str) -> Option<&'static str> {
+    const ENDS: [&str; 9] = ["exit", "_exit", "_Exit", "quick_exit", "err", "errx", "verr", "verrx", "error"];
+    if ENDS.contains(&symbol) {
+        return Some("ends the process, which is the host");
+    }
+    let reason = OUTSIDE_GUARANTEE.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why)?;
+    [PROCESS, SIGNAL, DESCRIPTOR, LIMIT, SYSTEM].contains(&reason).then_some(reason)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_ends_the_host_is_told_from_what_only_differs_between_runs() {
+        for dangerous in ["execve", "fork", "dup2", "close_range", "sigaction", "syscall", "prlimit", "_exit", "setsid"]
+        {
+            assert!(endangers_host(dangerous).is_some(), "{dangerous}");
+        }
+        for harmless in ["getenv", "time", "printf", "malloc", "abort", "pthread_create", "VWInit", "dlopen"] {
+            assert_eq!(endangers_host(harmless), None, "{harmless}");
+        }
+    }
 
     #[test]
     fn what_every_library_imports_is_no_reason_for_a_warning() {

@@ -5,7 +5,7 @@ mod generate;
 mod library;
 mod page;
 
-pub use library::{INTERPOSED, OUTSIDE_GUARANTEE, outside_guarantee};
+pub use library::{INTERPOSED, OUTSIDE_GUARANTEE, endangers_host, outside_guarantee};
 pub use page::c_library_page;
 
 use std::borrow::Cow;

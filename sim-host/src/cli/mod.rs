@@ -4,9 +4,12 @@
 //! 130: interrupted.
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 use output::say;
+
+use crate::executive::interrupt;
 
 #[cfg(not(all(feature = "accuracy", feature = "window")))]
 mod absent;
@@ -41,6 +44,9 @@ pub const EXIT_USAGE: u8 = 2;
 pub const EXIT_INTERNAL: u8 = 3;
 /// The user interrupted the run.
 pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// Time in which this process must end once its command is done.
+const END_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Simulates mobile robots in the manner of EyeSim: robot programs written against RoBIOS, run in lockstep.
 #[derive(Parser)]
@@ -126,6 +132,7 @@ pub fn main() -> ExitCode {
         Command::Debug(args) => debug::run(&args),
         Command::New(args) => new::run(&args),
     };
+    interrupt::end_within(END_TIMEOUT);
     result.unwrap_or_else(|error| {
         say(format_args!("error: {error:#}"));
         ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })

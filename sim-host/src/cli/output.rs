@@ -1,5 +1,6 @@
 //! Messages on standard error, and checks of output files before a command begins.
 
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -11,6 +12,34 @@ use crate::record::log::Printable;
 pub fn say(text: impl std::fmt::Display) {
     for line in text.to_string().lines() {
         eprintln!("{}", Printable(line));
+    }
+}
+
+/// Identity of the files behind standard output and standard error, which programs on threads of this process can replace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StandardStreams([Option<[u64; 3]>; 2]);
+
+impl StandardStreams {
+    /// The present ones.
+    pub fn now() -> Self {
+        Self([1, 2].map(|descriptor| {
+            let metadata = std::fs::metadata(format!("/proc/self/fd/{descriptor}")).ok()?;
+            Some([metadata.dev(), metadata.ino(), metadata.rdev()])
+        }))
+    }
+
+    /// Checks that they are still the present ones.
+    ///
+    /// # Errors
+    /// A program has closed or replaced one.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if Self::now() == *self {
+            return Ok(());
+        }
+        bail!(
+            "a program has closed or replaced the descriptors of standard output or standard error: what was printed since is lost \
+             (`--exec process` keeps such a program apart)"
+        )
     }
 }
 

@@ -18,7 +18,7 @@ use sim_core::time::Time;
 use sim_core::unit;
 
 use super::cc::parse_api;
-use super::output::say;
+use super::output::{StandardStreams, say};
 use super::table::{self, TableScreen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::dispatcher::End;
@@ -26,6 +26,7 @@ use crate::executive::interrupt;
 use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
 use crate::executive::scheduler::Ended;
+use crate::executive::subreaper::Subreaper;
 use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
@@ -73,7 +74,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "NUMBER")]
     pub threads: Option<NonZeroUsize>,
     /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
-    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Thread)]
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Auto)]
     pub exec: Exec,
     /// Simulated seconds at which the run ends [default: that of the scene, else 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
@@ -200,11 +201,13 @@ impl RunArgs {
 
 impl clap::ValueEnum for Exec {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Thread, Self::Process]
+        &[Self::Auto, Self::Thread, Self::Process]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
+            Self::Auto => PossibleValue::new("auto")
+                .help("In a process of its own where its imports show that it could end eyesim, else on a thread"),
             Self::Thread => PossibleValue::new("thread").help("On a thread of the host"),
             Self::Process => PossibleValue::new("process").help("In a process of its own"),
         })
@@ -225,11 +228,13 @@ pub enum Speed {
 /// # Errors
 /// If files or arguments are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let streams = StandardStreams::now();
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
     print(&table::render(&ran.finished.report, TableScreen::of_stdout()))?;
     explain(&ran.finished);
     written?;
+    streams.check()?;
     Ok(exit_code(&ran.finished.ended))
 }
 
@@ -257,9 +262,14 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     };
     let mut script = console::script(args)?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let subreaper = Subreaper::start();
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);
     let ran = run.finish();
+    match subreaper.end_all() {
+        0 => {}
+        count => say(format_args!("{count} processes that programs had started and left behind were ended")),
+    }
     script.refused().iter().for_each(|(at, why)| say(format_args!("--repeat: at {at}: {why}")));
     Ok(Some(ran))
 }

@@ -1,6 +1,7 @@
 //! Reports of broken robot programs, in words.
 
-use super::signal::{Fault, OVERDUE_SIGNAL};
+use super::confine;
+use super::signal::{EXITS, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
 /// A flow that will never run again, and why.
@@ -26,16 +27,30 @@ pub(super) const SEARCH: usize = 4096;
 /// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
 const GUARD: usize = 64 << 10;
 
+/// Words on a stack that cannot have overflowed.
+const SHALLOW: usize = 1024;
+
 impl Broken {
     /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
     pub(super) fn new(fault: Fault, [low, _]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
-        let near_guard = low > 0 && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
+        // A shallow stack has not overflowed: other memory may end just below it.
+        let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
+        let near_guard = low > 0 && is_deep && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
         let what = match fault.signal {
             OVERDUE_SIGNAL => "no RoBIOS call returned in time".into(),
+            EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
+            libc::SIGSYS => format!(
+                "the program would have ended or replaced eyesim by the system call {}",
+                confine::name_of(fault.address)
+            ),
+            GONE => "the program ended its own thread past the C library (such as by `syscall(SYS_exit)`)".into(),
+            signal if fault.code < 0 && name_of_signal(signal).is_some_and(|name| name != "SIGABRT") => {
+                format!("the program sent itself the signal {}", name_of_signal(signal).unwrap_or_default())
+            }
             libc::SIGSEGV | libc::SIGBUS if near_guard => "stack overflow".into(),
             libc::SIGSEGV => format!("segmentation fault at address {:#x}", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
-            libc::SIGFPE => "arithmetic fault (an integer division by zero or an overflow of one)".into(),
+            libc::SIGFPE => format!("arithmetic fault ({})", cause_of_arithmetic_fault(fault.code)),
             libc::SIGILL => "illegal instruction".into(),
             libc::SIGABRT => "aborted by the C library".into(),
             libc::SIGTRAP => "trap instruction".into(),
@@ -50,6 +65,15 @@ impl Broken {
             task: None,
             place: String::new(),
             addresses,
+        }
+    }
+
+    /// Adds what the program itself said of its end before it broke.
+    #[must_use]
+    pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
+        match ending {
+            Some(Ending::Failed { reason }) if !self.is_overdue => Self { what: reason.clone(), ..self },
+            _ => self,
         }
     }
 
@@ -77,6 +101,33 @@ impl Broken {
     pub(super) fn in_task(mut self, task: u32) -> Self {
         self.task = Some(task);
         self
+    }
+}
+
+/// Name of a signal that a fault raises; `None` for others.
+fn name_of_signal(signal: i32) -> Option<&'static str> {
+    let names = [
+        (libc::SIGSEGV, "SIGSEGV"),
+        (libc::SIGBUS, "SIGBUS"),
+        (libc::SIGFPE, "SIGFPE"),
+        (libc::SIGILL, "SIGILL"),
+        (libc::SIGABRT, "SIGABRT"),
+        (libc::SIGTRAP, "SIGTRAP"),
+    ];
+    names.iter().find(|(number, _)| *number == signal).map(|(_, name)| *name)
+}
+
+/// Describes the code of a SIGFPE.
+fn cause_of_arithmetic_fault(code: i32) -> &'static str {
+    // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
+    match code {
+        1 | 2 => "an integer division by zero or an overflow of one",
+        3 => "a floating-point division by zero, for which the program has asked for a trap",
+        4 => "a floating-point overflow, for which the program has asked for a trap",
+        5 => "a floating-point underflow, for which the program has asked for a trap",
+        6 => "an inexact floating-point result, for which the program has asked for a trap",
+        7 => "an invalid floating-point operation, for which the program has asked for a trap",
+        _ => "a floating-point operation or an integer division",
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use parking_lot::Mutex;
 
-use super::signal::{Handlers, action, change_action, default_action};
+use super::signal::{self, Handlers, action, change_action, default_action};
 
 /// Interrupts, permanently, the runs that have a clone of this handle.
 #[derive(Clone, Debug, Default)]
@@ -45,10 +45,12 @@ pub fn of_process() -> io::Result<Interrupt> {
     if Handlers::are_held() {
         return Err(io::Error::other("a run is going on already"));
     }
-    for signal in [libc::SIGINT, libc::SIGTERM] {
-        let action = action(on_interrupt as *const () as usize, libc::SA_RESTART);
+    // A program that lowers the limit of file sizes makes writing fail, which is reported, instead of ending the process.
+    // SAFETY: no handler.
+    unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }?;
+    for signal in INTERRUPTS {
         // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe.
-        unsafe { change_action(signal, Some(&action)) }?;
+        unsafe { change_action(signal, Some(&interrupt_action())) }?;
     }
     for signal in [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP] {
         let action = action(on_foreign_fault as *const () as usize, libc::SA_ONSTACK);
@@ -56,7 +58,40 @@ pub fn of_process() -> io::Result<Interrupt> {
         unsafe { change_action(signal, Some(&action)) }?;
     }
     *is_installed = true;
+    HAS_HANDLERS.store(true, Ordering::Release);
     Ok(interrupt)
+}
+
+/// The signals that interrupt the runs of a binary.
+const INTERRUPTS: [i32; 2] = [libc::SIGINT, libc::SIGTERM];
+
+/// [`of_process`] has installed its handlers.
+static HAS_HANDLERS: AtomicBool = AtomicBool::new(false);
+
+fn interrupt_action() -> libc::sigaction {
+    action(on_interrupt as *const () as usize, libc::SA_RESTART)
+}
+
+/// Installs the handlers of [`of_process`] again that programs have replaced, as [`Handlers::take_back`] does.
+pub(super) fn take_back(is_of_program: impl Fn(usize) -> bool) {
+    if HAS_HANDLERS.load(Ordering::Acquire) {
+        INTERRUPTS.iter().for_each(|signal| signal::take_back(*signal, &interrupt_action(), &is_of_program));
+    }
+}
+
+/// Ends this process with exit code 1 if it has not ended by itself after `timeout`: destructors of programs run when it ends.
+pub fn end_within(timeout: std::time::Duration) {
+    const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
+    let end = move || {
+        std::thread::sleep(timeout);
+        // SAFETY: both calls are safe at any time, and `WORDS` has as many bytes as are given.
+        unsafe {
+            libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
+            libc::_exit(1)
+        }
+    };
+    // Without room for a thread the process ends when its destructors do.
+    let _ = std::thread::Builder::new().name("end".to_owned()).spawn(end);
 }
 
 /// Ignores Ctrl-C from now on: it is meant for the debugger, which shares this process's process group.
@@ -79,8 +114,8 @@ extern "C" fn on_interrupt(signal: i32) {
 /// what is recorded up to the last slot is in the trace.
 extern "C" fn on_foreign_fault(signal: i32) {
     const WORDS: &[u8] =
-        b"error: a thread that a robot program started by itself has faulted: such threads are outside the \
-        guarantee; the run ends here, the trace is complete up to the last slot\n";
+        b"error: a thread that a robot program started by itself has faulted, or one whose stack and own variables a program has \
+        overwritten: such threads are outside the guarantee; the run ends here, the trace is complete up to the last slot\n";
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
     if is_first_thread || !Handlers::are_held() {

@@ -107,11 +107,15 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Place in which a program runs if the user wants `exec`: a Python program always has its own process.
+/// Place in which a program runs if the user wants `exec`. A Python program always has its own process, and so has a library whose code
+/// runs while it is loaded: where that does not return, a process can be ended.
 fn exec_of(program: &Prepared, exec: Exec) -> Exec {
-    match program.code {
-        Code::Library(_) => exec,
-        Code::Python(_) => Exec::Process,
+    match (&program.code, exec) {
+        (Code::Python(_), _) => Exec::Process,
+        (Code::Library(image), _) if image.has_resolvers() => Exec::Process,
+        (Code::Library(_), Exec::Auto) if program.danger.is_some() => Exec::Process,
+        (Code::Library(_), Exec::Auto) => Exec::Thread,
+        (Code::Library(_), exec) => exec,
     }
 }
 

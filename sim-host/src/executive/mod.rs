@@ -6,6 +6,7 @@
 //! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
 //! programs that fault or never return.
 
+pub mod confine;
 pub mod damage;
 pub mod dispatcher;
 pub mod fault;
@@ -23,6 +24,7 @@ pub mod scheduler;
 pub mod script;
 pub mod signal;
 pub mod spawn;
+pub mod subreaper;
 pub mod thread;
 pub mod watchdog;
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use robios_sys::{Robios6, Robios7, Support};
 
+use super::confine::confine_thread;
 use super::fault::Broken;
 use super::process::Child;
 use super::process::serve::RemoteProgram;
@@ -15,6 +16,8 @@ use crate::program::site::Site;
 /// Place in which a robot's program runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
+    /// In a process of its own where its imports show that it could end or stop the host, else on a thread of the host.
+    Auto,
     /// On a thread of the host.
     #[default]
     Thread,
@@ -37,7 +40,12 @@ impl RobotProgram {
     /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         match self {
-            Self::Thread(program) => Ok(program.run(host)),
+            Self::Thread(program) => {
+                if program.prepared().danger.is_some() {
+                    confine_thread();
+                }
+                Ok(program.run(host))
+            }
             Self::Process(program) => program.run(host),
         }
     }
@@ -63,6 +71,15 @@ impl RobotProgram {
             Self::Thread(program) => program.own_source_line(addresses),
             Self::Process(program) => program.own_source_line(addresses),
         }
+    }
+
+    /// Name of the function in the program's library at a program counter, if the debug information contains it.
+    pub fn function_at(&self, address: usize) -> Option<String> {
+        let line = match self {
+            Self::Thread(program) => program.source_line(address),
+            Self::Process(program) => program.source_line(address),
+        };
+        line?.function
     }
 
     /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.

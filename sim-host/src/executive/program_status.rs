@@ -247,12 +247,40 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     let location = if broken.place.is_empty() {
-        program.own_source_line(&broken.addresses).map(|line| line.to_string()).unwrap_or_default()
+        let addresses = without_stale(&broken.addresses, program);
+        program.own_source_line(&addresses).map(|line| line.to_string()).unwrap_or_default()
     } else {
         broken.place.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    FaultReport { what: broken.what.clone(), location, last_call }
+    let what = reason_of_trap(broken, program).map_or_else(|| broken.what.clone(), str::to_owned);
+    FaultReport { what, location, last_call }
+}
+
+/// The addresses of a break without the words of the stack that lie below the call in progress: those may be left over from earlier
+/// calls. A process of its own leaves them out itself.
+fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
+    let RobotProgram::Thread(thread) = program else { return addresses.to_vec() };
+    let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {
+        return addresses.to_vec();
+    };
+    let call = thread.call_site().address.addr();
+    let in_progress = words.iter().position(|word| *word == call && call != 0).unwrap_or(0);
+    std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
+}
+
+/// The reason for a trap of the shim, by the name of the function in which the program broke (`TRAP` in shim.c).
+fn reason_of_trap(broken: &Broken, program: &RobotProgram) -> Option<&'static str> {
+    match program.function_at(*broken.addresses.first()?)?.as_str() {
+        "eyesim_trap_stack_smashed" => Some(
+            "the program wrote over the end of a local array, and over what lies above it on the stack (stack smashed)",
+        ),
+        "eyesim_trap_off_task" => Some(
+            "the program cannot be left: it ended on a thread that is no task of the robot, or after a jump out of a function that the \
+             host has called",
+        ),
+        _ => None,
+    }
 }
 
 impl std::fmt::Display for FaultReport {

@@ -301,6 +301,7 @@ impl Run {
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let task = self.robot(id).tasks.first_exiting();
                     let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
+                    let broken = broken.with_reason(self.robot(id).ending.as_ref());
                     let ending = broken.ending();
                     self.broken_processes.lock().push((id, broken));
                     ending

@@ -14,11 +14,12 @@ use sim_core::{ObjectId, RobotId};
 use super::Executor;
 use super::dispatcher::{Boundary, End};
 use super::fault::Broken;
-use super::interrupt::Interrupt;
+use super::interrupt::{self, Interrupt};
 use super::intervene::Refusal;
 use super::program::RobotProgram;
 use super::program_status::{PossibleSenders, ProgramStatus, RunEnd};
 use super::run::{EXIT_TIMEOUT, Run};
+use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
 use crate::record::Sinks;
@@ -158,7 +159,7 @@ const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 /// Time in which a stopped program must react before its flow is abandoned.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Processor time in seconds that a program may still use after the user has interrupted the run.
+/// Time in seconds, of the processor or real, that programs may still use after the user has interrupted the run.
 const INTERRUPT_TIMEOUT: f64 = 0.5;
 
 impl Scheduler {
@@ -183,7 +184,7 @@ impl Scheduler {
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_requested_exit = true;
             // The flows started so far exit again, up to the first robot without one.
-            scheduler.run.ids_with_program().all(|id| scheduler.exit_program(id));
+            scheduler.run.ids_with_program().all(|id| scheduler.exit_program(id, EXIT_TIMEOUT));
             return Err(error);
         }
         Ok(scheduler)
@@ -266,6 +267,7 @@ impl Scheduler {
     /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
         let mut last_check = Instant::now();
+        let mut interrupted: Option<Instant> = None;
         loop {
             let left = deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
             if left.is_zero() {
@@ -285,6 +287,11 @@ impl Scheduler {
             if self.run.interrupt().is_set() {
                 dispatcher.end_with(End::Interrupted);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
+                if interrupted.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
+                    // The user waits: also where many programs compute, or the machine is loaded.
+                    dispatcher.skip_queue();
+                    timeout = 0.0;
+                }
             }
             if self.run.executor().must_end() {
                 dispatcher.end_with(End::HeapLost);
@@ -292,6 +299,7 @@ impl Scheduler {
             }
             if last_check.elapsed() >= POLL_INTERVAL {
                 last_check = Instant::now();
+                self.take_signals_back();
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
@@ -315,7 +323,12 @@ impl Scheduler {
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
-            run.robot(id).ending.get_or_insert(broken.ending());
+            let broken = {
+                let mut robot = run.robot(id);
+                let broken = broken.with_reason(robot.ending.as_ref());
+                robot.ending.get_or_insert(broken.ending());
+                broken
+            };
             self.broken.push((id, broken));
             run.dispatcher.lock().end_with(End::Broken);
         }
@@ -343,9 +356,23 @@ impl Scheduler {
         }
     }
 
-    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`].
+    /// Installs the handlers of faults and interrupts again that programs on threads have replaced.
+    fn take_signals_back(&self) {
+        let is_of_program = |address: usize| {
+            let on_threads = self.run.programs().filter_map(|program| match program {
+                RobotProgram::Thread(program) => Some(program.addresses()),
+                RobotProgram::Process(_) => None,
+            });
+            on_threads.into_iter().any(|addresses| addresses.contains(&address))
+        };
+        Handlers::take_back(is_of_program);
+        interrupt::take_back(is_of_program);
+    }
+
+    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`], half of it after an interrupt.
     fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
-        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > STOP_TIMEOUT && running.contains(id);
+        let timeout = if self.run.interrupt().is_set() { STOP_TIMEOUT / 2 } else { STOP_TIMEOUT };
+        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > timeout && running.contains(id);
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
@@ -356,20 +383,24 @@ impl Scheduler {
             return;
         }
         self.has_requested_exit = true;
+        let mut has_waited_in_vain = false;
         for id in self.run.ids_with_program() {
-            self.exit_program(id);
+            // Each program may take its time, but after an interrupt the user waits only once.
+            let timeout =
+                if has_waited_in_vain && self.run.interrupt().is_set() { Duration::ZERO } else { EXIT_TIMEOUT };
+            has_waited_in_vain |= !self.exit_program(id, timeout);
         }
     }
 
-    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within [`EXIT_TIMEOUT`].
-    fn exit_program(&self, id: RobotId) -> bool {
+    /// Lets the program of robot `id` exit if it has not ended; returns false if it does not within `timeout`.
+    fn exit_program(&self, id: RobotId, timeout: Duration) -> bool {
         let run = &self.run;
         run.is_stopping.store(true, Ordering::Release);
         let has_departed = || run.dispatcher.lock().has_departed(id);
         if !has_departed() {
             run.executor().resume(id, 0);
         }
-        let deadline = Instant::now() + EXIT_TIMEOUT;
+        let deadline = Instant::now() + timeout;
         while !has_departed() && Instant::now() < deadline {
             run.notifier().wait(deadline.saturating_duration_since(Instant::now()));
         }
@@ -434,7 +465,7 @@ impl Drop for Scheduler {
         self.run.programs().for_each(|program| program.end(deadline));
         if is_at_rest && !self.has_requested_exit && !damage::is_heap_lost() {
             // The remaining programs exit and release what they hold, up to the first that does not.
-            self.run.ids_with_program().all(|id| self.exit_program(id));
+            self.run.ids_with_program().all(|id| self.exit_program(id, EXIT_TIMEOUT));
         }
         let has_departed = |id| self.run.dispatcher.lock().has_departed(id) && !self.abandoned.contains(&id);
         if !self.run.executor().end(&has_departed) {

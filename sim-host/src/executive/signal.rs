@@ -37,6 +37,7 @@ pub struct ThreadBlock {
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
     fault_signal: AtomicI32,
+    fault_code: AtomicI32,
     fault_address: AtomicUsize,
     fault_pc: AtomicUsize,
     fault_sp: AtomicUsize,
@@ -44,7 +45,12 @@ pub struct ThreadBlock {
     on_fault: OnFault,
     /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
+    /// [`MARK`] combined with the block's address, once a thread has the block: tells the block from other memory.
+    mark: AtomicUsize,
 }
+
+/// See [`ThreadBlock::is_at`].
+const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 
 /// Action at a fault.
 enum OnFault {
@@ -58,11 +64,13 @@ enum OnFault {
 pub type FaultCallback = fn(&ThreadBlock, Fault);
 
 /// A fault as the kernel reported it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fault {
-    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread.
+    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread, [`GONE`] if the thread has ended.
     pub signal: i32,
-    /// Address that the program touched, for SIGSEGV and SIGBUS.
+    /// The kernel's code of the cause (`si_code`); 0 if unknown, negative if the signal was sent and no instruction caused it.
+    pub code: i32,
+    /// Address that the program touched, for SIGSEGV and SIGBUS; number of the system call for SIGSYS.
     pub address: usize,
     /// Program counter.
     pub pc: usize,
@@ -72,6 +80,12 @@ pub struct Fault {
 
 /// The signal by which the watchdog stops an overdue thread.
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
+
+/// In place of a signal: the program called `exit` of the C library on a thread of the host.
+pub const EXITS: i32 = -2;
+
+/// In place of a signal: the thread has ended behind the executor's back.
+pub const GONE: i32 = -1;
 
 /// Size of a thread's alternate stack: the handler needs little, the kernel saves up to 12 KiB of registers there.
 const ALTERNATE_STACK: usize = 64 * 1024;
@@ -101,19 +115,37 @@ impl ThreadBlock {
             float_environment: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
             fault_signal: AtomicI32::new(0),
+            fault_code: AtomicI32::new(0),
             fault_address: AtomicUsize::new(0),
             fault_pc: AtomicUsize::new(0),
             fault_sp: AtomicUsize::new(0),
             faulted: AtomicBool::new(false),
             on_fault,
             alternate_stack: AtomicUsize::new(0),
+            mark: AtomicUsize::new(0),
         }
+    }
+
+    /// Returns true if there is a block at this address, which need not be mapped. Async-signal-safe.
+    ///
+    /// A program that writes beyond the top of its stack overwrites the thread's own variables, [`CURRENT`] among them.
+    fn is_at(address: *const Self) -> bool {
+        let mut word = 0_usize;
+        let place = address.addr().wrapping_add(std::mem::offset_of!(Self, mark));
+        let local = libc::iovec { iov_base: (&raw mut word).cast(), iov_len: size_of::<usize>() };
+        let remote = libc::iovec { iov_base: ptr::without_provenance_mut(place), iov_len: size_of::<usize>() };
+        // SAFETY: the kernel copies from this process itself, and fails where nothing is mapped; `word` has the stated size.
+        let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
+        // Where the kernel does not allow the copy, the address is trusted.
+        copied == size_of::<usize>() as isize && word == address.addr() ^ MARK
+            || copied < 0 && io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT)
     }
 
     /// The fault that parked this thread.
     pub fn fault(&self) -> Option<Fault> {
         self.faulted.load(Ordering::Acquire).then(|| Fault {
             signal: self.fault_signal.load(Ordering::Relaxed),
+            code: self.fault_code.load(Ordering::Relaxed),
             address: self.fault_address.load(Ordering::Relaxed),
             pc: self.fault_pc.load(Ordering::Relaxed),
             sp: self.fault_sp.load(Ordering::Relaxed),
@@ -140,23 +172,34 @@ impl ThreadBlock {
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
         if self.overdue.load(Ordering::Relaxed) {
-            self.park_faulted(Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 });
+            self.park_faulted(Fault { signal: OVERDUE_SIGNAL, ..Fault::default() });
         }
     }
 
     /// Publishes the fault, notifies the supervisor and never returns; async-signal-safe.
     fn park_faulted(&self, fault: Fault) -> ! {
+        self.publish(fault);
+        loop {
+            // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
+            unsafe { libc::pause() };
+        }
+    }
+
+    /// Marks the block's thread as gone: it has ended without returning from its flow, by a system call of the program.
+    pub fn set_gone(&self) {
+        self.publish(Fault { signal: GONE, ..Fault::default() });
+    }
+
+    /// Publishes the fault and notifies the supervisor; async-signal-safe.
+    fn publish(&self, fault: Fault) {
         self.fault_signal.store(fault.signal, Ordering::Relaxed);
+        self.fault_code.store(fault.code, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
         self.faulted.store(true, Ordering::Release);
         if let OnFault::Park(notifier) = &self.on_fault {
             notifier.notify();
-        }
-        loop {
-            // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
-            unsafe { libc::pause() };
         }
     }
 
@@ -191,6 +234,7 @@ impl ThreadBlock {
         self.overdue.store(false, Ordering::Relaxed);
         let alternate = set_alternate_stack(self.alternate_stack.load(Ordering::Relaxed))?;
         self.alternate_stack.store(alternate, Ordering::Relaxed);
+        self.mark.store(ptr::from_ref(self).addr() ^ MARK, Ordering::Relaxed);
         CURRENT.set(self);
         Ok(())
     }
@@ -212,8 +256,16 @@ impl Drop for ThreadBlock {
 pub struct Handlers(());
 
 /// The signals that [`Handlers`] catch.
-const CAUGHT: [i32; 7] =
-    [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP, OVERDUE_SIGNAL];
+const CAUGHT: [i32; 8] = [
+    libc::SIGSEGV,
+    libc::SIGBUS,
+    libc::SIGFPE,
+    libc::SIGILL,
+    libc::SIGABRT,
+    libc::SIGTRAP,
+    libc::SIGSYS,
+    OVERDUE_SIGNAL,
+];
 
 /// State shared by all values of [`Handlers`].
 struct HandlerState {
@@ -251,6 +303,18 @@ impl Handlers {
         Ok(Self(()))
     }
 
+    /// Installs the handlers again that programs have replaced meanwhile: by the default action, by none, or by a function of their own,
+    /// for which `is_of_program` returns true. Other code that has put its handlers in front keeps them.
+    pub fn take_back(is_of_program: impl Fn(usize) -> bool) {
+        let state = HANDLER_STATE.lock();
+        let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
+        for (signal, previous) in CAUGHT.into_iter().zip(&state.previous) {
+            if previous.is_some() {
+                take_back(signal, &on_fault, &is_of_program);
+            }
+        }
+    }
+
     /// Returns true while any value of this type lives.
     pub fn are_held() -> bool {
         ARE_HELD.load(Ordering::Acquire)
@@ -269,6 +333,7 @@ impl Drop for Handlers {
 
 impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
+        guard_process();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
         for (place, signal) in CAUGHT.into_iter().enumerate() {
             // SAFETY: nothing changes.
@@ -298,6 +363,47 @@ impl HandlerState {
                     let _ = change_action(signal, previous.take().as_ref());
                 }
             }
+        }
+    }
+}
+
+/// Registers, once, the functions that the C library calls when a program on a thread of the host ends or forks the process.
+fn guard_process() {
+    static ARE_REGISTERED: std::sync::Once = std::sync::Once::new();
+    ARE_REGISTERED.call_once(|| {
+        // SAFETY: the functions are of this binary, which is never unloaded; where there is no room for them, nothing is guarded.
+        unsafe {
+            libc::atexit(on_exit);
+            libc::pthread_atfork(None, None, Some(on_fork_in_child));
+        }
+    });
+}
+
+/// The block of the calling thread if that is a robot's flow and runs code of the program.
+fn block_of_program<'a>() -> Option<&'a ThreadBlock> {
+    // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`), which does not pass it on.
+    let block = unsafe { CURRENT.get().as_ref() }?;
+    (matches!(block.on_fault, OnFault::Park(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
+}
+
+/// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is called.
+extern "C" fn on_exit() {
+    if let Some(block) = block_of_program() {
+        let here = 0u8;
+        block.park_faulted(Fault { signal: EXITS, sp: (&raw const here).addr(), ..Fault::default() });
+    }
+}
+
+/// Ends the copy of the host that a program has forked on a thread of the host.
+extern "C" fn on_fork_in_child() {
+    const WORDS: &[u8] =
+        b"error: a robot program on a thread of eyesim has forked: the copy of eyesim is ended at once \
+        (--exec process keeps such a program apart)\n";
+    if block_of_program().is_some() {
+        // SAFETY: all three are async-signal-safe, and `WORDS` has as many bytes as are given.
+        unsafe {
+            libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
+            libc::kill(libc::getpid(), libc::SIGKILL);
         }
     }
 }
@@ -361,23 +467,37 @@ pub fn stop_overdue(block: &ThreadBlock) {
 
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
-    if block.is_null() {
+    if block.is_null() || !ThreadBlock::is_at(block) {
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
         return unsafe { chain_to_previous(signal, info, context) };
     }
-    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`).
+    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is where the variable says.
     let block = unsafe { &*block };
     if matches!(block.on_fault, OnFault::Park(_)) && signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
         block.overdue.store(true, Ordering::Relaxed);
         return;
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
-    let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
-    let fault = Fault { signal, address, pc, sp };
+    let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
+    let code = if code == libc::SI_USER { -1 } else { code };
+    let fault = Fault { signal, code, address, pc, sp };
     match block.on_fault {
         OnFault::Park(_) => block.park_faulted(fault),
         OnFault::Report(report) => report(block, fault),
     }
+}
+
+/// Address that was touched; for SIGSYS the number of the system call.
+///
+/// # Safety
+/// `info` must be the second argument of an SA_SIGINFO handler.
+unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
+    if signal == libc::SIGSYS {
+        // SAFETY: the kernel's siginfo_t, 128 bytes, has the number behind the address of the call, at byte 24.
+        return unsafe { info.cast::<i32>().add(6).read() } as usize;
+    }
+    // SAFETY: by this function's contract.
+    unsafe { (*info).si_addr() as usize }
 }
 
 /// Program counter and stack pointer at the fault.
@@ -399,6 +519,19 @@ pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
     let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
     (action.sa_sigaction, action.sa_flags) = (handler, flags);
     action
+}
+
+/// Installs `own` for `signal` again if a program has replaced it, see [`Handlers::take_back`].
+pub(super) fn take_back(signal: i32, own: &libc::sigaction, is_of_program: &impl Fn(usize) -> bool) {
+    let is_taken = |now: &libc::sigaction| {
+        matches!(now.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN) || is_of_program(now.sa_sigaction)
+    };
+    // SAFETY: the first call changes nothing; `own` has been installed before.
+    unsafe {
+        if change_action(signal, None).is_ok_and(|now| now.sa_sigaction != own.sa_sigaction && is_taken(&now)) {
+            let _ = change_action(signal, Some(own));
+        }
+    }
 }
 
 /// Returns the present action of `signal`, and installs `new` if given.

@@ -395,7 +395,14 @@ impl Executor for ThreadExecutor {
                 flow.timer.lock().pause();
                 return false;
             }
-            None => FlowSample::at_thread(&flow.block),
+            None => {
+                let sample = FlowSample::at_thread(&flow.block);
+                let release = flow.block.releases.load(Ordering::Relaxed);
+                if sample.is_none() && flow.timer.lock().is_gone(release) {
+                    flow.block.set_gone();
+                }
+                sample
+            }
         };
         sample.is_some_and(|sample| flow.timer.lock().is_overdue(&sample, timeout))
     }

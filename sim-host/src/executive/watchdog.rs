@@ -1,6 +1,7 @@
 //! Detection of overdue programs, by the processor time of a thread or process since its release: a loaded machine makes none overdue.
 
 use std::fs;
+use std::io;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,8 @@ use super::signal::ThreadBlock;
 pub struct ReleaseTimer {
     release: u64,
     baseline: Option<Baseline>,
+    /// Release in which the thread was found to have ended.
+    gone_in: Option<u64>,
 }
 
 struct Baseline {
@@ -57,6 +60,13 @@ impl FlowSample {
 }
 
 impl FlowSample {
+    /// Samples the process `pid`, which loads its program.
+    pub fn at_loading(pid: i32) -> Option<Self> {
+        let mut threads = threads(pid).into_iter();
+        let is_asleep = threads.all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}")));
+        Some(Self { release: 1, processor_time: process_time(pid)?, is_asleep })
+    }
+
     /// Subtracts `other`, processor time that does not count.
     pub fn without(self, other: Duration) -> Self {
         Self { processor_time: self.processor_time.saturating_sub(other), ..self }
@@ -67,6 +77,12 @@ impl ReleaseTimer {
     /// Discards the measurement while the host works for the program, such as on an image: it begins anew after that.
     pub fn pause(&mut self) {
         self.baseline = None;
+    }
+
+    /// Notes that the flow's thread does not exist in this release. Returns true the second time: a thread that has just ended as it
+    /// should is not seen twice, since its robot is not running any more.
+    pub fn is_gone(&mut self, release: u64) -> bool {
+        self.gone_in.replace(release) == Some(release)
     }
 
     /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its last
@@ -101,6 +117,13 @@ pub fn is_traced(pid: &str) -> bool {
         .ok()
         .and_then(|status| status.lines().find_map(|line| line.strip_prefix("TracerPid:").map(|pid| pid.trim() != "0")))
         .unwrap_or(false)
+}
+
+/// Returns true if the process `pid` has no thread `tid`.
+pub fn is_gone(pid: i32, tid: i32) -> bool {
+    // SAFETY: tgkill takes no pointer, and signal 0 is only a question.
+    let status = unsafe { libc::syscall(libc::SYS_tgkill, pid, tid, 0) };
+    status < 0 && io::Error::last_os_error().raw_os_error() == Some(libc::ESRCH)
 }
 
 /// The kernel's ids of the threads of process `pid`; empty once it has ended.

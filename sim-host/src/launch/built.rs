@@ -9,6 +9,7 @@ use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
 use crate::executive::load::load_programs;
+use crate::executive::program::Exec;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
@@ -34,6 +35,18 @@ impl BuiltScene {
     /// Messages for the user about the programs: notes of the search, output of the compiler, warnings about the guarantee of equal runs.
     pub fn remarks(&self) -> &[String] {
         &self.programs.remarks
+    }
+
+    /// Reasons why programs run in processes of their own under [`Exec::Auto`], a line for each program.
+    pub fn dangers(&self) -> Vec<String> {
+        let is_auto = self.options.exec == Exec::Auto;
+        let mut lines: Vec<String> = Vec::new();
+        for program in self.programs.iter().filter(|_| is_auto) {
+            let line =
+                program.danger.as_ref().map(|why| format!("program `{}` runs in a process: it {why}", program.name));
+            lines.extend(line.filter(|line| !lines.contains(line)));
+        }
+        lines
     }
 
     /// Returns true if at least one robot has a program.

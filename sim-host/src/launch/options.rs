@@ -31,7 +31,7 @@ pub struct Options {
     pub linger: Time,
     /// Number of workers: robots that run at one time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
-    /// Place of the programs; default: threads of this process. [`Exec::Process`] needs a `main` that calls
+    /// Place of the programs; default: threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
     /// [`serve_child`](super::serve_child) first.
     pub exec: Exec,
     /// Processor time in seconds that a program may use within one slot before it is stopped; default: 10 s.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::cache::Cache;
+use super::command::{CARGO_TIMEOUT, build_timeout, output_within};
 
 /// A package that was built.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +32,14 @@ pub enum CargoError {
         /// The package's folder.
         folder: PathBuf,
         /// Why it does not start.
+        error: io::Error,
+    },
+    /// cargo does not end.
+    #[error("the Rust program in `{}` does not build: cargo ran too long: {error}", folder.display())]
+    Endless {
+        /// The package's folder.
+        folder: PathBuf,
+        /// The limit.
         error: io::Error,
     },
     /// cargo ends with an error; its messages follow unchanged.
@@ -87,7 +96,12 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
     for (name, value) in [("DEBUG", "line-tables-only"), ("PANIC", "unwind"), ("STRIP", "none")] {
         command.env(format!("CARGO_PROFILE_RELEASE_{name}"), value);
     }
-    let output = command.output().map_err(missing)?;
+    let output = match output_within(&mut command, build_timeout(CARGO_TIMEOUT)) {
+        Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+            return Err(CargoError::Endless { folder: folder.to_owned(), error });
+        }
+        output => output.map_err(missing)?,
+    };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let messages = String::from_utf8_lossy(&output.stdout);
     if !output.status.success() {
@@ -117,7 +131,7 @@ fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
 fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["locate-project", "--workspace", "--message-format=plain", "--manifest-path"]).arg(manifest);
-    let output = command.output()?;
+    let output = output_within(&mut command, build_timeout(CARGO_TIMEOUT))?;
     let said = String::from_utf8_lossy(&output.stdout);
     Ok(if output.status.success() { PathBuf::from(said.trim()) } else { manifest.to_owned() })
 }

@@ -9,6 +9,19 @@ use std::time::{Duration, Instant};
 /// Time limit of a compiler for one source; our choice.
 pub const COMMAND_TIMEOUT: Duration = Duration::from_secs(180);
 
+/// Time limit of cargo for one package with all that it depends on; our choice.
+pub const CARGO_TIMEOUT: Duration = Duration::from_secs(1800);
+
+/// Variable with another time limit of compilers and of cargo, in seconds.
+pub const TIMEOUT_VARIABLE: &str = "EYESIM_BUILD_TIMEOUT";
+
+/// The time limit of a build command: `default`, unless the user has set [`TIMEOUT_VARIABLE`] to a number above 0.
+pub fn build_timeout(default: Duration) -> Duration {
+    let set = std::env::var(TIMEOUT_VARIABLE).ok().and_then(|text| text.trim().parse::<f64>().ok());
+    let seconds = set.filter(|seconds| *seconds > 0.0);
+    seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or(default)
+}
+
 /// Runs `command` to its end and collects its output; its standard input is empty. A command that has not ended after `timeout` is
 /// killed with all processes that it has started.
 ///
@@ -38,7 +51,8 @@ pub fn output_within(command: &mut Command, timeout: Duration) -> io::Result<Out
         if start.elapsed() > timeout {
             kill();
             child.wait()?;
-            let what = format!("it had not ended after {} s and was killed", timeout.as_secs());
+            let what =
+                format!("it had not ended after {} s and was killed (see {TIMEOUT_VARIABLE})", timeout.as_secs_f64());
             return Err(io::Error::new(io::ErrorKind::TimedOut, what));
         }
         thread::sleep(POLL_INTERVAL);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use object::read::elf::{ElfFile64, FileHeader as _, ProgramHeader as _};
-use object::{Object as _, ObjectSegment as _, ObjectSymbol as _, elf};
+use object::{Object as _, ObjectSegment as _, ObjectSymbol as _, RelocationFlags, SymbolFlags, elf};
 use parking_lot::Mutex;
 use robios_sys::{PROGRAM_SYMBOL, language};
 
@@ -30,6 +30,8 @@ pub struct ProgramImage {
     undefined: Vec<String>,
     /// Number of functions that the dynamic linker calls when the library is unloaded.
     destructors: usize,
+    /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
+    has_resolvers: bool,
     /// Debug information, read when a line is first requested; the inner `None` means that there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
@@ -118,7 +120,8 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let ImageParts { loaded_len, span, mappings, read_only, description, undefined, destructors } = parts;
+        let ImageParts { loaded_len, span, mappings, read_only, description, undefined, destructors, has_resolvers } =
+            parts;
         let source_folder = source_folder.map(|folder| {
             // A source that is named without a folder is in the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -135,6 +138,7 @@ impl ProgramImage {
             description,
             undefined,
             destructors,
+            has_resolvers,
             lines: OnceLock::new(),
         })
     }
@@ -185,6 +189,11 @@ impl ProgramImage {
     /// Functions and variables that the library imports, sorted.
     pub fn undefined(&self) -> &[String] {
         &self.undefined
+    }
+
+    /// Returns true if code of the library runs while the dynamic linker loads it, because it has IFUNC symbols.
+    pub fn has_resolvers(&self) -> bool {
+        self.has_resolvers
     }
 
     /// Returns true if a copy can be unmapped once its program has returned. As far as its imports tell, the program then has started no
@@ -305,6 +314,7 @@ struct ImageParts {
     description: Option<Description>,
     undefined: Vec<String>,
     destructors: usize,
+    has_resolvers: bool,
 }
 
 /// One loaded segment.
@@ -359,6 +369,10 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         return Err(format!("it is cut short: {} bytes of {loaded_len}", bytes.len()));
     }
     let (mut description, mut undefined) = (None, Vec::new());
+    let is_resolver = |flags| matches!(flags, SymbolFlags::Elf { st_info, .. } if st_info & 0xf == elf::STT_GNU_IFUNC);
+    let is_resolved = |flags| matches!(flags, RelocationFlags::Elf { r_type } if r_type == IRELATIVE);
+    let has_resolvers = file.dynamic_symbols().any(|symbol| !symbol.is_undefined() && is_resolver(symbol.flags()))
+        || file.dynamic_relocations().is_some_and(|mut all| all.any(|(_, one)| is_resolved(one.flags())));
     for symbol in file.dynamic_symbols() {
         match symbol.name() {
             Ok(name) if symbol.is_undefined() && !name.is_empty() => undefined.push(name.to_owned()),
@@ -376,8 +390,12 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         description,
         undefined,
         destructors,
+        has_resolvers,
     })
 }
+
+/// The relocation for which the dynamic linker calls a function that returns an address.
+const IRELATIVE: u32 = if cfg!(target_arch = "aarch64") { elf::R_AARCH64_IRELATIVE } else { elf::R_X86_64_IRELATIVE };
 
 /// The smallest page size: with larger pages there are never more mappings.
 const SMALL_PAGE: usize = 4096;

@@ -20,6 +20,7 @@ use robios_sys::{
 use super::float;
 use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
+use super::run_folder::RunFolder;
 use super::share::share_pages;
 
 /// Number of copies in a run that are complete files with debug information, for debuggers and profilers; further copies contain
@@ -247,7 +248,7 @@ impl LoadedProgram {
 /// Loads the programs of one run. Its folder contains each copy only while that copy is being loaded.
 #[derive(Debug)]
 pub struct Loader {
-    folder: tempfile::TempDir,
+    folder: RunFolder,
     copies: usize,
     /// For each program (keyed by its address, which is unique while the `Arc` stored with it lives) the file of its first copy,
     /// whose pages of code and constants the other copies share.
@@ -262,8 +263,7 @@ impl Loader {
     /// # Errors
     /// The folder cannot be created.
     pub fn new() -> io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix("eyesim-run-").tempdir()?;
-        Ok(Self { folder, copies: 0, first_copies: BTreeMap::new(), libraries: BTreeMap::new() })
+        Ok(Self { folder: RunFolder::new()?, copies: 0, first_copies: BTreeMap::new(), libraries: BTreeMap::new() })
     }
 
     /// Maps a private copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`.

@@ -21,6 +21,7 @@ pub mod language;
 pub mod load;
 pub mod prepare;
 pub mod python;
+mod run_folder;
 pub mod scene;
 mod share;
 pub mod site;

@@ -8,7 +8,7 @@ use super::find::{Found, ProgramSource};
 use super::generation::GenerationChoice;
 use super::image::{ImageError, ProgramImage};
 use super::python::Python;
-use super::symbols::warnings_about;
+use super::symbols::{danger_to_host, warnings_about};
 
 /// A program that is built and read, shared by all robots that run it.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ pub struct Prepared {
     pub choice: Option<GenerationChoice>,
     /// Warnings about functions outside the guarantee of equal runs, a line each.
     pub warnings: Vec<String>,
+    /// Why the program could end or stop the host on one of its threads; `None` if nothing shows that.
+    pub danger: Option<String>,
 }
 
 /// Code of a program that robots load.
@@ -101,17 +103,18 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
         .map(|(program, built)| {
             let prepare = || {
                 let built = built?;
-                let (code, warnings) = match &program.source {
-                    ProgramSource::Python(_) => (Code::Python(builder.python()?), Vec::new()),
+                let (code, warnings, danger) = match &program.source {
+                    ProgramSource::Python(_) => (Code::Python(builder.python()?), Vec::new(), None),
                     source => {
                         let image = ProgramImage::read(&built.library, source_folder(source))?;
                         let warnings = warnings_about(&image, &program.name);
-                        (Code::Library(Arc::new(image)), warnings)
+                        let danger = danger_to_host(&image);
+                        (Code::Library(Arc::new(image)), warnings, danger)
                     }
                 };
                 let name = program.name.clone();
                 let BuiltProgram { source, output, compiled, choice, .. } = built;
-                Ok(Prepared { name, source, code, output, compiled, choice, warnings })
+                Ok(Prepared { name, source, code, output, compiled, choice, warnings, danger })
             };
             prepare().map(Arc::new).map_err(Arc::new)
         })

@@ -6,10 +6,7 @@ use robios_sys::{c, language};
 
 use super::image::ProgramImage;
 
-/// Symbols that the shim of C programs imports for itself, for descriptors other than the robot's console.
-const SHIM: &[&str] = &["syscall"];
-
-/// Symbols that the static C++ library imports for itself besides, for locales and streams. They do not tell if the program reads
+/// Symbols that the static C++ library imports for itself, for locales and streams. They do not tell if the program reads
 /// the environment or changes its locale.
 ///
 /// Found by looking at programs built with GCC 12.
@@ -28,22 +25,29 @@ const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sig
 /// In Rust programs only imports count that their standard library does not have anyway, so `println!` and the order of a
 /// `HashMap` are not reported, see `docs/programs.md`.
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
+    uses(image, c::outside_guarantee).into_iter().map(|line| format!("program `{name}` {line}")).collect()
+}
+
+/// Returns the reason why the program of `image` could end or stop the host on one of its threads, as far as its imports and its symbols
+/// show: `` uses `fork`: starts or waits for processes, which are copies of the host ``.
+pub fn danger_to_host(image: &ProgramImage) -> Option<String> {
+    let of_symbols =
+        image.has_resolvers().then(|| "has IFUNC symbols: its code runs while it is being loaded".to_owned());
+    uses(image, c::endangers_host).into_iter().next().or(of_symbols)
+}
+
+/// Imports of `image` for which there is a `reason`, those of its language's own library left out: a line for each reason.
+fn uses(image: &ProgramImage, reason: fn(&str) -> Option<&'static str>) -> Vec<String> {
     let own = match image.description().map(|description| description.language) {
-        Some(language::C) => SHIM,
         Some(language::CPP) => CPP_LIBRARY,
         Some(language::RUST) => RUST_RUNTIME,
         _ => &[],
     };
-    let told = image.undefined().iter().filter(|name| !own.contains(&name.as_str()));
-    let mut by_reason: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for name in told {
-        if let Some(reason) = c::outside_guarantee(name) {
-            by_reason.entry(reason).or_default().push(name);
+    let mut by_reason: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for name in image.undefined().iter().filter(|name| !own.contains(&name.as_str())) {
+        if let Some(reason) = reason(name) {
+            by_reason.entry(reason).or_default().push(format!("`{name}`"));
         }
     }
-    let line = |(reason, names): (&str, Vec<&str>)| {
-        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        format!("program `{name}` uses {}: {reason}", names.join(", "))
-    };
-    by_reason.into_iter().map(line).collect()
+    by_reason.into_iter().map(|(reason, names)| format!("uses {}: {reason}", names.join(", "))).collect()
 }

@@ -161,6 +161,7 @@ fn prepared(image: ProgramImage) -> Arc<Prepared> {
         compiled: true,
         choice: None,
         warnings,
+        danger: None,
     })
 }
 

@@ -9,7 +9,6 @@ pub(crate) mod scene;
 mod schema;
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,6 +24,7 @@ use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{Point, Scene};
 
+use super::file::{Proof, RecordFile};
 use super::frame::{Frames, StoredCapture, StoredFrame, StoredScan};
 use super::sink::{RecordError, Sink};
 use schema::Content;
@@ -66,6 +66,8 @@ pub struct Mcap {
     /// Numbers of the next robot and the next object to be added.
     next: [u32; 2],
     has_news: bool,
+    /// Checked at the end, if the recording is a file.
+    proof: Option<Arc<Proof>>,
 }
 
 /// Time in Foxglove's format.
@@ -80,8 +82,9 @@ impl Mcap {
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written.
     pub fn create(path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
-        let file = File::create(path).map_err(|source| RecordError::write("recording", path, source))?;
-        Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)
+        let file = RecordFile::create(path).map_err(|source| RecordError::write("recording", path, source))?;
+        let proof = Some(file.proof());
+        Ok(Self { proof, ..Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)? })
     }
 
     fn new(out: Box<dyn Out>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
@@ -109,6 +112,7 @@ impl Mcap {
             lifts: BTreeMap::new(),
             next,
             has_news: true,
+            proof: None,
         };
         mcap.note("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
         mcap.begin(&robots, &objects)?;
@@ -381,7 +385,9 @@ impl Sink for Mcap {
         self.note("end", [("t_s", end.seconds().to_string()), ("digest", digest.to_string())])?;
         self.with(|writer| writer.finish().map(drop))?;
         let Some(writer) = self.writer.take() else { return Ok(()) };
-        writer.into_inner().flush().map_err(|error| self.error(error))
+        let flushed = writer.into_inner().flush();
+        let checked = flushed.and_then(|()| self.proof.as_ref().map_or(Ok(()), |proof| proof.check()));
+        checked.map_err(|error| self.error(error))
     }
 }
 

@@ -5,6 +5,7 @@
 
 pub mod diff;
 pub mod event_store;
+mod file;
 pub mod frame;
 pub mod log;
 #[cfg(feature = "window")]

@@ -4,13 +4,14 @@
 //! `kill -9` of the process loses no complete slot. They are not forced to the disk (no fsync): a loss of power may lose the last
 //! seconds.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use sim_core::time::Time;
 
+use super::file::{Proof, RecordFile};
 use super::report::Input;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Kind, KindSet, Record};
@@ -51,6 +52,8 @@ pub struct Trace {
     out: BufWriter<Box<dyn Write + Send>>,
     path: PathBuf,
     has_new_lines: bool,
+    /// Checked at the end, if the trace is a file.
+    proof: Option<Arc<Proof>>,
 }
 
 /// Lines of a trace that are not events.
@@ -79,8 +82,9 @@ impl Trace {
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written.
     pub fn create(path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
-        let file = File::create(path).map_err(|source| RecordError::write("trace", path, source))?;
-        Self::new(Box::new(file), path, header)
+        let file = RecordFile::create(path).map_err(|source| RecordError::write("trace", path, source))?;
+        let proof = Some(file.proof());
+        Ok(Self { proof, ..Self::new(Box::new(file), path, header)? })
     }
 
     /// Trace that is written to `out`; error messages call it `path`.
@@ -88,8 +92,12 @@ impl Trace {
     /// # Errors
     /// [`RecordError::Write`] if the first line cannot be written.
     pub fn new(out: Box<dyn Write + Send>, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
-        let mut trace =
-            Self { out: BufWriter::with_capacity(1 << 16, out), path: path.to_owned(), has_new_lines: false };
+        let mut trace = Self {
+            out: BufWriter::with_capacity(1 << 16, out),
+            path: path.to_owned(),
+            has_new_lines: false,
+            proof: None,
+        };
         trace.write_line(&ControlLine::Header {
             schema: TRACE_SCHEMA,
             eyesim_version: env!("CARGO_PKG_VERSION"),
@@ -134,14 +142,13 @@ impl Sink for Trace {
     /// Writes the last line, which marks the trace as complete.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
-        self.flush()
+        self.flush()?;
+        self.proof.as_ref().map_or(Ok(()), |proof| proof.check()).map_err(|source| self.error(source))
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
-    use std::sync::Arc;
-
     use parking_lot::Mutex;
     use sim_core::RobotId;
 
@@ -309,7 +316,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_full_disk_ends_the_record_with_a_message() {
-        let Ok(full) = File::create("/dev/full") else {
+        let Ok(full) = std::fs::File::create("/dev/full") else {
             println!("skipped: no /dev/full here");
             return;
         };

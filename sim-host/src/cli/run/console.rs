@@ -61,6 +61,9 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
     })?;
     check_outputs(args, built.inputs())?;
     built.remarks().iter().for_each(say);
+    if args.verbose {
+        built.dangers().iter().for_each(say);
+    }
     Ok(built)
 }
 

@@ -14,16 +14,20 @@ use parking_lot::Mutex;
 use robios_sys::wire::Reader;
 
 use super::channel::{Channel, Channels, Message, Turn, kind};
+use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use crate::executive::fault::{Broken, SEARCH};
-use crate::executive::signal::{Fault, OVERDUE_SIGNAL};
-use crate::executive::watchdog;
+use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
+use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
 
 /// Prefix of the name of a robot's process in lists of processes.
 pub const CHILD_NAME: &str = "eyesim: ";
 
 /// Interval at which a child that has the turn is checked.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Processor time, or time asleep, in seconds in which a program's library must be loaded; our choice.
+const LOAD_TIMEOUT: f64 = 10.0;
 
 /// Time in which an overdue child must report its place before it is killed.
 const GRACE: Duration = Duration::from_millis(300);
@@ -190,6 +194,26 @@ impl Child {
         self.pid
     }
 
+    /// Waits for the child's first message, which it sends once its program is loaded.
+    ///
+    /// # Errors
+    /// As [`Child::receive`], and if the child has used, or slept, [`LOAD_TIMEOUT`] without sending it.
+    pub fn receive_first(&self) -> Result<Message, Broken> {
+        let mut timer = ReleaseTimer::default();
+        // A debugger has no limit, and an interpreter says when it imports modules, which may take long.
+        while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
+        {
+            let (is_importing, spent) = self.imports();
+            let sample = FlowSample::at_loading(self.pid).filter(|_| !is_importing);
+            if sample.is_some_and(|sample| timer.is_overdue(&sample.without(spent), LOAD_TIMEOUT)) {
+                return Err(self.lose(self.broken(&format!(
+                    "its library was not loaded within {LOAD_TIMEOUT} s: a function that runs while it is being loaded does not return"
+                ))));
+            }
+        }
+        self.receive(&self.first)
+    }
+
     /// Waits for the child's next message on `channel`.
     ///
     /// # Errors
@@ -198,6 +222,7 @@ impl Child {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
+        let mut gone = None;
         while !channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
             // A message sent before the child ended still counts.
             if let Some(status) = self.exit_status()
@@ -205,6 +230,14 @@ impl Child {
             {
                 return Err(self.lose(self.end_in_words(status)));
             }
+            // A task's thread is followed by the next one; a thread that is gone twice has ended itself.
+            let thread = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost(*thread));
+            if thread.is_some() && gone == thread {
+                let fault = Fault { signal: GONE, ..Fault::default() };
+                let last_call = self.last_call.load(Ordering::Relaxed);
+                return Err(self.lose(Broken::new(fault, [0; 2], last_call, Vec::new())));
+            }
+            gone = thread;
         }
         match channel.message() {
             Some(message) if message.kind == kind::FAULT => Err(self.lose(self.fault(&message.body))),
@@ -214,6 +247,11 @@ impl Child {
             }
             None => Err(self.malformed()),
         }
+    }
+
+    /// Returns true if the process lives without this thread of its own.
+    fn has_lost(&self, thread: u32) -> bool {
+        !self.is_debugged && watchdog::is_gone(self.pid, thread.cast_signed())
     }
 
     /// Gives up a child that has sent a malformed message.
@@ -362,11 +400,14 @@ impl Child {
             return self.broken("the debugger was left before the program had ended");
         }
         if self.place_request.lock().as_ref().is_some_and(|request| request.is_killed) {
-            let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
+            let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
             return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
         }
         match (status.signal(), status.code()) {
             (Some(signal), _) => self.broken(&format!("its process was killed by signal {signal}")),
+            (_, Some(NO_ROOM_FOR_TASK)) => {
+                self.broken("the system has no room for another task in its process: see `ulimit -v` and `ulimit -u`")
+            }
             (_, code) => {
                 self.broken(&format!("its process ended (exit code {}) without a word", code.unwrap_or_default()))
             }
@@ -377,7 +418,8 @@ impl Child {
     fn fault(&self, body: &[u8]) -> Broken {
         let parse = || {
             let mut body = Reader::new(body);
-            let signal: i32 = body.get()?;
+            let [signal, code]: [i16; 2] = body.get()?;
+            let (signal, code) = (i32::from(signal), i32::from(code));
             let text = body.get::<u32>()? as usize;
             let [address, pc, low, high]: [u64; 4] = body.get()?;
             let text = String::from_utf8_lossy(body.take(text)?).into_owned();
@@ -386,7 +428,7 @@ impl Child {
             if signal == 0 {
                 return Ok(self.broken(&text));
             }
-            let fault = Fault { signal, address: address as usize, pc: pc as usize, sp: 0 };
+            let fault = Fault { signal, code, address: address as usize, pc: pc as usize, sp: 0 };
             let last_call = self.last_call.load(Ordering::Relaxed);
             let broken = Broken::new(fault, [low as usize, high as usize], last_call, words.collect());
             Ok::<_, robios_sys::wire::Malformed>(Broken { place: text, ..broken })

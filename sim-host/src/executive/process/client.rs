@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::process::ExitCode;
 use std::ptr;
-use std::sync::atomic::{AtomicPtr, Ordering};
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{io, thread};
 
 use robios_sys::wire::{HostConnection, Malformed, Plain as _, Reader, put_bytes};
@@ -29,6 +29,9 @@ thread_local! {
 
 /// The program's variable with its call site; null until the program is loaded, and if the program has none.
 static CALL_SITE: AtomicPtr<CallSite> = AtomicPtr::new(ptr::null_mut());
+
+/// Lowest and highest address of the program's library; 0 until it is loaded.
+static LIBRARY: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
 
 static SUPPORT: SupportTable = SupportTable::remote::<ProgramLine>();
 static ROBIOS6: Robios6Table = Robios6Table::remote::<ProgramLine>();
@@ -58,11 +61,19 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     // The main thread only waits: it starts a thread for each channel that the host adds.
     for number in 1.. {
         first.wait_for_more_than(number);
-        let channel = channels.map(number)?;
-        start("tasks", move || ProgramLine::leaked(channel).run_tasks())?;
+        let started =
+            channels.map(number).and_then(|channel| start("tasks", move || ProgramLine::leaked(channel).run_tasks()));
+        if started.is_err() {
+            // The program waits for the task, and has the turn on no channel: the exit code is all that can be told.
+            // SAFETY: _exit takes no pointer.
+            unsafe { libc::_exit(NO_ROOM_FOR_TASK) };
+        }
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Exit code of a process that has no room for another task.
+pub const NO_ROOM_FOR_TASK: i32 = 173;
 
 /// Makes the kernel kill this process when the thread that started it, in process `host`, ends.
 fn die_with(host: u32) -> io::Result<()> {
@@ -113,6 +124,7 @@ impl ProgramLine {
             Err(OpenError::Incompatible(what)) => self.refuse(refusal::INCOMPATIBLE, &what),
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
+        store_span(library.base);
         let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&run_message) {
             Ok(arguments) => run_main(library.description(), &arguments),
@@ -175,8 +187,7 @@ impl ProgramLine {
 
     /// Tells the host why the program cannot go on, and ends the process.
     fn break_off(&self, what: &str) -> ! {
-        let fault = Fault { signal: 0, address: 0, pc: 0, sp: 0 };
-        self.channel.send(kind::FAULT, &[&fault_header(&fault, what.len(), [0; 2]), what.as_bytes()]);
+        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), what.len(), [0; 2]), what.as_bytes()]);
         std::process::exit(1)
     }
 }
@@ -268,12 +279,43 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
 /// Fixed-size part of a FAULT message, in front of its text.
 fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
     let mut header = [0; 40];
-    header[0..4].copy_from_slice(&fault.signal.to_le_bytes());
+    header[0..2].copy_from_slice(&(fault.signal as i16).to_le_bytes());
+    header[2..4].copy_from_slice(&(fault.code as i16).to_le_bytes());
     header[4..8].copy_from_slice(&(text as u32).to_le_bytes());
     for (place, value) in header[8..].chunks_exact_mut(8).zip([fault.address, fault.pc, low, high]) {
         place.copy_from_slice(&(value as u64).to_le_bytes());
     }
     header
+}
+
+/// Stores the addresses of the library at `base`, from its first mapping to the last one of the same file.
+fn store_span(base: usize) {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let mapping = |line: &str| {
+        let (low, rest) = line.split_once('-')?;
+        let (high, rest) = rest.split_once(' ')?;
+        let number = |text| usize::from_str_radix(text, 16).ok();
+        Some((number(low)?, number(high)?, rest.split_once('/')?.1.to_owned()))
+    };
+    let mappings: Vec<_> = maps.lines().filter_map(mapping).collect();
+    let Some((_, _, file)) = mappings.iter().find(|(low, ..)| *low == base) else { return };
+    let high = mappings.iter().filter(|(.., other)| other == file).map(|(_, high, _)| *high).max();
+    LIBRARY[0].store(base, Ordering::Relaxed);
+    LIBRARY[1].store(high.unwrap_or(base), Ordering::Relaxed);
+}
+
+/// The words of the stack in `words` that belong to the call in progress, if the fault at `pc` is in no code of the program: those
+/// below may be left over from earlier calls.
+fn without_stale(words: &[u8], pc: usize) -> &[u8] {
+    let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
+    let site = CALL_SITE.load(Ordering::Relaxed);
+    if library.contains(&pc) || site.is_null() || !site.is_aligned() {
+        return words;
+    }
+    // SAFETY: by the description's contract it points to a variable of the program, whose thread is this one.
+    let address = unsafe { site.read() }.address.addr();
+    let place = words.chunks_exact(size_of::<usize>()).position(|word| word == address.to_ne_bytes());
+    &words[place.unwrap_or(0) * size_of::<usize>()..]
 }
 
 /// Reports a fault of this thread to the host and ends the process; returns if the host works for the program. Async-signal-safe.
@@ -296,7 +338,7 @@ fn report_fault(block: &ThreadBlock, fault: Fault) {
     } else {
         &[]
     };
-    line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), words]);
+    line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + fault.signal) }
 }

@@ -45,7 +45,7 @@ impl RemoteProgram {
     /// # Errors
     /// [`LoadRefusal`] if the child cannot load the program.
     pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, LoadRefusal> {
-        let message = child.receive(child.first()).map_err(|broken| LoadRefusal::Broken(broken.what))?;
+        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.what))?;
         let mut body = Reader::new(&message.body);
         let malformed = |Malformed| LoadRefusal::Broken(child.malformed().what);
         match message.kind {
@@ -92,6 +92,11 @@ impl RemoteProgram {
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
         self.prepared.image()?.own_source_line(offsets)
+    }
+
+    /// As [`LoadedProgram::source_line`](crate::program::load::LoadedProgram::source_line).
+    pub fn source_line(&self, address: usize) -> Option<SourceLine> {
+        self.prepared.image()?.source_line(self.offset(address)?)
     }
 
     /// Place of the call in progress, as the child reported it.

@@ -1,0 +1,79 @@
+//! Processes that robot programs have started: they do not outlive the run.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::ptr;
+use std::time::{Duration, Instant};
+
+/// Time in which the processes must end.
+const TIMEOUT: Duration = Duration::from_secs(1);
+
+/// The subreaper of this process: adopts its descendants whose parents end, such as daemons, and ends them with the run.
+#[derive(Debug)]
+pub struct Subreaper {
+    /// Children of this process that were there before.
+    before: BTreeSet<i32>,
+}
+
+impl Subreaper {
+    /// Lets the kernel give orphaned descendants to this process from now on, for a binary before its run.
+    pub fn start() -> Self {
+        // SAFETY: prctl takes no pointer here; if the kernel refuses, daemons of programs outlive the run.
+        unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) };
+        Self { before: children() }
+    }
+
+    /// Kills all children of this process that were not there at the start, and their descendants; returns how many processes were
+    /// killed. Call it after the run has ended its own processes.
+    pub fn end_all(&self) -> usize {
+        let start = Instant::now();
+        let mut killed = BTreeSet::new();
+        while start.elapsed() < TIMEOUT {
+            let left: Vec<i32> = children().difference(&self.before).copied().collect();
+            if left.is_empty() {
+                break;
+            }
+            for pid in left {
+                // SAFETY: neither call takes a pointer; nobody else waits for a process that a program has started, so that its number
+                // still identifies it.
+                unsafe {
+                    libc::kill(pid, libc::SIGKILL);
+                    libc::waitpid(pid, ptr::null_mut(), libc::WNOHANG);
+                }
+                killed.insert(pid);
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        killed.len()
+    }
+}
+
+/// The processes whose parent is this process.
+fn children() -> BTreeSet<i32> {
+    let own = std::process::id();
+    let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
+    let pids = processes.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+    pids.filter(|pid| parent_of(*pid) == Some(own)).collect()
+}
+
+fn parent_of(pid: i32) -> Option<u32> {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // "pid (name) S parent ...": the name may hold blanks and brackets.
+    stat.rsplit_once(')')?.1.split_whitespace().nth(1)?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::{Command, Stdio};
+
+    use super::*;
+
+    #[test]
+    fn children_are_found() {
+        let mut child = Command::new("sleep").arg("100").stdin(Stdio::null()).spawn().unwrap();
+        assert!(children().contains(&(child.id() as i32)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!children().contains(&(child.id() as i32)));
+    }
+}

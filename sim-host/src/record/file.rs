@@ -1,0 +1,130 @@
+//! Files of a record that can prove at the end of a run that they are complete.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A file that counts what is written to it.
+pub struct RecordFile {
+    file: File,
+    proof: Arc<Proof>,
+}
+
+/// Knowledge of what a file must contain at the end of the run.
+pub struct Proof {
+    path: PathBuf,
+    /// Device and inode; `None` for what is no regular file, such as a pipe, which proves nothing.
+    identity: Option<(u64, u64)>,
+    written: AtomicU64,
+}
+
+impl RecordFile {
+    /// Creates the file at `path`, or empties it. Everything is appended, so that cutting the file meanwhile leaves it too short.
+    ///
+    /// # Errors
+    /// The file cannot be created or emptied.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let file = File::options().append(true).create(true).open(path)?;
+        let metadata = file.metadata()?;
+        let is_regular = metadata.is_file();
+        if is_regular {
+            file.set_len(0)?;
+        }
+        let identity = (is_regular && !path.starts_with("/dev")).then(|| identity(&metadata));
+        Ok(Self { file, proof: Arc::new(Proof { path: path.to_owned(), identity, written: AtomicU64::new(0) }) })
+    }
+
+    /// The proof, to be checked once everything is written.
+    pub fn proof(&self) -> Arc<Proof> {
+        Arc::clone(&self.proof)
+    }
+}
+
+impl Proof {
+    /// Checks that the path still names the file, and that it is as long as what was written.
+    ///
+    /// # Errors
+    /// It is another file, none at all, or one of another length.
+    pub fn check(&self) -> io::Result<()> {
+        let Some(expected) = self.identity else { return Ok(()) };
+        let written = self.written.load(Ordering::Relaxed);
+        let lost = |what: String| io::Error::other(format!("it is not complete: {what} during the run"));
+        match fs::metadata(&self.path) {
+            Ok(metadata) if identity(&metadata) != expected => {
+                Err(lost("another file was put in its place".to_owned()))
+            }
+            Ok(metadata) if metadata.len() != written => {
+                let length = metadata.len();
+                Err(lost(format!(
+                    "{written} bytes were written, and it has {length}: it was changed, or its descriptor was,"
+                )))
+            }
+            Ok(_) => Ok(()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(lost("it was deleted".to_owned())),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn identity(metadata: &Metadata) -> (u64, u64) {
+    (metadata.dev(), metadata.ino())
+}
+
+impl Write for RecordFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.proof.written.fetch_add(count as u64, Ordering::Relaxed);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for RecordFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The check of a file of five bytes after `harm`.
+    fn check_after(harm: impl FnOnce(&Path)) -> Result<(), String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t");
+        fs::write(&path, "older than the run").unwrap();
+        let mut file = RecordFile::create(&path).unwrap();
+        file.write_all(b"abc").unwrap();
+        harm(&path);
+        // A descriptor that a program has closed cannot be tried here: the process would lose another file.
+        file.write_all(b"de").unwrap();
+        file.proof().check().map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_file_that_was_harmed_is_told() {
+        assert_eq!(check_after(|_| ()), Ok(()));
+        assert!(check_after(|path| fs::remove_file(path).unwrap()).unwrap_err().contains("deleted"));
+        let cut = check_after(|path| File::options().write(true).open(path).unwrap().set_len(0).unwrap());
+        assert!(cut.unwrap_err().contains("5 bytes were written, and it has 2"));
+        let replaced = check_after(|path| {
+            fs::write(path.with_extension("new"), "abcde").unwrap();
+            fs::rename(path.with_extension("new"), path).unwrap();
+        });
+        assert!(replaced.unwrap_err().contains("another file"));
+    }
+
+    #[test]
+    fn a_device_proves_nothing() {
+        let mut file = RecordFile::create(Path::new("/dev/null")).unwrap();
+        file.write_all(b"abc").unwrap();
+        file.proof().check().unwrap();
+    }
+}
