@@ -352,6 +352,7 @@ static ssize_t read_input(void *bytes, size_t len)
     written(0);
     return count;
 }
+
 /* Other names of the C library for functions that are interposed here. */
 extern ssize_t __write(int descriptor, const void *bytes, size_t len);
 extern ssize_t __read(int descriptor, void *bytes, size_t len);
