@@ -51,7 +51,7 @@ impl Reader {
         }
     }
 
-    /// Reports links that are turned by a missing servo, and fixes them.
+    /// Reports links that are turned by a missing servo, and makes them rigid.
     fn turned_by(&mut self, robi: &mut RobiSpec) {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {

@@ -1,4 +1,4 @@
-//! `camera`: pictures of a furnished room, compared with pixels that average exactly over their squares.
+//! `camera`: pictures of a furnished room, compared with a reference that averages many samples over each pixel.
 
 use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
 use sim_core::time::Time;
@@ -41,9 +41,10 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
 }
 
-/// Columns and rows of pixels spread over the picture.
+/// Columns and rows of the compared pixels, at equal intervals in the order in which rows are read.
 fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-    // An odd step divides no width, so that all columns occur.
+    // In the sizes of this study the step is one pixel longer than one, two or four rows: the pixels lie on a diagonal
+    // and in 59 or 60 different columns.
     let step = ((width * height) as usize / PIXELS) | 1;
     (step / 2..(width * height) as usize).step_by(step).map(move |pixel| [pixel as u32 % width, pixel as u32 / width])
 }

@@ -29,7 +29,7 @@ pub use stopwatch::nanoseconds;
 pub enum Effort {
     /// As for the published figures.
     Full,
-    /// At most a tenth of [`Effort::Full`]: the same settings, fewer repetitions.
+    /// The same settings with a tenth of the repetitions, but at least one.
     Quick,
 }
 
@@ -56,7 +56,7 @@ pub struct Row {
     pub error: f64,
     /// Unit of the error.
     pub unit: &'static str,
-    /// Real time per `per`, nanoseconds.
+    /// Real time of one operation, nanoseconds; `per` names the operation.
     pub time_ns: f64,
     /// Operation that was timed: `ray`.
     pub per: &'static str,

@@ -10,7 +10,7 @@ use crate::world::{self, Random};
 pub const STUDY: Study =
     Study { name: "rays-3d", title: "Distance along a ray among triangles, against their number", run };
 
-/// Numbers of squares along an edge of each of the six faces of the room: 12 triangles per square of that number.
+/// Numbers n of squares along an edge of each of the six faces of the room, which has 12 n^2 triangles.
 const SQUARES: [u32; 4] = [3, 9, 29, 91];
 /// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
 const BOXES: [usize; 4] = [4, 24, 249, 2_499];
@@ -34,7 +34,7 @@ struct Case {
     truth: f64,
 }
 
-/// Error and time of `cast`, which returns metres. No return counts as a hit at the range.
+/// Error and time of `cast`, which returns metres. `None`, a ray without a hit, counts as a hit at the range.
 fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
     let distance = |case: &Case| cast(case).unwrap_or(RANGE);
     let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();

@@ -26,19 +26,20 @@ pub struct Pose {
 pub const SONARS: usize = 16;
 /// Number of sonars that look around; the others look down at the corners.
 const AROUND: usize = 12;
-/// Height of the sonars that look around, m: the greatest lift of a foot.
+/// Height of the sonars that look around, m: as high as a foot is lifted at most.
 const RING_HEIGHT: f64 = 0.6;
 /// Height of the sonars that look down, m.
 const CORNER_HEIGHT: f64 = 1.2;
-/// Distance of the sonars that look around from the middle, m.
+/// Radius of the ring of sonars that look around, m.
 const RING: f64 = 0.8;
 /// Elevation of the sonars that look around, rad; level ground must stay out of their beams.
 const RING_PITCH: f64 = 25.0 / 180.0 * PI;
 /// Position of the sonars that look down, m ahead of and beside the middle.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
-/// Clearance around the middle that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m with corrections;
-/// high obstacles appear on the map with outlines about one cell (0.5 m) too wide.
+/// Clearance around the middle of the robot that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m
+/// with corrections. Less than 1.9 m is enough, since on the map the outlines of high obstacles are about one cell
+/// (0.5 m) too wide.
 pub const RADIUS: f64 = 1.6;
 
 /// The sonar with this number, counted from 0.

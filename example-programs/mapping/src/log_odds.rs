@@ -4,7 +4,7 @@
 //! ln(p(occupied | z) / (1 - p(occupied | z))), with even odds at the start. Correcting a wrong cell therefore takes as much evidence
 //! as made it wrong, and at most [`LIMIT`].
 //!
-//! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The model of the beam's numbers is our choice.
+//! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 
 use crate::grid::{Frame, Grid};
 use crate::math;

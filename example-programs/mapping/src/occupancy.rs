@@ -1,7 +1,7 @@
 //! Three-dimensional occupancy grid after Moravec and Elfes, with separate certainties for empty and for occupied.
 //!
-//! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and Hiller, sections 3
-//! and 4). The gain of [`SonarModel`] is the profile over the angle.
+//! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and
+//! Hiller, sections 3 and 4). Across the beam, certainties are weighted by the gain of [`SonarModel`].
 
 use nalgebra::Vector3;
 
@@ -17,7 +17,7 @@ pub struct OccupancyGrid {
     /// The lowest face of the lowest box, m.
     bottom: f64,
     layers: usize,
-    /// Certainty that a box is empty, slot by slot from the bottom up.
+    /// Certainty that a box is empty: cell by cell in the order of the partition's slots, in each from the bottom up.
     empty: Vec<f64>,
     occupied: Vec<f64>,
 }
@@ -34,8 +34,9 @@ impl OccupancyGrid {
         &self.partition
     }
 
-    /// Fuses a reading: boxes within the beam and nearer than the reading become emptier, those at about its distance more occupied. Their
-    /// gain decreases with their number and with the certainty that they are empty. Returns the number of boxes touched.
+    /// Fuses a reading: boxes within the beam and nearer than the reading become emptier, those at about its distance
+    /// more occupied. The more boxes there are at that distance, and the more certainly a box is empty, the less its
+    /// certainty of being occupied rises. Returns the number of boxes touched.
     pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) -> usize {
         // A band thinner than the boxes would miss them.
         let band = (model.epsilon * measured).max(self.step.max(self.partition.cell) / 2.0);
@@ -70,8 +71,8 @@ impl OccupancyGrid {
         touched
     }
 
-    /// The upper face of the highest occupied box at (x, y), m: the projection onto the plane by the maximum. `None` where none is
-    /// occupied, or outside.
+    /// The upper face of the highest occupied box at (x, y), m: the paper's projection onto the plane. `None` where no
+    /// box is occupied, or outside.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.place(x, y))?;
         let layer = (0..self.layers).rev().find(|layer| self.is_occupied(slot, *layer))?;

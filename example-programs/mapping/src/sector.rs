@@ -50,16 +50,16 @@ pub enum Relation {
 /// Cases of a sector ("Modeling Process").
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Case {
-    /// Continuous on both sides, the reading between its neighbours' (Figure 2a): a wall whose foot is in the nearer
-    /// neighbour's sector.
+    /// Continuous on both sides, with one neighbour nearer and the other farther (Figure 2a): a wall whose foot is in
+    /// the nearer neighbour's sector.
     WallBeside,
     /// Continuous on both sides, the least reading (Figure 2b): a wall whose foot is in the sector.
     WallAhead,
     /// Continuous on both sides, the greatest reading (Figure 2c): a corner.
     Corner,
-    /// Continuous on one side alone, with a nearer neighbour there (Figure 3a).
+    /// Fault on the far side: continuous on one side alone, with a nearer neighbour there (Figure 3a).
     FaultBeyond,
-    /// Continuous on one side alone, with a neighbour there that is not nearer (Figure 3b).
+    /// Fault on the near side: continuous on one side alone, with a neighbour there that is not nearer (Figure 3b).
     FaultBefore,
     /// Continuous on no side (Figure 4).
     FaultBothSides,
@@ -111,12 +111,12 @@ impl Fan {
     /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
     ///
     /// Solutions for what the text omits:
-    /// - equal readings, to within [`SAME`]: three as a wall ahead, two as a wall beside on the side of the neighbour that is not farther,
-    ///   so that a corner at a common edge is not cut off;
+    /// - equal readings, to within [`SAME`]: three equal readings are a wall ahead; two are a wall beside, on the side
+    ///   of the neighbour that is not farther. Otherwise a line would cut off a corner that lies at a common edge;
     /// - open on both sides (a post): as other faults on both sides;
     /// - a sector at the end of the fan has one neighbour: the other is `None`, open;
-    /// - length of the line of a one-sided fault: to the middle of the sector (`FaultBeyond`), since only its edge is known; to the
-    ///   tangent point (`FaultBefore`), which echoed.
+    /// - length of the line of a one-sided fault: to the middle of the sector (`FaultBeyond`), since the surface is
+    ///   known only at the common edge; to the tangent point (`FaultBefore`), which echoed.
     pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
         let Some(own_distance) = own else { return Model { case: Case::Silent, lines: Vec::new() } };
         let continuous = |other: Option<f64>| match other {
@@ -152,7 +152,8 @@ impl Fan {
             let (from, middle, to) = (from.into(), middle.into(), to.into());
             (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
         } else {
-            // If the neighbours are equal except for rounding, the tangent is that at the edge.
+            // The nearer neighbour may be farther than this sector by up to `SAME`. It then counts as equally far, and
+            // the tangent touches the arc at the common edge.
             let tangent = Tangent::at_right(self, right.min(left).min(own), own);
             let end = tangent.normal + math::acos(tangent.distance / right.max(left).max(own));
             let tangent = tangent.between(-half, end.clamp(-half, half));
@@ -185,8 +186,8 @@ impl Fan {
         ((1.0 - share * share).max(0.6), (share * share).min(0.4))
     }
 
-    /// Probability of the cells of a sector without an echo (Eq. 3): the mean of the probability behind a mirror, which is unknown (the
-    /// constant S is 0.5: our choice), and that of free cells before an echo at R_max.
+    /// Probability of the cells of a sector without an echo (Eq. 3): the mean of two probabilities, that of free cells
+    /// before an echo at R_max, and that of cells behind a mirror, which are unknown (S = 0.5: our choice).
     pub fn silent_probability(&self) -> f64 {
         0.5 * (self.probabilities(self.farthest).1 + UNKNOWN)
     }
@@ -247,8 +248,8 @@ impl Line {
 }
 
 impl Model {
-    /// Free distance from the robot's middle in a direction from the sector's middle (radians): up to the line or the arc, whichever is
-    /// nearer.
+    /// Free distance from the robot's middle at an angle (radians) from the sector's middle: up to the line or the arc,
+    /// whichever is nearer.
     fn free_distance(&self, own: f64, angle: f64) -> f64 {
         self.lines.iter().find_map(|line| line.distance_along(angle)).map_or(own, |line| line.min(own))
     }
@@ -459,7 +460,7 @@ impl Sector {
 
 /// Cells of a line within the grid.
 fn cells_of(frame: &Frame, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
-    // Whole steps may lead out of the grid and back, so a larger one holds the line.
+    // A line may lie partly outside the grid: its cells are found in a wider grid, then those outside are dropped.
     let margin = ((to - from).norm() / frame.cell_size()).ceil() + 2.0;
     let origin = frame.origin() - crate::pose::Vector::repeat(margin * frame.cell_size());
     let wide = |cells: usize| cells + 2 * margin as usize;
@@ -521,7 +522,8 @@ mod tests {
 
     #[test]
     fn as_printed_continuous_would_be_no_pair_at_all() {
-        // d_A <= d_B <= d_A cos a has no d_B; with d_A / cos a all neighbours of a wall's foot fit, up to the limit itself.
+        // No d_B satisfies d_A <= d_B <= d_A cos a. A wall whose foot is at the far edge of A's sector gives exactly
+        // d_B = d_A / cos a.
         let a = of_wall(0.0, -HALF, 1.0);
         let b = of_wall(FAN.sector, -HALF, 1.0);
         let (a, b) = (a.expect("heard") + FAN.radius, b.expect("heard") + FAN.radius);
@@ -537,7 +539,7 @@ mod tests {
             if model.case == Case::WallBeside {
                 check_on_wall(&model.lines, foot, 1.0, 1e-12);
             } else {
-                // Its far neighbour is no more continuous: half of the line is left.
+                // The far neighbour is no longer continuous, so only half of the line is left.
                 assert_eq!(model.case, Case::FaultBeyond);
                 check_on_wall(&model.lines, foot, 1.0, 1e-12);
                 assert!((model.lines[0].to.y).abs() < 1e-12);
@@ -562,7 +564,8 @@ mod tests {
 
     #[test]
     fn a_corner_of_two_walls_is_found_exactly() {
-        // Walls at right angles with feet in the neighbours' sectors, as far that both edges are heard alike.
+        // Two walls with their feet in the neighbours' sectors, mirror images of each other about the sector's
+        // middle: they meet the two edges of the sector at the same distance.
         for off in [1.9 * HALF, 2.4 * HALF, 2.9 * HALF] {
             let own = 1.0 / math::cos(off - HALF) - FAN.radius;
             let model = FAN.model(Some(1.0 - FAN.radius), Some(own), Some(1.0 - FAN.radius));
@@ -632,7 +635,7 @@ mod tests {
         assert_eq!(updated(wrong, 0.01), 0.01);
     }
 
-    /// All sectors of a stop in the middle of a square room of 2 m, as the nearest points of its walls.
+    /// All sectors of a stop in the middle of a square room of 2 m; each reads the nearest wall point within it.
     fn in_a_room(turns: &[f64]) -> Vec<Reading> {
         let looks = turns.iter().flat_map(|turn| (0..12).map(move |sector| turn + f64::from(sector) * FAN.sector));
         looks
@@ -695,7 +698,7 @@ mod tests {
                     let point = line.from + share * (line.to - line.from);
                     let angle = math::atan2(point.y, point.x);
                     prop_assert!(angle.abs() <= HALF + 1e-9);
-                    // Chords to the middle of the arc cut it by less than its bulge.
+                    // A chord that ends in the middle of the arc runs inside the arc, by less than the arc's bulge.
                     prop_assert!(point.coords.norm() >= (own + FAN.radius) * math::cos(HALF) - 1e-9, "{:?}", model);
                     prop_assert!(point.coords.norm() < 2.1 * (own + FAN.radius), "{:?}", model);
                 }

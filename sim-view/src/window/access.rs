@@ -20,9 +20,10 @@ pub enum Access {
 ///
 /// # Errors
 /// If the system has no random numbers.
-pub fn random_token() -> Result<String, String> {
+pub fn random_token() -> std::io::Result<String> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| format!("the system has no random numbers for a token: {error}"))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|error| std::io::Error::other(format!("the system has no random numbers for a token: {error}")))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -51,8 +52,8 @@ fn is_same(secret: &str, given: &str) -> bool {
 /// Reason for refusing a request before it is processed; none if it is allowed.
 ///
 /// `Host` must be one of the served addresses or `localhost`: an attacker can point another name here (DNS rebinding), but not
-/// an address. A request made by a page of another origin is refused; a request that only a page makes (`is_socket`) must name
-/// its origin.
+/// an address. A request made by a page of another origin is refused. A WebSocket request (`is_socket`) must name its
+/// origin, since only pages make such a request.
 pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) -> Option<String> {
     let Some(host) = text(headers, header::HOST) else {
         return Some("the request has no `Host`".into());

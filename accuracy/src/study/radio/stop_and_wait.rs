@@ -12,13 +12,13 @@ use super::*;
 const COUNT: u64 = 2_000;
 const LOSSES: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8];
 const RATES: [f64; 6] = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// Length of an acknowledgement in bytes: the number of the message.
+/// Length of an acknowledgement in bytes; it holds only the number of the acknowledged message.
 const ACK: usize = 1;
 /// Slot lengths.
 const SLOTS: [(Time, &str); 3] =
     [(Time(1), "slot of 1 us"), (Time::from_millis(10), "slot of 10 ms"), (Time::from_millis(50), "slot of 50 ms")];
 
-/// Throughput against P_p.
+/// Throughput against the packet loss P_p.
 pub fn against_loss(effort: Effort) -> Part {
     let errors = |packet_loss| RadioNoise { packet_loss, bit_error_rate: 0.0 };
     let steps: Vec<f64> = (0..=80).map(|step| f64::from(step) / 100.0).collect();
@@ -27,7 +27,7 @@ pub fn against_loss(effort: Effort) -> Part {
     measure(effort, ("radio-stop-and-wait", title, labels), Scale::Linear, "P_p", &LOSSES, &steps, errors)
 }
 
-/// Throughput against P_b.
+/// Throughput against the bit error rate P_b.
 pub fn against_bit_errors(effort: Effort) -> Part {
     let errors = |bit_error_rate| RadioNoise { packet_loss: 0.0, bit_error_rate };
     let steps: Vec<f64> = (0..=70).map(|step| 1e-6 * ten_to(f64::from(step) / 20.0)).collect();
@@ -84,7 +84,8 @@ fn patience(slot: Time) -> Time {
     round_trip(slot) + round_trip(slot)
 }
 
-/// Expected throughput as a share of one message per round trip, and half of the 99.9 % interval of the measured one.
+/// Expected throughput as a share of one message per round trip, and half the width of the 99.9 % interval in which
+/// the measured share should lie.
 ///
 /// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
 /// one timeout.

@@ -5,12 +5,14 @@ use glam::{DVec3, Vec3};
 /// Children per node, and triangles per batch.
 pub(super) const WIDTH: usize = 8;
 
-/// Margin of the boxes around their triangles on all sides, in tree units: 24 units of rounding of 1.
+/// Margin of the boxes around their triangles on all sides, in tree units: 24 u, where u = 2^-24 is the greatest
+/// rounding error of an `f32` next to 1.
 ///
-/// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts this, as a position on that axis,
-/// by at most 1 unit (the bound) + 1 (the origin) + 2.1 (the reciprocal) + 4.2 (two products, or one, and the
-/// difference, of at most 2.1): 8.3 units. Hits are off by 4 units at most (see `ray`), and so are origins that count
-/// as on a surface. The rest is for reciprocals clamped to [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
+/// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts the entry along that axis by at
+/// most 8.3 u: 1 u for the bound, 1 u for the origin, 2.1 u for the reciprocal, and 4.2 u for the difference (at most
+/// 2.1) and the products in it (two, or one if multiplication and subtraction are fused). Hits are off by at most 4 u
+/// (see `ray`). An origin that counts as on a surface is off by at most 4 u, too. The rest of the margin is for
+/// reciprocals clamped to [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 
 /// The tree over a mesh's triangles.
@@ -24,7 +26,7 @@ pub(super) struct Tree {
     pub depth: usize,
 }
 
-/// Eight boxes, coordinate by coordinate; the box of a missing child is one that no ray enters.
+/// Eight boxes, coordinate by coordinate; no ray enters the box of a missing child.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {

@@ -23,7 +23,8 @@ const PING: Duration = Duration::from_secs(5);
 const STALLED: Duration = Duration::from_secs(15);
 /// Least time between two updates of a page: 60 a second.
 const NEWS: Duration = Duration::from_millis(16);
-/// Rate limit of a page's messages as time for each, and the credit for bursts: 200 messages a second, 100 at once.
+/// Rate limit of a page's messages: on average one in each interval `READ` (200 a second), and bursts that run ahead of
+/// this rate by up to `READS` (100 at once).
 const READ: Duration = Duration::from_millis(5);
 const READS: Duration = Duration::from_millis(500);
 /// Most unanswered commands of one page.
@@ -151,7 +152,7 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
         Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
         Some(Ok(Frame::Binary(_))) => Err(Some(CloseReason::new(code::NOT_TEXT, "messages are texts"))),
         Some(Ok(Frame::Close(_))) | None => Err(None),
-        // Errors of the connection are treated like those of the protocol: a lost connection does not deliver the close frame.
+        // A lost connection is treated like a violation of the protocol: its close frame is just not delivered.
         Some(Err(error)) if error.to_string().contains("too long") => {
             Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
         }
