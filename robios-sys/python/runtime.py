@@ -145,6 +145,10 @@ def _unpacked_into():
 class _Object(_Values):
     """A pose of `SIMGetObject`: x, y and phi; x, y, z and phi where it is unpacked into four names."""
 
+    def __getnewargs__(self):
+        x, y, phi = tuple(self)
+        return ((x, y, self.z, phi),)
+
     def __new__(cls, values):
         x, y, z, phi = values
         own = super().__new__(cls, (x, y, phi))
@@ -209,6 +213,9 @@ class Image:
         """A copy of its own."""
         return Image._of(bytes(self), len(self), self.width, self.height)
 
+    def __reduce_ex__(self, _protocol):
+        return _image, (bytes(self), len(self), self.width, self.height)
+
     def __getitem__(self, index):
         return _Part(memoryview(self).cast("B")[index]) if isinstance(index, slice) else super().__getitem__(index)
 
@@ -230,6 +237,10 @@ class Image:
 def _image(data, size, width, height):
     return Image._of(data, size, width, height)
 
+
+# `__main__` is the program, in which `pickle` and `copy` would look for them.
+for _name in (_Number, _Values, _Object, _Numbers, _Addresses, _Part, _image):
+    _name.__module__ = "eye"
 
 _POINTER = _ctypes._Pointer
 _REFERENCE = type(_ctypes.byref(_ctypes.c_int()))
@@ -1179,8 +1190,18 @@ def _now_us():
     return int(_call(_support_time_us)[0])
 
 
+def _sleep_towards(until_us):
+    """Sleeps until a virtual time, at most for a slice; returns false if that time has passed."""
+    left_us = int(until_us - _now_us())
+    if left_us > 0:
+        _call(_support_sleep_us, min(left_us, _SLICE_US))
+    return left_us > 0
+
+
 def _replace_surroundings():
     """Puts virtual time and the robot's random stream where Python has those of the machine."""
+    import select
+    import threading
 
     def urandom(size):
         words = (_call(_support_random, 4)[0] for _ in range((size + 7) // 8))
@@ -1191,6 +1212,38 @@ def _replace_surroundings():
             raise ValueError("sleep length must be non-negative")
         _call(_support_sleep_us, min(int(seconds * 1e6), 1 << 62))
 
+    def wait(condition, timeout=None):
+        if timeout is None:
+            return wait_for_ever(condition)
+        until, is_notified = _now_us() + timeout * 1e6, False
+        waiter = _thread.allocate_lock()
+        waiter.acquire()
+        condition._waiters.append(waiter)
+        state = condition._release_save()
+        try:
+            while not is_notified and _sleep_towards(until):
+                is_notified = waiter.acquire(False)
+            return is_notified
+        finally:
+            condition._acquire_restore(state)
+            if not is_notified and waiter in condition._waiters:
+                condition._waiters.remove(waiter)
+
+    class Select:  # no function, which would become a method of a class that has it as attribute
+        def __call__(self, readers, writers, others, timeout=None):
+            if timeout is None:
+                return select_for_ever(readers, writers, others)
+            until = _now_us() + timeout * 1e6
+            while True:
+                ready = select_for_ever(readers, writers, others, 0)
+                if any(ready) or not _sleep_towards(until):
+                    return ready
+
+    wait_for_ever, threading.Condition.wait = threading.Condition.wait, wait
+    select_for_ever, select.select = select.select, Select()
+    # `selectors`, and so asyncio, takes `select` where there is none of these.
+    for name in ("epoll", "poll", "devpoll", "kqueue"):
+        vars(select).pop(name, None)
     _os.urandom = _random._urandom = urandom
     _random.seed(_call(_support_random, 1)[0])
     _time.sleep = sleep

@@ -292,10 +292,15 @@ impl<'a> Compilation<'a> {
         compiled: &mut Compiled,
     ) -> Result<(PathBuf, String), Failure> {
         let object = self.object(index);
-        let output = self.compile_to(&object, source, variant, &[], compiled)?;
-        let undeclared = hint::undeclared_functions(&output);
+        let first = self.compile_to(&object, source, variant, &[], compiled);
+        let undeclared = match &first {
+            Ok(output) => hint::undeclared_functions(output),
+            Err(Failure::Refused { output, .. }) => hint::undeclared_constants(output),
+            Err(_) => Vec::new(),
+        };
+        let first = first.map(|output| (object, output));
         if undeclared.is_empty() {
-            return Ok((object, output));
+            return first;
         }
         // Calls of undeclared functions pass wrong types of arguments: the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
@@ -306,14 +311,14 @@ impl<'a> Compilation<'a> {
                 let left = hint::undeclared_functions(&again);
                 let declared: Vec<&String> = undeclared.iter().filter(|name| !left.contains(name)).collect();
                 if declared.is_empty() {
-                    return Ok((object, output));
+                    return first;
                 }
                 let (name, declared) = (source.file_name().unwrap_or_default().display(), hint::quoted(&declared));
                 let remark =
                     format!("{name}: the headers that declare {declared} are included, as it does not include them\n");
                 Ok((with_headers, remark + &again))
             }
-            Err(Failure::Refused { .. }) => Ok((object, output)),
+            Err(Failure::Refused { .. }) => first,
             Err(failure) => Err(failure),
         }
     }

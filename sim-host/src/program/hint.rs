@@ -53,6 +53,17 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
+/// Names of constants, in capitals, that the compiler does not know, each once (gcc and clang, `LC_ALL=C`).
+pub fn undeclared_constants(output: &str) -> Vec<String> {
+    let is_constant = |name: &&str| name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    let mut names: Vec<String> = Vec::new();
+    for line in output.lines().filter(|line| line.contains("error: ") && line.contains("declared")) {
+        let quoted = line.split(['\'', '`']).nth(1).filter(|name| !name.is_empty()).filter(is_constant);
+        names.extend(quoted.map(str::to_owned).filter(|name| !names.contains(name)));
+    }
+    names
+}
+
 /// Returns true if the compiler refuses a name of the program because it is already defined differently.
 pub fn is_collision(output: &str) -> bool {
     let phrases = [
@@ -227,6 +238,15 @@ mod tests {
         assert_eq!(undeclared_functions(gcc), ["sleep"]);
         let clang = "a.c:1:3: warning: implicitly declaring library function 'sqrt' with type 'double (double)'";
         assert_eq!(undeclared_functions(clang), ["sqrt"]);
+    }
+
+    #[test]
+    fn undeclared_constants_are_read_from_each_compiler() {
+        let gcc = "a.c:1:3: error: 'M_PI' undeclared (first use in this function); did you mean 'MIN_PRI'?\n\
+                   a.c:2:3: error: 'index' undeclared (first use in this function)\n\
+                   a.cpp:3:3: error: 'M_PI' was not declared in this scope";
+        assert_eq!(undeclared_constants(gcc), ["M_PI"]);
+        assert_eq!(undeclared_constants("a.c:1:3: error: use of undeclared identifier 'TRUE'"), ["TRUE"]);
     }
 
     #[test]

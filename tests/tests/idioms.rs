@@ -1,0 +1,62 @@
+//! Idioms of programs in the wild, each in a small program of its own: what it prints, with which robot.
+
+use tests::{Scratch, write_scene};
+
+/// Name of the program, its text, and the lines that it prints.
+const IDIOMS: &[(&str, &str, &[&str])] = &[
+    (
+        "event-loop.py",
+        "import asyncio\nfrom eye import *\nasync def drive():\n    VWStraight(100, 100)\n    while not VWDone():\n        \
+         await asyncio.sleep(0.05)\n    return VWGetPosition()\nasync def tick():\n    await asyncio.sleep(0.5)\n    \
+         return OSGetCount() // 100\nasync def main():\n    print(await asyncio.gather(drive(), tick()))\nasyncio.run(main())\n",
+        &["[(100, 0, 0), 5]"],
+    ),
+    (
+        "time-limits.py",
+        "import queue, threading, time\nfrom eye import *\ndef now():\n    return round(time.time(), 1)\n\
+         print(threading.Event().wait(0.5), now())\ntry:\n    queue.Queue().get(timeout=0.5)\nexcept queue.Empty:\n    \
+         print('empty', now())\nfired = threading.Event()\nthreading.Timer(1.0, lambda: (print('fired', now()), fired.set())).start()\n\
+         VWStraight(200, 100)\nVWWait()\nprint(fired.is_set(), fired.wait(5), VWGetPosition())\n",
+        &["False 0.5", "empty 1.0", "fired 2.0", "True True (200, 0, 0)"],
+    ),
+    (
+        "copies.py",
+        "import copy, pickle\nfrom eye import *\nCAMInit(QQVGA)\nfor own in (VWGetPosition(), CAMGet(), SIMGetObject(2), PSDGet(1), LIDARGet()):\n    \
+         for other in (pickle.loads(pickle.dumps(own)), copy.copy(own), copy.deepcopy(own)):\n        \
+         assert other == own and type(other) is type(own), other\nx, y, z, phi = copy.copy(SIMGetObject(2))\nprint(x, y, z, phi)\n",
+        &["3000 3000 0 0"],
+    ),
+    (
+        "right-angle.c",
+        "#include \"eyebot.h\"\nint main()\n{\n    VWHandle vw = VWInit(VW_DRIVE, 1); PositionType pos;\n    \
+         VWDriveTurn(vw, M_PI / 2, 1.0);\n    VWDriveWait(vw);\n    VWGetPosition(vw, &pos);\n    printf(\"%.2f\\n\", pos.phi);\n    return 0;\n}\n",
+        &["1.57"],
+    ),
+];
+
+#[test]
+fn programs_in_the_wild_print_what_they_mean() {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let has_python =
+        std::process::Command::new(&python).arg("--version").output().is_ok_and(|out| out.status.success());
+    for (name, text, lines) in IDIOMS {
+        if name.ends_with(".py") && !has_python {
+            println!("skipped {name}: there is no `{python}`");
+            continue;
+        }
+        let scratch = Scratch::new();
+        write_scene(&scratch, &[]);
+        scratch.write(name, text);
+        let lines_7 = format!("S4 1000 1000 0 {name}\ncan 3000 3000 0\n");
+        let lines_6 = format!("robi bot.robi {name} 1000 1000 0\n");
+        scratch.write("my.sim", &format!("world room.wld\n{}", if name.ends_with(".py") { lines_7 } else { lines_6 }));
+        let ran = scratch.eyesim(&["run", "my.sim", "--until", "60", "--trace", "t.jsonl"]);
+        assert_eq!(ran.code, Some(0), "{name}: {ran:#?}");
+        let trace = scratch.trace("t.jsonl");
+        let said = trace
+            .iter()
+            .filter(|event| event["event"] == "stdout")
+            .map(|event| event["text"].as_str().expect("text").trim());
+        assert_eq!(said.collect::<Vec<_>>(), *lines, "{name}: {ran:#?}");
+    }
+}
