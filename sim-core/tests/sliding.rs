@@ -290,7 +290,7 @@ fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
             let touched: Vec<&Segment> = case.walls.iter().filter(near).collect();
             let [wall] = touched[..] else { continue };
             let offset = centre - wall.nearest_point(centre);
-            let normal = offset.normalize();
+            let normal = offset.normalize_or_zero();
             let rim = normal.perp().dot(velocity) - case.twist.omega * offset.length();
             // The wall pushes the body as the slipping wheels push back.
             let (force, friction) = (-slip.dot(normal), -slip.dot(normal.perp()));

@@ -91,7 +91,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
     }
     if let ([first], None) = (sizes, rules.dialect)
         && first.rows_above == 0
-        && first.size.is_some_and(|size| size != DEFAULT_CELL)
+        && first.size.is_some_and(|size| size.total_cmp(&DEFAULT_CELL).is_ne())
     {
         let message = format!(
             "cells of {} mm by the first line; EyeSim VR of 2018 reads the last line only and takes {} mm",

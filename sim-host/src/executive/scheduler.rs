@@ -226,8 +226,8 @@ impl Scheduler {
     /// Carries out `action` in the paused run, at the start of the slot that contains `at`: at the earliest the
     /// [following](Boundary::following) one, at the latest the [next](Boundary::next).
     ///
+    /// # Errors
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
-    /// Why it is refused; nothing changes then.
     pub fn act(&mut self, at: Time, action: &Action) -> Result<(), Refusal> {
         self.run.dispatcher.lock().act(at, action, &self.run, &mut self.run.environment.write())
     }

@@ -70,7 +70,7 @@ impl Frame {
     }
 
     /// Position in the picture of a point of the world, in pixels from the upper left corner.
-    pub fn to_pixels(&self, point: DVec2) -> DVec2 {
+    pub fn pixel_of(&self, point: DVec2) -> DVec2 {
         DVec2::new(LEFT + (point.x - self.min.x) * self.scale, TOP + (self.max.y - point.y) * self.scale)
     }
 
@@ -177,7 +177,7 @@ mod tests {
     fn both_directions_have_the_same_scale_and_up_is_up() {
         for size in [None, Some((1000, 500)), Some((400, 1000))] {
             let frame = Frame::around(DVec2::new(-1.0, 2.0), DVec2::new(3.0, 4.0), size);
-            let (a, b, c) = (frame.to_pixels(DVec2::ZERO), frame.to_pixels(DVec2::X), frame.to_pixels(DVec2::Y));
+            let (a, b, c) = (frame.pixel_of(DVec2::ZERO), frame.pixel_of(DVec2::X), frame.pixel_of(DVec2::Y));
             assert!((b - a - DVec2::new(frame.scale(), 0.0)).length() < 1e-9, "{a} {b}");
             assert!((c - a - DVec2::new(0.0, -frame.scale())).length() < 1e-9, "{a} {c}");
             assert!(frame.contains(DVec2::new(-1.0, 2.0)) && frame.contains(DVec2::new(3.0, 4.0)));

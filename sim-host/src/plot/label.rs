@@ -21,7 +21,7 @@ pub struct Obstacle {
 impl Obstacle {
     /// Square around the body that a label names.
     pub fn around(label: &Label, frame: &Frame) -> Self {
-        let (centre, radius) = (frame.to_pixels(label.at), radius(label, frame));
+        let (centre, radius) = (frame.pixel_of(label.at), radius(label, frame));
         Self { low: centre - DVec2::splat(radius), high: centre + DVec2::splat(radius) }
     }
 
@@ -51,7 +51,7 @@ impl<'a> Labels<'a> {
             return None;
         }
         let width = text_width(&label.text, TEXT);
-        let (centre, radius) = (self.frame.to_pixels(label.at), radius(label, self.frame) + GAP);
+        let (centre, radius) = (self.frame.pixel_of(label.at), radius(label, self.frame) + GAP);
         let wished = label.direction.try_normalize();
         let around =
             [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)];
@@ -121,7 +121,7 @@ mod tests {
         let up = Label { direction: DVec2::Y, ..label("up", 2.0, 2.0) };
         let mut labels = Labels::new(&frame, Vec::new());
         let (corner, _) = labels.place(&up).expect("there is room");
-        let place = frame.to_pixels(DVec2::splat(2.0));
+        let place = frame.pixel_of(DVec2::splat(2.0));
         assert!(corner.y + HEIGHT < place.y && corner.x < place.x, "{corner} is above {place}");
         assert!(Labels::new(&frame, Vec::new()).place(&label("far", 99.0, 0.0)).is_none(), "outside the picture");
     }

@@ -126,7 +126,7 @@ fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
 
 /// Upper left and lower right corner of the backdrop, in pixels.
 fn corners_of(backdrop: &Backdrop, frame: &Frame) -> (DVec2, DVec2) {
-    let [low, high] = backdrop.corners.map(|corner| frame.to_pixels(corner));
+    let [low, high] = backdrop.corners.map(|corner| frame.pixel_of(corner));
     (low.min(high), low.max(high))
 }
 
@@ -160,17 +160,17 @@ impl<B: Surface> Painter<'_, '_, B> {
     fn axes(&mut self) -> Result<(), PlotError> {
         let (low, high) = self.frame.corners();
         let step = round_step(TICKS / self.frame.scale());
-        let (corner, opposite) = (self.frame.to_pixels(low), self.frame.to_pixels(high));
+        let (corner, opposite) = (self.frame.pixel_of(low), self.frame.pixel_of(high));
         let grid = Line { paint: Paint::translucent(GRID, 0.8), width: 1.0 };
         for value in ticks(low.x, high.x, step) {
-            let x = self.frame.to_pixels(DVec2::new(value, low.y)).x;
+            let x = self.frame.pixel_of(DVec2::new(value, low.y)).x;
             self.canvas.path(&[DVec2::new(x, opposite.y), DVec2::new(x, corner.y)], grid)?;
             self.canvas.path(&[DVec2::new(x, corner.y), DVec2::new(x, corner.y + 5.0)], AXIS)?;
             let at = DVec2::new(x, corner.y + 8.0);
             self.canvas.text(&metres(value, step), at, TEXT, Anchor::BELOW, TEXT_PAINT)?;
         }
         for value in ticks(low.y, high.y, step) {
-            let y = self.frame.to_pixels(DVec2::new(low.x, value)).y;
+            let y = self.frame.pixel_of(DVec2::new(low.x, value)).y;
             self.canvas.path(&[DVec2::new(corner.x, y), DVec2::new(opposite.x, y)], grid)?;
             self.canvas.path(&[DVec2::new(corner.x - 5.0, y), DVec2::new(corner.x, y)], AXIS)?;
             let at = DVec2::new(corner.x - 8.0, y);
@@ -190,7 +190,7 @@ impl<B: Surface> Painter<'_, '_, B> {
                 continue;
             }
             if let Form::Cross(point) = shape.form {
-                let place = self.frame.to_pixels(point).round();
+                let place = self.frame.pixel_of(point).round();
                 if !crosses.insert((place.x as i64, place.y as i64)) {
                     continue;
                 }
@@ -217,7 +217,7 @@ impl<B: Surface> Painter<'_, '_, B> {
                     return Ok(());
                 }
                 let radius = (radius * self.frame.scale()).max(*least);
-                self.canvas.disc(self.frame.to_pixels(*centre), radius, shape.fill, shape.line)
+                self.canvas.disc(self.frame.pixel_of(*centre), radius, shape.fill, shape.line)
             }
             Form::Needle { pose, length, least } => {
                 let length = length.max(least / self.frame.scale());
@@ -226,9 +226,9 @@ impl<B: Surface> Painter<'_, '_, B> {
             }
             Form::Arrow(pose) => {
                 let way = pose.heading.direction();
-                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.to_pixels(pose.position), way, line))
+                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.pixel_of(pose.position), way, line))
             }
-            Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.frame.to_pixels(*point), line)),
+            Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.frame.pixel_of(*point), line)),
         }
     }
 
@@ -240,7 +240,7 @@ impl<B: Surface> Painter<'_, '_, B> {
     }
 
     fn places(&self, points: &[DVec2]) -> Vec<DVec2> {
-        points.iter().map(|point| self.frame.to_pixels(*point)).collect()
+        points.iter().map(|point| self.frame.pixel_of(*point)).collect()
     }
 
     /// Draws an arrow of 20 pixels from `at` along `way`, a direction in the world frame.

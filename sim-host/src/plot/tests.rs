@@ -195,7 +195,7 @@ fn pixels_stand_where_the_world_says() {
         let image = pixels(&drawing, size);
         assert_eq!(image.dimensions(), frame.whole());
         let at = |x: f64, y: f64| {
-            let place = frame.to_pixels(DVec2::new(x, y));
+            let place = frame.pixel_of(DVec2::new(x, y));
             image.get_pixel(place.x as u32, place.y as u32).0
         };
         for point in [(0.0, 1.03), (2.0, 1.03), (1.03, 0.0), (1.03, 2.0)] {

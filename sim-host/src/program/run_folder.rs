@@ -48,7 +48,7 @@ impl RunFolder {
 fn remove_abandoned(parent: &Path) {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let of_runs = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));
-    for folder in of_runs.map(|entry| entry.path()).filter(|folder| is_abandoned(folder)) {
+    for folder in of_runs.map(|entry| entry.path()).filter(is_abandoned) {
         // Another process may remove it at the same time.
         let _ = fs::remove_dir_all(folder);
     }

@@ -174,7 +174,7 @@ fn mistake(case: &Case, told: &Told, reference: &[String]) -> Option<String> {
     if said.contains('\x1b') || said.contains('\x07') {
         return Some("steers the terminal".to_owned());
     }
-    let is_told = case.told.is_empty() || case.told.iter().any(|words| is_told(&words));
+    let is_told = case.told.is_empty() || case.told.iter().any(is_told);
     (!is_told && code.is_some_and(|code| code < 128)).then(|| format!("expected one of {:?}", case.told))
 }
 
