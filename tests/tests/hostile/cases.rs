@@ -98,10 +98,15 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         &["no RoBIOS call returned in time"],
     ),
     ("stack", "array overrun by a little", "overrun(24);", &["segmentation fault", "illegal"]),
-    ("stack", "array overrun far", "overrun(6000);", &["segmentation fault"]),
+    ("stack", "array overrun far", "overrun(6000);", &["segmentation fault", "makes no sense"]),
     ("stack", "array overrun, protected", "smash(24);", &["stack smashed"]),
     ("stack", "array overrun far, protected", "smash(600);", &["stack smashed"]),
-    ("stack", "array overrun into the host, protected", "smash(6000);", &["stack smashed"]),
+    (
+        "stack",
+        "array overrun into the host, protected",
+        "smash(6000);",
+        &["stack smashed", "makes no sense", "has overwritten"],
+    ),
     (
         "stack",
         "array of 1 GB",
