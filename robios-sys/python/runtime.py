@@ -10,6 +10,7 @@ Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_co
 """
 
 import array as _array
+import collections as _collections
 import ctypes as _ctypes
 import io as _io
 import mmap as _mmap
@@ -163,12 +164,18 @@ class _Object(_Values):
         return tuple.__getitem__(self, 2 if index == 3 else index)
 
 
+# The latest arrays given for lists: `ctypes.cast` makes a pointer to one without keeping it.
+_lent = _collections.deque(maxlen=64)
+
+
 class _Numbers(list):
     """A list of whole numbers, which serves as an array of ctypes, too."""
 
     @property
     def _as_parameter_(self):
-        return (_ctypes.c_int * len(self))(*self)
+        lent = (_ctypes.c_int * len(self))(*self)
+        _lent.append(lent)
+        return lent
 
 
 class _Addresses(_Numbers):
