@@ -438,18 +438,25 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a relative reference to a file beside the source for the target's folder; all other references keep their target.
+    /// Rewrites a reference for the target's folder: a relative one to a file beside the source, and an absolute one that leads nowhere
+    /// and whose file is found near the source. All other references keep their target.
     fn rewrite_path(&self, reference: &mut PathRef) {
         let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
         if old == new {
             return;
         }
         let text = reference.text.replace('\\', "/");
-        let Some(first) = path::candidates(&text, old, None).into_iter().next() else { return };
-        let is_relative = !text.starts_with('/') && path::join(old, &text) == first;
-        let is_there = || self.files.list(path::folder_of(&first)).iter().any(|name| name == path::file_name(&first));
-        if is_relative && is_there() {
-            reference.text = path::relative(new, &first);
+        let candidates = path::candidates(&text, old, None);
+        let is_there =
+            |path: &String| self.files.list(path::folder_of(path)).iter().any(|name| name == path::file_name(path));
+        let is_relative = |first: &&String| !text.starts_with('/') && path::join(old, &text) == **first;
+        let found = match candidates.first().filter(is_relative).filter(|first| is_there(first)) {
+            Some(first) => Some(first.clone()),
+            None if candidates.iter().any(is_there) => None,
+            None => path::moved(&reference.text, old, None).into_iter().find(is_there),
+        };
+        if let Some(found) = found {
+            reference.text = path::relative(new, &found);
         }
     }
 }
