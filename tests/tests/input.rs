@@ -93,7 +93,7 @@ fn the_text_may_come_through_a_pipe_and_a_rust_program_reads_it() {
     scratch.write("reader/Cargo.toml", &manifest);
     scratch.write(
         "reader/src/lib.rs",
-        "use robios_api::prelude::*;\nrobot_program!(main);\nfn main(robot: &Robot) {\n    while let Some(line) = robot.read_line() {\n        \
+        "use robios_api::prelude::*;\nrobios_api::program!(main);\nfn main(robot: &Robot) {\n    while let Some(line) = robot.read_line() {\n        \
          writeln!(robot.console(), \"<{line}>\");\n    }\n}\n",
     );
     write_scene(&scratch, &["reader"]);

@@ -108,7 +108,7 @@ fn a_maze_becomes_long_walls() {
 
 #[test]
 fn maze_letters_give_headings_and_objects() {
-    let maze = maze("720\n _________\n|u|r|d|lXo|\n|_________|\n");
+    let maze = maze(" _________\n|u|r|d|lXo|\n|_________|\n720\n");
     let headings: Vec<f64> = maze.starts.iter().map(|start| start.pose.heading.remainder()).collect();
     assert_eq!(headings, [FRAC_PI_2, 0.0, -FRAC_PI_2, -PI]);
     // X stands in a wall column: it belongs to the cell on its left, the fourth.
