@@ -438,18 +438,27 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a relative reference to a file beside the source for the target's folder; all other references keep their target.
+    /// Rewrites a relative reference to a file beside the source for the target's folder, and one from another machine whose file is
+    /// found near the source; all other references keep their target.
     fn rewrite_path(&self, reference: &mut PathRef) {
         let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
         if old == new {
             return;
         }
         let text = reference.text.replace('\\', "/");
-        let Some(first) = path::candidates(&text, old, None).into_iter().next() else { return };
-        let is_relative = !text.starts_with('/') && path::join(old, &text) == first;
-        let is_there = || self.files.list(path::folder_of(&first)).iter().any(|name| name == path::file_name(&first));
-        if is_relative && is_there() {
-            reference.text = path::relative(new, &first);
+        let is_there =
+            |place: &String| self.files.list(path::folder_of(place)).iter().any(|name| name == path::file_name(place));
+        let places = path::candidates(&text, old, self.files.home());
+        let is_relative = !text.starts_with('/') && places.first() == Some(&path::join(old, &text));
+        let found = if is_relative {
+            places.into_iter().next().filter(is_there)
+        } else if places.iter().any(is_there) {
+            None
+        } else {
+            path::moved(&text, old, None).into_iter().find(is_there)
+        };
+        if let Some(place) = found {
+            reference.text = path::relative(new, &place);
         }
     }
 }
