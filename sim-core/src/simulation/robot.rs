@@ -302,7 +302,8 @@ impl Robot {
         }
         floor.left = Some(off);
         let DVec2 { x, y } = self.motion.pose(off).position;
-        let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round());
+        // Adding 0 makes 0 of -0.
+        let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round() + 0.0);
         let text =
             format!("the robot has left the floor at ({x}, {y}) mm: a wall or a piece of the border is missing there");
         self.journal.record(off, &Event::Hint { text: &text });
