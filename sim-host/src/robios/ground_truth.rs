@@ -1,7 +1,7 @@
 //! Functions of RoBIOS-7 that only a simulator can have: ground-truth poses, and placement of robots and objects.
 //!
 //! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise; those of
-//! EyeSim VR of 2018 differ ([`heading_told`], [`heading_meant`]).
+//! EyeSim VR of 2018 differ (`heading_told`, `heading_meant`).
 
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};

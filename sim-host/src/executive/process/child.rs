@@ -197,7 +197,7 @@ impl Child {
     /// Waits for the child's first message, which it sends once its program is loaded.
     ///
     /// # Errors
-    /// As [`Child::receive`], and if the child has used, or slept, [`LOAD_TIMEOUT`] without sending it.
+    /// As [`Child::receive`], and if the child has used, or slept, the time limit of loading without sending it.
     pub fn receive_first(&self) -> Result<Message, Broken> {
         let mut timer = ReleaseTimer::default();
         // A debugger has no limit, and an interpreter says when it imports modules, which may take long.
