@@ -36,6 +36,7 @@ struct task {
     __pthread_unwind_buf_t *cleanup; /* the innermost handler; the next one is in its first pad */
     const void **values;             /* of keys */
     unsigned value_count;
+    int identifier; /* of MTSpawn */
     char name[16];
 };
 
@@ -53,17 +54,17 @@ static struct task *task_numbered(pthread_t number)
     return task;
 }
 
-/* The frame of the task that this thread runs. */
-static struct frame *frame_of_thread(void)
+/* The innermost frame of the flow that runs: of the task on whose stack this function does. Several tasks may share a thread;
+ * stacks do not overlap, and the first frame of a task is the highest one on its stack that is the program's. */
+static struct frame *frame_of_flow(void)
 {
+    const char *here = __builtin_frame_address(0);
     const void *thread = this_thread();
-    struct task *task;
-    if (self.frame != NULL && self.frame->thread == thread)
-        return self.frame;
+    struct task *task, *own = NULL;
     for (task = tasks; task != NULL; task = task->next)
-        if (task->thread == thread)
-            return task->base;
-    return self.frame;
+        if (task->thread == thread && here < (const char *)task->base && (own == NULL || task->base < own->base))
+            own = task;
+    return own == NULL || (self.frame != NULL && self.frame->task == own) ? self.frame : own->base;
 }
 
 /* ---- calls ---- */
@@ -247,7 +248,7 @@ static __attribute__((noinline)) void *start_outermost(struct task *task)
     return task->start != NULL ? task->start(task->argument) : (void *)(intptr_t)task->start_c11(task->argument);
 }
 
-/* Runs a task on its own thread. */
+/* Runs a task on a stack of its own. */
 static int32_t run_task(void *data)
 {
     struct task *const task = data;

@@ -333,8 +333,6 @@ WEAK int MTSleep(int n)
     return result;
 }
 
-static __thread int task_identifier;
-
 struct task_start {
     void *(*function)(void *);
     int identifier;
@@ -344,8 +342,8 @@ static void *start_task(void *data)
 {
     struct task_start start = *(struct task_start *)data;
     free(data);
-    task_identifier = start.identifier;
-    return start.function(&task_identifier);
+    this_task()->identifier = start.identifier;
+    return start.function(&this_task()->identifier);
 }
 
 WEAK TASK MTSpawn(void *(*fct)(void *), int id)

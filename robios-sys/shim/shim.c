@@ -86,7 +86,7 @@ static struct {
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
 
-/* The calling thread. */
+/* The calling thread. A flow (the program's main, or a task) stays on one thread, which it may share with others. */
 static inline const void *this_thread(void)
 {
     const void *thread;
@@ -100,7 +100,7 @@ static inline const void *this_thread(void)
     return thread;
 }
 
-/* True if the program may call the host: it is running, and the caller is on the thread of its current task. */
+/* True if the program may call the host: it is running, and the caller is on the thread of its current task, not on one of OpenMP. */
 static inline int may_call(void)
 {
     return self.host != NULL && self.frame != NULL && self.frame->thread == this_thread();
@@ -141,7 +141,7 @@ static _Noreturn void leave(int exit_code)
 static _Noreturn void stop(void);
 
 static int is_cancelled(void);
-static struct frame *frame_of_thread(void);
+static struct frame *frame_of_flow(void);
 static void turn(void);
 static _Noreturn void cancel_self(void);
 
@@ -221,7 +221,7 @@ static int32_t called_back(void *data)
     struct frame frame;
     const struct eyesim_call_site outer_site = self.call_site;
     memcpy(&function, &data, sizeof function);
-    frame.outer = frame_of_thread();
+    frame.outer = frame_of_flow();
     frame.task = frame.outer->task;
     frame.thread = this_thread();
     frame.is_left = frame.jump_value = 0;
