@@ -194,7 +194,8 @@ static void forget(struct task *task)
 static void note_end(struct task *task)
 {
     task->has_ended = 1;
-    task->thread = NULL;
+    if (task != &main_task) /* its stack stays: timer functions may run there until the others have ended */
+        task->thread = NULL;
     wake(task);
     if (task->is_detached)
         forget(task);

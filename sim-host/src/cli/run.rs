@@ -187,12 +187,13 @@ impl RunArgs {
 
 impl clap::ValueEnum for Exec {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Thread, Self::Process]
+        &[Self::Thread, Self::Fiber, Self::Process]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
             Self::Thread => PossibleValue::new("thread").help("On a thread of the host"),
+            Self::Fiber => PossibleValue::new("fiber").help("On a fiber, many on one thread; on a thread if it is not fit for that"),
             Self::Process => PossibleValue::new("process").help("In a process of its own"),
         })
     }

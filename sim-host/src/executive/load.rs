@@ -86,7 +86,7 @@ pub fn load_program(
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
 /// copies and stacks of these programs.
 fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), ProgramLoadError> {
-    let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
+    let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) != Exec::Process).peekable();
     if in_host.peek().is_some() {
         damage::check()?;
     }
@@ -107,9 +107,10 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Place in which a program runs if the user wants `exec`: a Python program always has its own process.
+/// Place in which a program runs if the user wants `exec`: a Python program always has its own process, and some are not fit for fibers.
 fn exec_of(program: &Prepared, exec: Exec) -> Exec {
     match program.code {
+        Code::Library(_) if exec == Exec::Fiber && program.why_no_fiber().is_some() => Exec::Thread,
         Code::Library(_) => exec,
         Code::Python(_) => Exec::Process,
     }
@@ -130,8 +131,14 @@ impl Loading {
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
-        if debugger.is_none() && exec_of(program, exec) == Exec::Thread {
-            return loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Self::Done);
+        let place = match exec_of(program, exec) {
+            _ if debugger.is_some() => None,
+            Exec::Thread => Some(RobotProgram::Thread as fn(_) -> _),
+            Exec::Fiber => Some(RobotProgram::Fiber as fn(_) -> _),
+            Exec::Process => None,
+        };
+        if let Some(place) = place {
+            return loader.load(program, &robot.arguments).map(place).map(Self::Done);
         }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {

@@ -18,6 +18,8 @@ pub enum Exec {
     /// On a thread of the host.
     #[default]
     Thread,
+    /// On a fiber of the host, if it is fit for that ([`Prepared::why_no_fiber`](crate::program::prepare::Prepared::why_no_fiber)), else on a thread.
+    Fiber,
     /// In a process of its own.
     Process,
 }
@@ -26,6 +28,8 @@ pub enum Exec {
 pub enum RobotProgram {
     /// In this process, on its flow's thread.
     Thread(LoadedProgram),
+    /// In this process, on its flow's fiber.
+    Fiber(LoadedProgram),
     /// In a process of its own, which its flow's thread serves.
     Process(RemoteProgram),
 }
@@ -37,15 +41,20 @@ impl RobotProgram {
     /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         match self {
-            Self::Thread(program) => Ok(program.run(host)),
+            Self::Thread(program) | Self::Fiber(program) => Ok(program.run(host)),
             Self::Process(program) => program.run(host),
         }
+    }
+
+    /// Returns true if its flows are fibers.
+    pub fn is_fiber(&self) -> bool {
+        matches!(self, Self::Fiber(_))
     }
 
     /// The program's process, if it has its own.
     pub fn child(&self) -> Option<&Arc<Child>> {
         match self {
-            Self::Thread(_) => None,
+            Self::Thread(_) | Self::Fiber(_) => None,
             Self::Process(program) => Some(program.child()),
         }
     }
@@ -60,7 +69,7 @@ impl RobotProgram {
     /// The line in the program's own sources to which a call stack leads, see [`LoadedProgram::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         match self {
-            Self::Thread(program) => program.own_source_line(addresses),
+            Self::Thread(program) | Self::Fiber(program) => program.own_source_line(addresses),
             Self::Process(program) => program.own_source_line(addresses),
         }
     }
@@ -68,7 +77,7 @@ impl RobotProgram {
     /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.
     pub fn call_site(&self) -> Site {
         match self {
-            Self::Thread(program) => Site::InHost(program.call_site()),
+            Self::Thread(program) | Self::Fiber(program) => Site::InHost(program.call_site()),
             Self::Process(program) => Site::InChild(program.call_site()),
         }
     }
@@ -76,7 +85,7 @@ impl RobotProgram {
     /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
-            (Self::Thread(program), Site::InHost(site)) => program.place_of(site),
+            (Self::Thread(program) | Self::Fiber(program), Site::InHost(site)) => program.place_of(site),
             (Self::Process(program), Site::InChild(site)) => program.place_of(site),
             _ => None,
         }

@@ -50,8 +50,20 @@ pub struct ThreadBlock {
 enum OnFault {
     /// Parks the thread and notifies the supervisor of its run.
     Park(Arc<Notifier>),
+    /// Leaves the fiber, whose worker publishes the fault then.
+    Leave(Leave),
     /// Calls this async-signal-safe function.
     Report(FaultCallback),
+}
+
+/// How a fiber is left for good.
+#[derive(Clone, Copy)]
+pub struct Leave {
+    /// Changes the context of a signal on the fiber so that its worker continues when the handler returns; async-signal-safe. Returns
+    /// false, without a change, if that stack pointer is on another stack and the signal is the watchdog's.
+    pub from_signal: unsafe fn(context: *mut libc::ucontext_t, signal: i32) -> bool,
+    /// Leaves the fiber on which it is called.
+    pub from_call: fn() -> !,
 }
 
 /// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
@@ -84,6 +96,11 @@ impl ThreadBlock {
     /// Creates a block whose thread does not run yet; its fault parks the thread and signals `notifier`.
     pub fn notifying(notifier: Arc<Notifier>) -> Self {
         Self::new(OnFault::Park(notifier))
+    }
+
+    /// Creates the block of a fiber, whose fault leaves it.
+    pub fn leaving(leave: Leave) -> Self {
+        Self::new(OnFault::Leave(leave))
     }
 
     /// Creates a block whose faults are passed to `report`.
@@ -140,16 +157,36 @@ impl ThreadBlock {
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
         if self.overdue.load(Ordering::Relaxed) {
-            self.park_faulted(Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 });
+            let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
+            if let OnFault::Leave(leave) = self.on_fault {
+                self.store(fault);
+                (leave.from_call)();
+            }
+            self.park_faulted(fault);
         }
     }
 
-    /// Publishes the fault, notifies the supervisor and never returns; async-signal-safe.
-    fn park_faulted(&self, fault: Fault) -> ! {
+    /// Stores the fault, which is not published yet; async-signal-safe.
+    fn store(&self, fault: Fault) {
         self.fault_signal.store(fault.signal, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
+    }
+
+    /// Returns true if a fault of this fiber is stored.
+    pub fn has_faulted(&self) -> bool {
+        self.fault_signal.load(Ordering::Relaxed) != 0
+    }
+
+    /// Publishes the stored fault of a fiber that has been left.
+    pub fn publish_fault(&self) {
+        self.faulted.store(true, Ordering::Release);
+    }
+
+    /// Publishes the fault, notifies the supervisor and never returns; async-signal-safe.
+    fn park_faulted(&self, fault: Fault) -> ! {
+        self.store(fault);
         self.faulted.store(true, Ordering::Release);
         if let OnFault::Park(notifier) = &self.on_fault {
             notifier.notify();
@@ -194,6 +231,15 @@ impl ThreadBlock {
         CURRENT.set(self);
         Ok(())
     }
+}
+
+/// Makes `block` that of the fiber which the calling thread, a worker, runs next; null for none. It takes the place of the thread's
+/// own, whose alternate stack stays.
+///
+/// # Safety
+/// The block must be alive until it is replaced.
+pub unsafe fn set_current(block: *const ThreadBlock) {
+    CURRENT.set(block);
 }
 
 impl Drop for ThreadBlock {
@@ -354,6 +400,7 @@ pub fn default_action(signal: i32) {
 
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &ThreadBlock) {
+    block.overdue.store(true, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
@@ -367,15 +414,23 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     }
     // SAFETY: the block lives as long as this thread (see `adopt_current_thread`).
     let block = unsafe { &*block };
-    if matches!(block.on_fault, OnFault::Park(_)) && signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
-        block.overdue.store(true, Ordering::Relaxed);
-        return;
+    if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
+        // The signal may be late: another fiber runs on the thread by now. Within the host, the thread stops when it leaves that.
+        if !block.overdue.load(Ordering::Relaxed) || block.in_host.load(Ordering::Relaxed) {
+            return;
+        }
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
     let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
     let fault = Fault { signal, address, pc, sp };
     match block.on_fault {
         OnFault::Park(_) => block.park_faulted(fault),
+        // SAFETY: `context` is the kernel's, of a signal on the thread whose block this is.
+        OnFault::Leave(leave) => unsafe {
+            if (leave.from_signal)(context.cast(), signal) {
+                block.store(fault);
+            }
+        },
         OnFault::Report(report) => report(block, fault),
     }
 }

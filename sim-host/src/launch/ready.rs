@@ -17,7 +17,7 @@ use crate::executive::interrupt::Interrupt;
 use crate::executive::program::{Exec, RobotProgram};
 use crate::executive::scheduler::{Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
-use crate::executive::thread::ThreadExecutor;
+use crate::executive::mixed::MixedExecutor;
 use crate::files::slashed;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::Input;
@@ -122,7 +122,7 @@ impl Ready {
         let flows = programs.iter().flatten().count();
         let parts = RunParts {
             world,
-            executor: Box::new(ThreadExecutor::new(robots.len(), flows, limits.workers)),
+            executor: Box::new(MixedExecutor::new(robots.len(), flows, limits.workers)),
             robots,
             programs,
             spawner,

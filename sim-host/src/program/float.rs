@@ -130,6 +130,18 @@ impl Environment {
     }
 }
 
+/// Gives the calling thread the environment with which it started, and empties the x87's register stack: code was left within an
+/// expression.
+pub fn reset() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: the x87's registers hold nothing at a call.
+    unsafe {
+        std::arch::asm!("fninit", out("st(0)") _, out("st(1)") _, out("st(2)") _, out("st(3)") _,
+            out("st(4)") _, out("st(5)") _, out("st(6)") _, out("st(7)") _, options(nomem, nostack));
+    }
+    Environment::INITIAL.apply();
+}
+
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;

@@ -22,7 +22,7 @@ pub mod load;
 pub mod prepare;
 pub mod python;
 pub mod scene;
-mod share;
+pub(crate) mod share;
 pub mod site;
 pub mod symbols;
 #[cfg(test)]

@@ -47,6 +47,15 @@ impl Prepared {
         }
     }
 
+    /// Reason why its flows cannot be fibers, in words; `None` if they can: eyesim has built it, see
+    /// [`ProgramImage::why_thread_bound`].
+    pub fn why_no_fiber(&self) -> Option<String> {
+        match (&self.code, &self.source) {
+            (Code::Library(image), ProgramSource::Sources { .. }) => image.why_thread_bound(),
+            _ => Some("eyesim has not built it from its sources in C".to_owned()),
+        }
+    }
+
     /// The generation of RoBIOS for which the program was built, if known.
     pub fn generation(&self) -> Option<u32> {
         match &self.code {
