@@ -89,8 +89,13 @@ fn assert_golden(more: &[&str]) {
 }
 
 #[test]
-fn every_sample_scene_has_its_golden_digest_on_threads() {
+fn every_sample_scene_has_its_golden_digest_on_fibers() {
     assert_golden(&[]);
+}
+
+#[test]
+fn every_sample_scene_has_its_golden_digest_on_threads() {
+    assert_golden(&["--exec", "thread"]);
 }
 
 #[test]

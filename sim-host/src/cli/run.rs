@@ -201,13 +201,17 @@ impl RunArgs {
 
 impl clap::ValueEnum for Exec {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Auto, Self::Thread, Self::Process]
+        &[Self::Auto, Self::Fiber, Self::Thread, Self::Process]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
-            Self::Auto => PossibleValue::new("auto")
-                .help("In a process of its own where its imports show that it could end eyesim, else on a thread"),
+            Self::Auto => PossibleValue::new("auto").help(
+                "In a process of its own where its imports show that it could end eyesim, else on a fiber or a thread",
+            ),
+            Self::Fiber => {
+                PossibleValue::new("fiber").help("On a fiber of the host, or on a thread if it is not fit for that")
+            }
             Self::Thread => PossibleValue::new("thread").help("On a thread of the host"),
             Self::Process => PossibleValue::new("process").help("In a process of its own"),
         })

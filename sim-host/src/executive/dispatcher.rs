@@ -279,8 +279,9 @@ impl Dispatcher {
         self.workers[self.affinity[robot.index()] as usize].run_queue.push_back(robot);
     }
 
-    /// The next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest one.
-    fn next_for(&mut self, worker: usize) -> Option<RobotId> {
+    /// The next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest one,
+    /// unless that robot is bound to its worker.
+    fn next_for(&mut self, worker: usize, run: &Run) -> Option<RobotId> {
         if let Some(robot) = self.workers[worker].run_queue.pop_front() {
             return Some(robot);
         }
@@ -288,7 +289,7 @@ impl Dispatcher {
         if busiest.run_queue.len() < MIN_QUEUE_TO_STEAL {
             return None;
         }
-        let robot = busiest.run_queue.pop_back()?;
+        let robot = busiest.run_queue.pop_back_if(|robot| !run.is_bound_to_worker(*robot))?;
         self.affinity[robot.index()] = worker as u32;
         Some(robot)
     }
@@ -310,7 +311,7 @@ impl Dispatcher {
                 if self.workers[worker].running.is_some() {
                     continue;
                 }
-                let next = self.next_for(worker);
+                let next = self.next_for(worker, run);
                 self.workers[worker].running = next;
                 match next {
                     Some(robot) if Some(robot) == returning => outcome.continues = true,

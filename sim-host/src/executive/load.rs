@@ -9,7 +9,7 @@ use sim_core::spec::{RobotSpec, SceneSpec};
 use super::damage;
 use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
-use super::program::{Exec, RobotProgram};
+use super::program::{Exec, Place, RobotProgram};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
@@ -54,7 +54,7 @@ pub fn load_programs(
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec)?;
     let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
-    Child::make_room(programs.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
+    Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == Place::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
@@ -86,7 +86,7 @@ pub fn load_program(
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
 /// copies and stacks of these programs.
 fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), ProgramLoadError> {
-    let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
+    let mut in_host = programs.into_iter().filter(|program| place_of(program, exec).0 != Place::Process).peekable();
     if in_host.peek().is_some() {
         damage::check()?;
     }
@@ -107,15 +107,26 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Place in which a program runs if the user wants `exec`. A Python program always has its own process, and so has a library whose code
-/// runs while it is loaded: where that does not return, a process can be ended.
-fn exec_of(program: &Prepared, exec: Exec) -> Exec {
-    match (&program.code, exec) {
-        (Code::Python(_), _) => Exec::Process,
-        (Code::Library(image), _) if image.has_resolvers() => Exec::Process,
-        (Code::Library(_), Exec::Auto) if program.danger.is_some() => Exec::Process,
-        (Code::Library(_), Exec::Auto) => Exec::Thread,
-        (Code::Library(_), exec) => exec,
+/// Place in which a program runs if the user wants `exec`, and the reason if that is another one or `auto` chose the slower one: a line
+/// without its beginning, `` uses `fork`: ... ``.
+///
+/// A Python program always has its own process, and so has a library whose code runs while it is loaded: where that does not return, a
+/// process can be ended.
+pub fn place_of(program: &Prepared, exec: Exec) -> (Place, Option<String>) {
+    let image = match &program.code {
+        Code::Python(_) => return (Place::Process, None),
+        Code::Library(image) => image,
+    };
+    let in_process = || (Place::Process, program.danger.clone());
+    match exec {
+        _ if image.has_resolvers() => in_process(),
+        Exec::Auto if program.danger.is_some() => in_process(),
+        Exec::Auto | Exec::Fiber => match program.danger.clone().or_else(|| program.why_thread_bound()) {
+            Some(why) => (Place::Thread, Some(why)),
+            None => (Place::Fiber, None),
+        },
+        Exec::Thread => (Place::Thread, None),
+        Exec::Process => (Place::Process, None),
     }
 }
 
@@ -134,8 +145,10 @@ impl Loading {
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
-        if debugger.is_none() && exec_of(program, exec) == Exec::Thread {
-            return loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Self::Done);
+        let place = if debugger.is_some() { Place::Process } else { place_of(program, exec).0 };
+        if place != Place::Process {
+            let program = loader.load(program, &robot.arguments)?;
+            return Ok(Self::Done(RobotProgram::InHost { program, is_fiber: place == Place::Fiber }));
         }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {

@@ -10,10 +10,12 @@ pub mod confine;
 pub mod damage;
 pub mod dispatcher;
 pub mod fault;
+pub mod fiber;
 mod flow;
 pub mod interrupt;
 pub mod intervene;
 pub mod load;
+pub mod mixed;
 pub mod notifier;
 pub mod pace;
 pub mod process;
@@ -50,8 +52,8 @@ pub trait Executor: Send + Sync {
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn must_end(&self) -> bool;
 
-    /// Prepares for robots with ids up to this one.
-    fn admit(&self, robot: RobotId);
+    /// Prepares for robots with ids up to this one; the flows of this one are fibers if it `is_fiber`.
+    fn admit(&self, robot: RobotId, is_fiber: bool);
 
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
     /// comes first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` for

@@ -13,13 +13,27 @@ use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
 use crate::program::site::Site;
 
-/// Place in which a robot's program runs.
+/// What the user wants about the places of programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
-    /// In a process of its own where its imports show that it could end or stop the host, else on a thread of the host.
+    /// In a process of its own where its imports show that it could end or stop the host, else on a fiber, or a thread as below.
     Auto,
-    /// On a thread of the host.
+    /// On a fiber of the host; on a thread if it could end the host, or if something of it belongs to its thread
+    /// ([`Prepared::why_thread_bound`]).
     #[default]
+    Fiber,
+    /// On a thread of the host.
+    Thread,
+    /// In a process of its own.
+    Process,
+}
+
+/// Place in which a program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// On a fiber of the host, which shares its thread with others.
+    Fiber,
+    /// On a thread of the host.
     Thread,
     /// In a process of its own.
     Process,
@@ -27,8 +41,13 @@ pub enum Exec {
 
 /// A robot's program, ready to run.
 pub enum RobotProgram {
-    /// In this process, on its flow's thread.
-    Thread(LoadedProgram),
+    /// In this process, on its flow's fiber or thread.
+    InHost {
+        /// The program.
+        program: LoadedProgram,
+        /// Its flows are fibers.
+        is_fiber: bool,
+    },
     /// In a process of its own, which its flow's thread serves.
     Process(RemoteProgram),
 }
@@ -40,7 +59,7 @@ impl RobotProgram {
     /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         match self {
-            Self::Thread(program) => {
+            Self::InHost { program, .. } => {
                 if program.prepared().danger.is_some() {
                     confine_thread();
                 }
@@ -50,10 +69,15 @@ impl RobotProgram {
         }
     }
 
+    /// Returns true if its flows are fibers.
+    pub fn is_fiber(&self) -> bool {
+        matches!(self, Self::InHost { is_fiber: true, .. })
+    }
+
     /// The program's process, if it has its own.
     pub fn child(&self) -> Option<&Arc<Child>> {
         match self {
-            Self::Thread(_) => None,
+            Self::InHost { .. } => None,
             Self::Process(program) => Some(program.child()),
         }
     }
@@ -68,7 +92,7 @@ impl RobotProgram {
     /// The line in the program's own sources to which a call stack leads, see [`LoadedProgram::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         match self {
-            Self::Thread(program) => program.own_source_line(addresses),
+            Self::InHost { program, .. } => program.own_source_line(addresses),
             Self::Process(program) => program.own_source_line(addresses),
         }
     }
@@ -76,7 +100,7 @@ impl RobotProgram {
     /// Name of the function in the program's library at a program counter, if the debug information contains it.
     pub fn function_at(&self, address: usize) -> Option<String> {
         let line = match self {
-            Self::Thread(program) => program.source_line(address),
+            Self::InHost { program, .. } => program.source_line(address),
             Self::Process(program) => program.source_line(address),
         };
         line?.function
@@ -85,7 +109,7 @@ impl RobotProgram {
     /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.
     pub fn call_site(&self) -> Site {
         match self {
-            Self::Thread(program) => Site::InHost(program.call_site()),
+            Self::InHost { program, .. } => Site::InHost(program.call_site()),
             Self::Process(program) => Site::InChild(program.call_site()),
         }
     }
@@ -93,7 +117,7 @@ impl RobotProgram {
     /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
-            (Self::Thread(program), Site::InHost(site)) => program.place_of(site),
+            (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
             (Self::Process(program), Site::InChild(site)) => program.place_of(site),
             _ => None,
         }

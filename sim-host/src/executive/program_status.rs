@@ -260,7 +260,7 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
 /// The addresses of a break without the words of the stack that lie below the call in progress: those may be left over from earlier
 /// calls. A process of its own leaves them out itself.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
-    let RobotProgram::Thread(thread) = program else { return addresses.to_vec() };
+    let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
     let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {
         return addresses.to_vec();
     };

@@ -125,7 +125,7 @@ impl Run {
     /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         let weak_self = Weak::clone(&self.weak_self);
-        self.executor.admit(id);
+        self.executor.admit(id, program.is_fiber());
         self.executor.start(id, MAIN, Box::new(move || weak_self.upgrade()?.run_main_flow(id)))?;
         if let Some(child) = program.child() {
             self.executor.serve(id, Arc::clone(child));
@@ -171,6 +171,11 @@ impl Run {
     /// The program of robot `id`.
     pub(super) fn program(&self, id: RobotId) -> Option<&RobotProgram> {
         self.members[id.index()].program.as_ref()
+    }
+
+    /// Returns true if robot `id` stays on its worker for ever.
+    pub(super) fn is_bound_to_worker(&self, id: RobotId) -> bool {
+        self.program(id).is_some_and(RobotProgram::is_fiber)
     }
 
     /// Returns true for a robot that has a program, even one that has ended.

@@ -360,7 +360,7 @@ impl Scheduler {
     fn take_signals_back(&self) {
         let is_of_program = |address: usize| {
             let on_threads = self.run.programs().filter_map(|program| match program {
-                RobotProgram::Thread(program) => Some(program.addresses()),
+                RobotProgram::InHost { program, .. } => Some(program.addresses()),
                 RobotProgram::Process(_) => None,
             });
             on_threads.into_iter().any(|addresses| addresses.contains(&address))

@@ -56,8 +56,19 @@ const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 enum OnFault {
     /// Parks the thread and notifies the supervisor of its run.
     Park(Arc<Notifier>),
+    /// Leaves the fiber, whose worker publishes the fault then.
+    Leave { leave: Leave, notifier: Arc<Notifier> },
     /// Calls this async-signal-safe function.
     Report(FaultCallback),
+}
+
+/// How a fiber is left for good.
+#[derive(Clone, Copy)]
+pub struct Leave {
+    /// Changes the context of a signal on the fiber so that its worker continues when the handler returns; async-signal-safe.
+    pub from_signal: unsafe fn(context: *mut libc::ucontext_t),
+    /// Leaves the fiber on which it is called.
+    pub from_call: fn() -> !,
 }
 
 /// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
@@ -98,6 +109,11 @@ impl ThreadBlock {
     /// Creates a block whose thread does not run yet; its fault parks the thread and signals `notifier`.
     pub fn notifying(notifier: Arc<Notifier>) -> Self {
         Self::new(OnFault::Park(notifier))
+    }
+
+    /// Creates the block of a fiber, whose fault leaves it.
+    pub fn leaving(leave: Leave, notifier: Arc<Notifier>) -> Self {
+        Self::new(OnFault::Leave { leave, notifier })
     }
 
     /// Creates a block whose faults are passed to `report`.
@@ -161,7 +177,7 @@ impl ThreadBlock {
         compiler_fence(Ordering::SeqCst);
     }
 
-    /// Marks the thread as back in the program; parks it for good if the watchdog's signal came meanwhile.
+    /// Marks the flow as back in the program; breaks it if the watchdog's signal came meanwhile.
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);
         if environment != 0 {
@@ -172,12 +188,16 @@ impl ThreadBlock {
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
         if self.overdue.load(Ordering::Relaxed) {
-            self.park_faulted(Fault { signal: OVERDUE_SIGNAL, ..Fault::default() });
+            self.stop_faulted(Fault { signal: OVERDUE_SIGNAL, ..Fault::default() });
         }
     }
 
-    /// Publishes the fault, notifies the supervisor and never returns; async-signal-safe.
-    fn park_faulted(&self, fault: Fault) -> ! {
+    /// Stops the calling flow, the block's, for good; async-signal-safe for threads.
+    fn stop_faulted(&self, fault: Fault) -> ! {
+        if let OnFault::Leave { leave, .. } = &self.on_fault {
+            self.store(fault);
+            (leave.from_call)();
+        }
         self.publish(fault);
         loop {
             // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
@@ -192,13 +212,29 @@ impl ThreadBlock {
 
     /// Publishes the fault and notifies the supervisor; async-signal-safe.
     fn publish(&self, fault: Fault) {
+        self.store(fault);
+        self.publish_stored();
+    }
+
+    /// Stores the fault, which is not published yet; async-signal-safe.
+    fn store(&self, fault: Fault) {
         self.fault_signal.store(fault.signal, Ordering::Relaxed);
         self.fault_code.store(fault.code, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
+    }
+
+    /// Returns true if a fault is stored.
+    pub fn has_stored_fault(&self) -> bool {
+        self.fault_signal.load(Ordering::Relaxed) != 0
+    }
+
+    /// Publishes the stored fault and notifies the supervisor; async-signal-safe. A fiber's fault is published once the fiber has been
+    /// left.
+    pub fn publish_stored(&self) {
         self.faulted.store(true, Ordering::Release);
-        if let OnFault::Park(notifier) = &self.on_fault {
+        if let OnFault::Park(notifier) | OnFault::Leave { notifier, .. } = &self.on_fault {
             notifier.notify();
         }
     }
@@ -238,6 +274,25 @@ impl ThreadBlock {
         CURRENT.set(self);
         Ok(())
     }
+}
+
+impl ThreadBlock {
+    /// Makes this the block of a fiber that runs on the calling thread, the one of `worker`, on the stack with these bounds.
+    pub fn adopt_fiber(&self, worker: &Self, [low, top]: [usize; 2]) {
+        self.stack[0].store(low, Ordering::Relaxed);
+        self.stack[1].store(top, Ordering::Relaxed);
+        self.tid.store(worker.tid.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.mark.store(ptr::from_ref(self).addr() ^ MARK, Ordering::Relaxed);
+    }
+}
+
+/// Makes `block` that of the fiber which the calling thread, a worker, runs next; null for none. It takes the place of the thread's
+/// own, whose alternate stack stays.
+///
+/// # Safety
+/// The block must be alive until it is replaced.
+pub unsafe fn set_current(block: *const ThreadBlock) {
+    CURRENT.set(block);
 }
 
 impl Drop for ThreadBlock {
@@ -383,14 +438,14 @@ fn guard_process() {
 fn block_of_program<'a>() -> Option<&'a ThreadBlock> {
     // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`), which does not pass it on.
     let block = unsafe { CURRENT.get().as_ref() }?;
-    (matches!(block.on_fault, OnFault::Park(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
+    (!matches!(block.on_fault, OnFault::Report(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
 }
 
 /// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is called.
 extern "C" fn on_exit() {
     if let Some(block) = block_of_program() {
         let here = 0u8;
-        block.park_faulted(Fault { signal: EXITS, sp: (&raw const here).addr(), ..Fault::default() });
+        block.stop_faulted(Fault { signal: EXITS, sp: (&raw const here).addr(), ..Fault::default() });
     }
 }
 
@@ -460,6 +515,7 @@ pub fn default_action(signal: i32) {
 
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &ThreadBlock) {
+    block.overdue.store(true, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
@@ -473,16 +529,23 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     }
     // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is where the variable says.
     let block = unsafe { &*block };
-    if matches!(block.on_fault, OnFault::Park(_)) && signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
-        block.overdue.store(true, Ordering::Relaxed);
-        return;
+    if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
+        // The signal may be late: another fiber runs on the thread by now. Within the host, the thread stops when it leaves that.
+        if !block.overdue.load(Ordering::Relaxed) || block.in_host.load(Ordering::Relaxed) {
+            return;
+        }
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
     let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
     let code = if code == libc::SI_USER { -1 } else { code };
     let fault = Fault { signal, code, address, pc, sp };
-    match block.on_fault {
-        OnFault::Park(_) => block.park_faulted(fault),
+    match &block.on_fault {
+        OnFault::Park(_) => block.stop_faulted(fault),
+        OnFault::Leave { leave, .. } => {
+            block.store(fault);
+            // SAFETY: `context` is the kernel's, of a signal on the worker that runs the fiber whose block this is.
+            unsafe { (leave.from_signal)(context.cast()) };
+        }
         OnFault::Report(report) => report(block, fault),
     }
 }

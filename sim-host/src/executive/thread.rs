@@ -27,10 +27,10 @@ use crate::robios::task::MAIN;
 pub(super) const STACK: usize = 8 << 20;
 
 /// Stack that a RoBIOS call may need, in bytes, the scheduler step included: with less left the program has overflowed.
-const RESERVE: usize = 128 << 10;
+pub(super) const RESERVE: usize = 128 << 10;
 
 /// Time in which the thread of a program that has ended must end before it counts as lost.
-const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
+pub(super) const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Executor with one OS thread for each task.
 pub struct ThreadExecutor {
@@ -91,7 +91,7 @@ impl ThreadExecutor {
         let processors: Arc<[usize]> = if flows > workers { processors(workers).into() } else { Arc::default() };
         let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, notifier: OnceLock::new() };
         if count > 0 {
-            executor.admit(RobotId::from_index(count - 1));
+            executor.admit(RobotId::from_index(count - 1), false);
         }
         executor
     }
@@ -264,7 +264,7 @@ impl Executor for ThreadExecutor {
         damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
     }
 
-    fn admit(&self, robot: RobotId) {
+    fn admit(&self, robot: RobotId, _: bool) {
         while self.robots.count() <= robot.index() {
             self.robots.push(Arc::new(RobotThreads {
                 worker: AtomicU32::new(u32::MAX),
@@ -334,15 +334,7 @@ impl Executor for ThreadExecutor {
     }
 
     fn enter(&self, _: RobotId, call: Call) -> bool {
-        let block = &ThreadFlow::current().block;
-        if let Some(number) = call.robios_number() {
-            block.last_call.store(number, Ordering::Relaxed);
-        }
-        if block.stack_left() < RESERVE {
-            return false;
-        }
-        block.enter_host();
-        true
+        enter(&ThreadFlow::current().block, call)
     }
 
     fn leave(&self, _: RobotId) {
@@ -350,13 +342,9 @@ impl Executor for ThreadExecutor {
     }
 
     fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
-        let block = &ThreadFlow::current().block;
-        block.leave_host();
         // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the first
         // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
-        let result = unsafe { callback.call() };
-        block.enter_host();
-        result
+        unsafe { call_back(&ThreadFlow::current().block, callback) }
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
@@ -364,16 +352,9 @@ impl Executor for ThreadExecutor {
         for (index, threads) in &self.robots {
             let flows = threads.flows.lock();
             for (task, flow) in &flows.list {
-                let block = &flow.block;
-                if let Some(fault) = block.fault() {
-                    let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
-                    let stack_words = stack_words(fault.sp, bounds);
-                    damage::assess(&fault, &stack_words);
-                    let broken = Broken::new(fault, bounds, last_call, stack_words);
-                    let is_alone = *task == MAIN && flows.list.len() == 1;
-                    let broken = if is_alone { broken } else { broken.in_task(*task) };
-                    all.push((RobotId::from_index(index), broken));
-                }
+                let is_alone = *task == MAIN && flows.list.len() == 1;
+                let broken = broken(&flow.block, (!is_alone).then_some(*task));
+                all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
             }
         }
         all
@@ -415,6 +396,43 @@ impl Executor for ThreadExecutor {
             (_, None) => {}
         }
     }
+}
+
+/// Marks the flow of `block` as inside `call`; false if its stack is too small to serve it.
+pub(super) fn enter(block: &ThreadBlock, call: Call) -> bool {
+    if let Some(number) = call.robios_number() {
+        block.last_call.store(number, Ordering::Relaxed);
+    }
+    if block.stack_left() < RESERVE {
+        return false;
+    }
+    block.enter_host();
+    true
+}
+
+/// Calls a function of the program from within a call of the flow of `block`, which is the calling one.
+///
+/// # Safety
+/// As for [`Callback::call`]; the flow holds no lock.
+pub(super) unsafe fn call_back(block: &ThreadBlock, callback: Callback) -> Result<(), Stop> {
+    block.leave_host();
+    // SAFETY: by this function's contract.
+    let result = unsafe { callback.call() };
+    block.enter_host();
+    result
+}
+
+/// Describes the fault that the flow of `block` has had, if any; `task` is named.
+pub(super) fn broken(block: &ThreadBlock, task: Option<u32>) -> Option<Broken> {
+    let fault = block.fault()?;
+    let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
+    let stack_words = stack_words(fault.sp, bounds);
+    damage::assess(&fault, &stack_words);
+    let broken = Broken::new(fault, bounds, last_call, stack_words);
+    Some(match task {
+        Some(task) => broken.in_task(task),
+        None => broken,
+    })
 }
 
 /// A processor for each worker, among those that this process may use, beginning with the calling thread's; empty if there are

@@ -8,8 +8,8 @@ use sim_core::spec::SceneSpec;
 use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
-use crate::executive::load::load_programs;
-use crate::executive::program::Exec;
+use crate::executive::load::{load_programs, place_of};
+use crate::executive::program::Place;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
@@ -37,13 +37,13 @@ impl BuiltScene {
         &self.programs.remarks
     }
 
-    /// Reasons why programs run in processes of their own under [`Exec::Auto`], a line for each program.
-    pub fn dangers(&self) -> Vec<String> {
-        let is_auto = self.options.exec == Exec::Auto;
+    /// Programs that do not run on fibers, or not where [`Options::exec`](super::Options::exec) wants them, with the reasons: a line each.
+    pub fn places(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        for program in self.programs.iter().filter(|_| is_auto) {
-            let line =
-                program.danger.as_ref().map(|why| format!("program `{}` runs in a process: it {why}", program.name));
+        for program in self.programs.iter() {
+            let (place, why) = place_of(program, self.options.exec);
+            let place = if place == Place::Process { "in a process" } else { "on a thread" };
+            let line = why.map(|why| format!("program `{}` runs {place}: it {why}", program.name));
             lines.extend(line.filter(|line| !lines.contains(line)));
         }
         lines

@@ -31,7 +31,7 @@ pub struct Options {
     pub linger: Time,
     /// Number of workers: robots that run at one time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
-    /// Place of the programs; default: threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
+    /// Place of the programs; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
     /// [`serve_child`](super::serve_child) first.
     pub exec: Exec,
     /// Processor time in seconds that a program may use within one slot before it is stopped; default: 10 s.
@@ -89,7 +89,7 @@ impl Default for Options {
             default_until: DEFAULT_UNTIL,
             linger: Time::ZERO,
             workers: None,
-            exec: Exec::Thread,
+            exec: Exec::Fiber,
             timeout: 10.0,
             programs: Vec::new(),
             api: None,

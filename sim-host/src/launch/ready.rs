@@ -15,10 +15,10 @@ use super::finished::{self, Finished};
 use super::settings::Settings;
 use super::{Error, Options, check};
 use crate::executive::interrupt::Interrupt;
+use crate::executive::mixed::MixedExecutor;
 use crate::executive::program::{Exec, RobotProgram};
 use crate::executive::scheduler::{Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
-use crate::executive::thread::ThreadExecutor;
 use crate::files::slashed;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::Input;
@@ -123,7 +123,7 @@ impl Ready {
         let flows = programs.iter().flatten().count();
         let parts = RunParts {
             world,
-            executor: Box::new(ThreadExecutor::new(robots.len(), flows, limits.workers)),
+            executor: Box::new(MixedExecutor::new(robots.len(), flows, limits.workers)),
             robots,
             programs,
             spawner,

@@ -41,9 +41,90 @@ pub fn set_default() -> Option<u32> {
 #[cfg(not(target_arch = "x86_64"))]
 pub fn restore(_: u32) {}
 
+/// The floating-point environment of a flow that shares its thread with others: modes and sticky exception flags of both units.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Environment {
+    /// MXCSR, with its status flags.
+    sse: u32,
+    /// Control word of the x87.
+    control: u16,
+    /// Exception flags of the x87's status word.
+    flags: u16,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Environment {
+    /// The environment with which a thread starts.
+    pub const INITIAL: Self = Self { sse: DEFAULT, control: 0x37f, flags: 0 };
+
+    /// Exception flags in the x87's status word, stack fault included.
+    const FLAGS: u16 = 0x7f;
+
+    /// The calling thread's present environment.
+    pub fn present() -> Self {
+        let (mut sse, mut control, mut status) = (0_u32, 0_u16, 0_u16);
+        // SAFETY: each instruction stores a register in a valid variable of its size, and changes nothing else.
+        unsafe {
+            std::arch::asm!(
+                "stmxcsr [{sse}]",
+                "fnstcw [{control}]",
+                "fnstsw [{status}]",
+                sse = in(reg) &raw mut sse,
+                control = in(reg) &raw mut control,
+                status = in(reg) &raw mut status,
+                options(nostack, preserves_flags)
+            );
+        }
+        Self { sse, control, flags: status & Self::FLAGS }
+    }
+
+    /// Makes this the calling thread's environment.
+    pub fn apply(self) {
+        restore(self.sse);
+        let Self { control, flags, .. } = Self::present();
+        if (control, flags) == (self.control, self.flags) {
+            return;
+        }
+        // Control, status and tag word, each in the lower half of its entry; then addresses of the last instruction and operand.
+        let mut image = [0_u32; 7];
+        // SAFETY: stores the x87's environment in the 28 bytes that it takes.
+        unsafe { std::arch::asm!("fnstenv [{}]", in(reg) image.as_mut_ptr(), options(nostack, preserves_flags)) };
+        image[0] = image[0] & !0xffff | u32::from(self.control);
+        image[1] = image[1] & !u32::from(Self::FLAGS) | u32::from(self.flags);
+        // SAFETY: loads what was stored above, with control bits and flags that were the x87's before. The register stack stays empty,
+        // as calls require.
+        unsafe { std::arch::asm!("fldenv [{}]", in(reg) image.as_ptr(), options(nostack, preserves_flags)) };
+    }
+}
+
+/// Gives the calling thread the environment with which it started, and empties the x87's register stack: code was left within an
+/// expression.
+pub fn reset() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: the x87's registers hold nothing at a call.
+    unsafe {
+        std::arch::asm!("fninit", out("st(0)") _, out("st(1)") _, out("st(2)") _, out("st(3)") _,
+            out("st(4)") _, out("st(5)") _, out("st(6)") _, out("st(7)") _, options(nomem, nostack));
+    }
+    Environment::INITIAL.apply();
+}
+
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_environment_is_taken_and_brought_back_with_its_flags() {
+        let before = Environment::present();
+        // The x87 in single precision and rounding up, SSE rounding down; division by zero and inexact results seen.
+        let strange = Environment { sse: DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
+        strange.apply();
+        assert_eq!(Environment::present(), strange);
+        Environment::INITIAL.apply();
+        assert_eq!(Environment::present(), Environment::INITIAL);
+        before.apply();
+    }
 
     #[test]
     fn what_a_program_has_set_is_held_and_comes_back() {

@@ -32,6 +32,10 @@ pub struct ProgramImage {
     destructors: usize,
     /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
     has_resolvers: bool,
+    /// It has thread-local variables.
+    has_thread_locals: bool,
+    /// Libraries that it names.
+    needed: Vec<String>,
     /// Debug information, read when a line is first requested; the inner `None` means that there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
@@ -120,8 +124,18 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let ImageParts { loaded_len, span, mappings, read_only, description, undefined, destructors, has_resolvers } =
-            parts;
+        let ImageParts {
+            loaded_len,
+            span,
+            mappings,
+            read_only,
+            description,
+            undefined,
+            destructors,
+            has_resolvers,
+            has_thread_locals,
+            needed,
+        } = parts;
         let source_folder = source_folder.map(|folder| {
             // A source that is named without a folder is in the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -139,6 +153,8 @@ impl ProgramImage {
             undefined,
             destructors,
             has_resolvers,
+            has_thread_locals,
+            needed,
             lines: OnceLock::new(),
         })
     }
@@ -205,6 +221,31 @@ impl ProgramImage {
         let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
         let keeps = |name: &String| RETAINING_FUNCTIONS.contains(&name.as_str()) && !is_unused(name);
         self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
+    }
+
+    /// Reason why several flows of this program cannot share a thread, in words; `None` if they can. They can if nothing that belongs to
+    /// the thread belongs to one of them, apart from `errno` and the floating-point environment, which a switch saves: the
+    /// program is in C, has no thread-local variables, uses no libraries but those of C, and calls no function whose effect is on its
+    /// thread.
+    pub fn why_thread_bound(&self) -> Option<String> {
+        if cfg!(not(target_arch = "x86_64")) {
+            return Some("runs on a processor for which eyesim has no fibers".to_owned());
+        }
+        let language = self.description.map(|description| description.language);
+        if language != Some(language::C) {
+            return Some("is not in C alone".to_owned());
+        }
+        if self.has_thread_locals {
+            return Some("has thread-local variables".to_owned());
+        }
+        let is_foreign = |name: &&String| !OWN_LIBRARIES.iter().any(|own| name.starts_with(own));
+        if let Some(library) = self.needed.iter().find(is_foreign) {
+            return Some(format!("uses the library `{library}`"));
+        }
+        let is_bound = |name: &&String| {
+            THREAD_BOUND_FUNCTIONS.contains(&name.as_str()) || RETAINING_FUNCTIONS.contains(&name.as_str())
+        };
+        self.undefined.iter().find(is_bound).map(|name| format!("calls `{name}`, which concerns its thread"))
     }
 
     /// The line of the source at `offset` from the base, if the debug information contains it.
@@ -303,6 +344,51 @@ const RETAINING_FUNCTIONS: &[&str] = &[
     "tss_create",
 ];
 
+/// Beginnings of the names of the C library's files.
+const OWN_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "ld-linux"];
+
+/// Functions of the C library that change or tell a property of the calling thread, besides [`RETAINING_FUNCTIONS`].
+const THREAD_BOUND_FUNCTIONS: &[&str] = &[
+    "__tls_get_addr",
+    "arch_prctl",
+    "dlerror",
+    "flockfile",
+    "funlockfile",
+    "getcontext",
+    "gettid",
+    "inet_ntoa",
+    "makecontext",
+    "personality",
+    "prctl",
+    "pthread_exit",
+    "pthread_kill",
+    "pthread_self",
+    "pthread_sigmask",
+    "ptrace",
+    "sched_setaffinity",
+    "sched_setscheduler",
+    "setcontext",
+    "setns",
+    "sigaltstack",
+    "sigblock",
+    "sighold",
+    "sigignore",
+    "sigpause",
+    "sigprocmask",
+    "sigsetmask",
+    "sigstack",
+    "sigsuspend",
+    "sigtimedwait",
+    "sigwait",
+    "sigwaitinfo",
+    "strerror",
+    "strsignal",
+    "swapcontext",
+    "unshare",
+    "uselocale",
+    "vfork",
+];
+
 /// Number of destructors in the compiler's start files and in the shim, which closes the console.
 const OWN_DESTRUCTORS: usize = 2;
 
@@ -315,6 +401,8 @@ struct ImageParts {
     undefined: Vec<String>,
     destructors: usize,
     has_resolvers: bool,
+    has_thread_locals: bool,
+    needed: Vec<String>,
 }
 
 /// One loaded segment.
@@ -331,6 +419,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
     let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
     let (mut segments, mut is_relocated, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
+    let (mut has_thread_locals, mut names, mut strings) = (false, Vec::new(), 0);
     for header in headers {
         match header.p_type(endian) {
             elf::PT_LOAD => {
@@ -343,11 +432,15 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
             }
             elf::PT_INTERP => return Err("it is an executable, not a library".into()),
             elf::PT_GNU_RELRO => has_relro = true,
+            elf::PT_TLS => has_thread_locals = true,
             elf::PT_DYNAMIC => {
                 for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
                     let value = entry.d_val.get(endian);
-                    if entry.d_tag.get(endian) == elf::DT_FINI_ARRAYSZ {
-                        destructors = number(value)? / size_of::<usize>();
+                    match entry.d_tag.get(endian) {
+                        elf::DT_FINI_ARRAYSZ => destructors = number(value)? / size_of::<usize>(),
+                        elf::DT_NEEDED => names.push(value),
+                        elf::DT_STRTAB => strings = value,
+                        _ => {}
                     }
                     is_relocated |= match entry.d_tag.get(endian) {
                         elf::DT_TEXTREL => true,
@@ -381,6 +474,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         }
     }
     undefined.sort();
+    let needed = names.iter().filter_map(|offset| text_at(&file, strings.saturating_add(*offset))).collect();
     undefined.dedup();
     Ok(ImageParts {
         loaded_len,
@@ -391,6 +485,8 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         undefined,
         destructors,
         has_resolvers,
+        has_thread_locals,
+        needed,
     })
 }
 
@@ -427,6 +523,15 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
             is_code: segment.flags & elf::PF_X != 0,
         })
         .collect()
+}
+
+/// The text at this address of the loaded image, up to its NUL.
+fn text_at(file: &ElfFile64<'_>, address: u64) -> Option<String> {
+    file.segments().find_map(|segment| {
+        let start = usize::try_from(address.checked_sub(segment.address())?).ok()?;
+        let text = segment.data().ok()?.get(start..)?.split(|byte| *byte == 0).next()?;
+        Some(String::from_utf8_lossy(text).into_owned())
+    })
 }
 
 fn description_at(file: &ElfFile64<'_>, address: u64) -> Option<Description> {

@@ -23,7 +23,7 @@ pub mod prepare;
 pub mod python;
 mod run_folder;
 pub mod scene;
-mod share;
+pub(crate) mod share;
 pub mod site;
 pub mod symbols;
 #[cfg(test)]

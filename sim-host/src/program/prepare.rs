@@ -49,6 +49,14 @@ impl Prepared {
         }
     }
 
+    /// Reason why several flows of this program cannot share a thread, see [`ProgramImage::why_thread_bound`]; `None` if they can.
+    pub fn why_thread_bound(&self) -> Option<String> {
+        match (&self.code, &self.source) {
+            (Code::Library(image), ProgramSource::Sources { .. }) => image.why_thread_bound(),
+            _ => Some("has not been built by eyesim from sources in C".to_owned()),
+        }
+    }
+
     /// The generation of RoBIOS for which the program was built, if known.
     pub fn generation(&self) -> Option<u32> {
         match &self.code {

@@ -16,6 +16,7 @@ use crate::cli::output::say;
 use crate::cli::output::{self, given};
 use crate::cli::progress::{Building, Counts, Progress};
 use crate::executive::pace::Pace;
+use crate::executive::program::Exec;
 use crate::executive::run::Run;
 use crate::executive::scheduler::{self, Scheduler};
 use crate::executive::script::Script;
@@ -61,8 +62,8 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
     })?;
     check_outputs(args, built.inputs())?;
     built.remarks().iter().for_each(say);
-    if args.verbose {
-        built.dangers().iter().for_each(say);
+    if args.verbose || args.exec != Exec::Auto {
+        built.places().iter().for_each(say);
     }
     Ok(built)
 }

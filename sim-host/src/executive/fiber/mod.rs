@@ -1,0 +1,556 @@
+//! Executor with one fiber for each task of a robot, and one OS thread, the worker, for many robots: a hand-over is a switch of stacks.
+//!
+//! A robot stays on the worker on which it is resumed first: compilers keep addresses of thread-locals, such as that of `errno`, across
+//! calls. A switch saves what belongs to the thread and yet to the program: `errno` and the floating-point environment.
+//!
+//! A fault leaves its fiber for good: the signal handler lets the worker continue as if the fiber had suspended itself. The fiber, its
+//! stack and its program are kept as they are until the process ends. The way back to the worker does not lie on the fiber's stack, so
+//! a program that has destroyed its stack comes back as well.
+
+mod stack;
+mod switch;
+
+use std::cell::{Cell, UnsafeCell};
+use std::collections::VecDeque;
+use std::io;
+use std::ptr;
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU8, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock, mpsc};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+use robios_sys::{Callback, Stop};
+use sim_core::RobotId;
+
+use self::stack::Stack;
+use super::fault::Broken;
+use super::notifier::Notifier;
+use super::process::Child;
+use super::signal::{self, Handlers, Leave, ThreadBlock};
+use super::thread::{self as threads, JOIN_TIMEOUT};
+use super::watchdog::{FlowSample, ReleaseTimer};
+use super::{Executor, damage};
+use crate::program::float::{self, Environment};
+use crate::robios::call::Call;
+use crate::robios::task::MAIN;
+
+/// Executor with one fiber for each task.
+pub struct FiberExecutor {
+    robots: boxcar::Vec<Arc<RobotFibers>>,
+    /// Number of workers, which start with the first fiber.
+    worker_count: usize,
+    /// The workers once they have started, and their threads until they are joined.
+    workers: OnceLock<Vec<Arc<Worker>>>,
+    threads: Mutex<Vec<RunningWorker>>,
+    /// Number of fibers created so far.
+    fiber_count: AtomicUsize,
+    /// Notifier that broken flows signal; unset before the run begins.
+    notifier: OnceLock<Arc<Notifier>>,
+}
+
+/// The thread of a worker. It owns a reference count of the worker, which [`RunningWorker::join`] alone gives back.
+struct RunningWorker {
+    worker: Arc<Worker>,
+    thread: JoinHandle<()>,
+}
+
+/// A worker, which runs fibers one after the other on a thread.
+struct Worker {
+    /// Provides the thread's alternate stack, which the fibers use.
+    block: ThreadBlock,
+    queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
+    thread: OnceLock<thread::Thread>,
+    /// The fiber that runs; null for none.
+    running: AtomicPtr<Fiber>,
+    /// Context of the worker while a fiber runs: where the fiber returns to. Used by the worker's thread only.
+    sp: UnsafeCell<usize>,
+    is_ending: AtomicBool,
+    /// Keeps the signal handlers installed, for ever if the worker never ends.
+    _handlers: Handlers,
+}
+
+// SAFETY: the worker's thread alone uses `sp`.
+unsafe impl Sync for Worker {}
+
+/// The fibers of one robot.
+struct RobotFibers {
+    /// The worker on which the robot's fibers run, set when it is resumed first.
+    home: OnceLock<Arc<Worker>>,
+    flows: Mutex<Flows>,
+}
+
+#[derive(Default)]
+struct Flows {
+    /// Fibers that have not ended, with their tasks' numbers.
+    list: Vec<(u32, Arc<Fiber>)>,
+    /// The fiber that holds the run token.
+    token_holder: Option<Arc<Fiber>>,
+}
+
+/// One fiber.
+struct Fiber {
+    block: ThreadBlock,
+    stack: Stack,
+    /// See [`Status`].
+    status: AtomicU8,
+    timer: Mutex<ReleaseTimer>,
+    /// Used by the fiber and its worker only, which run on the same thread.
+    context: UnsafeCell<Context>,
+}
+
+// SAFETY: after its creation only the thread of its worker uses `context`. What the closure within captures may be sent to that thread.
+unsafe impl Send for Fiber {}
+// SAFETY: as above.
+unsafe impl Sync for Fiber {}
+
+/// State of a fiber.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+enum Status {
+    /// It has not run yet.
+    New,
+    /// It waits for its worker.
+    Suspended,
+    Running,
+    Ended,
+    /// It has faulted.
+    Broken,
+}
+
+/// What a fiber that does not run is continued with.
+struct Context {
+    /// Stack pointer.
+    sp: usize,
+    /// What it runs; `None` once it has begun.
+    flow: Option<Box<dyn FnOnce() -> Option<u32> + Send>>,
+    /// Once it has ended: the task that gets the run token next.
+    next: Option<u32>,
+    environment: Environment,
+    errno: i32,
+}
+
+thread_local! {
+    /// The worker of this thread; null on other threads.
+    static WORKER: Cell<*const Worker> = const { Cell::new(ptr::null()) };
+    /// The fiber that runs on this thread, a worker's.
+    static CURRENT: Cell<*const Fiber> = const { Cell::new(ptr::null()) };
+}
+
+impl FiberExecutor {
+    /// Creates an executor with `workers` workers.
+    pub fn new(workers: usize) -> Self {
+        Self {
+            robots: boxcar::Vec::new(),
+            worker_count: workers,
+            workers: OnceLock::new(),
+            threads: Mutex::default(),
+            fiber_count: AtomicUsize::new(0),
+            notifier: OnceLock::new(),
+        }
+    }
+
+    fn robot(&self, robot: RobotId) -> &Arc<RobotFibers> {
+        &self.robots[robot.index()]
+    }
+
+    fn notifier(&self) -> &Arc<Notifier> {
+        let Some(notifier) = self.notifier.get() else { unreachable!("the run has begun") };
+        notifier
+    }
+
+    /// The fiber of the robot that runs now: one that waits for its worker is neither late nor can it be stopped.
+    fn running_fiber(&self, robot: RobotId) -> Option<Arc<Fiber>> {
+        let fibers = self.robot(robot);
+        let fiber = fibers.token_holder()?;
+        let running = fibers.home.get()?.running.load(Ordering::Relaxed);
+        ptr::eq(running, Arc::as_ptr(&fiber)).then_some(fiber)
+    }
+
+    /// Starts the workers if that has not been done.
+    fn start_workers(&self) -> io::Result<()> {
+        if self.workers.get().is_none() {
+            let mut running = self.threads.lock();
+            while running.len() < self.worker_count {
+                let worker = RunningWorker::start(running.len(), self.notifier())?;
+                running.push(worker);
+            }
+            self.workers.get_or_init(|| running.iter().map(|running| Arc::clone(&running.worker)).collect());
+        }
+        Ok(())
+    }
+}
+
+impl RunningWorker {
+    fn start(number: usize, notifier: &Arc<Notifier>) -> io::Result<Self> {
+        let worker = Arc::new(Worker {
+            block: ThreadBlock::notifying(Arc::clone(notifier)),
+            queue: Mutex::default(),
+            thread: OnceLock::new(),
+            running: AtomicPtr::default(),
+            sp: UnsafeCell::new(0),
+            is_ending: AtomicBool::new(false),
+            _handlers: Handlers::hold()?,
+        });
+        let own = Arc::clone(&worker);
+        let (adopted, adoption) = mpsc::sync_channel(1);
+        let life = move || {
+            let own: *const Worker = Arc::into_raw(own);
+            WORKER.set(own);
+            // SAFETY: the count that was just taken is given back only after this thread has ended; the block has no other thread.
+            let (own, result) = unsafe { (&*own, (*own).block.adopt_current_thread()) };
+            let is_adopted = result.is_ok();
+            // SAFETY: no fiber runs.
+            unsafe { signal::set_current(ptr::null()) };
+            // The receiver waits just below for this one message.
+            let _ = adopted.send(result);
+            if is_adopted {
+                own.run();
+            }
+        };
+        let thread = thread::Builder::new().name(format!("worker {number}")).spawn(life)?;
+        // Set once.
+        let _ = worker.thread.set(thread.thread().clone());
+        let running = Self { worker, thread };
+        match adoption.recv().map_err(io::Error::other)? {
+            Ok(()) => Ok(running),
+            Err(error) => {
+                running.join();
+                Err(error)
+            }
+        }
+    }
+
+    /// Ends the worker; false if it runs a fiber that does not come back: it is lost.
+    fn join(self) -> bool {
+        const POLL_INTERVAL: Duration = Duration::from_millis(1);
+        let Self { worker, thread } = self;
+        worker.is_ending.store(true, Ordering::Release);
+        worker.wake();
+        let start = Instant::now();
+        while !thread.is_finished() {
+            if start.elapsed() >= JOIN_TIMEOUT {
+                return false;
+            }
+            thread::sleep(POLL_INTERVAL);
+        }
+        // It does not panic: the process would have aborted.
+        let _ = thread.join();
+        // SAFETY: the thread has ended, and with it the use of the count that it took.
+        unsafe { Arc::decrement_strong_count(Arc::as_ptr(&worker)) };
+        true
+    }
+}
+
+impl Worker {
+    fn wake(&self) {
+        if let Some(thread) = self.thread.get() {
+            thread.unpark();
+        }
+    }
+
+    /// Lets `fiber` of `robot` run after those that wait already.
+    fn enqueue(&self, robot: &Arc<RobotFibers>, fiber: Arc<Fiber>) {
+        self.queue.lock().push_back((Arc::clone(robot), fiber));
+        if WORKER.get() != ptr::from_ref(self) {
+            self.wake();
+        }
+    }
+
+    /// Runs fibers until the worker ends.
+    fn run(&self) {
+        loop {
+            let next = self.queue.lock().pop_front();
+            match next {
+                Some((robot, fiber)) => self.advance(&robot, &fiber),
+                None if self.is_ending.load(Ordering::Acquire) => return,
+                None => thread::park(),
+            }
+        }
+    }
+
+    /// Runs `fiber` until it suspends itself, ends or faults.
+    fn advance(&self, robot: &Arc<RobotFibers>, fiber: &Arc<Fiber>) {
+        match fiber.status() {
+            Status::New => fiber.block.adopt_fiber(&self.block, fiber.stack.bounds()),
+            Status::Suspended => {}
+            // Resumed again as it ended, or given up.
+            Status::Running | Status::Ended | Status::Broken => return,
+        }
+        fiber.set_status(Status::Running);
+        fiber.begin_release();
+        let context = fiber.context.get();
+        CURRENT.set(Arc::as_ptr(fiber));
+        self.running.store(Arc::as_ptr(fiber).cast_mut(), Ordering::Relaxed);
+        // SAFETY: the caller's reference keeps the fiber alive until both are replaced below; it does not run, so that its context is this
+        // thread's alone, and has not been continued since it was stored; `errno` is this thread's variable.
+        unsafe {
+            signal::set_current(&raw const fiber.block);
+            (*context).environment.apply();
+            *libc::__errno_location() = (*context).errno;
+            switch::switch(self.sp.get(), (*context).sp);
+            (*context).errno = *libc::__errno_location();
+            signal::set_current(ptr::null());
+        }
+        self.running.store(ptr::null_mut(), Ordering::Relaxed);
+        CURRENT.set(ptr::null());
+        if fiber.block.has_stored_fault() {
+            float::reset();
+            fiber.set_status(Status::Broken);
+            // Nothing writes to the stack from here on.
+            fiber.block.publish_stored();
+        } else if fiber.status() == Status::Ended {
+            Environment::INITIAL.apply();
+            robot.flows.lock().list.retain(|(_, other)| !Arc::ptr_eq(other, fiber));
+            // SAFETY: the fiber has ended.
+            if let Some(next) = unsafe { (*context).next } {
+                robot.hand_token_to(next);
+            }
+        } else {
+            // SAFETY: the fiber does not run.
+            unsafe { (*context).environment = Environment::present() };
+            fiber.set_status(Status::Suspended);
+        }
+    }
+}
+
+impl RobotFibers {
+    /// Hands the run token to `task`, whose fiber runs next on the calling worker. Nothing runs if the run is over and its flows have
+    /// been given up.
+    fn hand_token_to(self: &Arc<Self>, task: u32) {
+        let mut flows = self.flows.lock();
+        let next = flows.list.iter().find(|(number, _)| *number == task).map(|(_, fiber)| Arc::clone(fiber));
+        if let Some(next) = next {
+            flows.token_holder = Some(Arc::clone(&next));
+            drop(flows);
+            if let Some(home) = self.home.get() {
+                home.enqueue(self, next);
+            }
+        }
+    }
+
+    /// The fiber that holds the run token.
+    fn token_holder(&self) -> Option<Arc<Fiber>> {
+        self.flows.lock().token_holder.clone()
+    }
+}
+
+impl Fiber {
+    /// Creates the `number`-th fiber of a run, which runs `flow`.
+    fn new(number: usize, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<Self> {
+        let stack = Stack::new(number)?;
+        // SAFETY: nobody uses the new stack.
+        let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
+        Ok(Self {
+            block: ThreadBlock::leaving(
+                Leave { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
+                Arc::clone(notifier),
+            ),
+            stack,
+            status: AtomicU8::new(Status::New as u8),
+            timer: Mutex::default(),
+            context: UnsafeCell::new(Context {
+                sp,
+                flow: Some(flow),
+                next: None,
+                environment: Environment::INITIAL,
+                errno: 0,
+            }),
+        })
+    }
+
+    fn status(&self) -> Status {
+        const ALL: [Status; 5] = [Status::New, Status::Suspended, Status::Running, Status::Ended, Status::Broken];
+        ALL[usize::from(self.status.load(Ordering::Acquire))]
+    }
+
+    fn set_status(&self, status: Status) {
+        self.status.store(status as u8, Ordering::Release);
+    }
+
+    /// The fiber that the calling thread runs; the reference must not leave that fiber.
+    fn current<'a>() -> &'a Self {
+        // SAFETY: null, or kept alive by the worker's reference as long as the fiber runs, see `Worker::advance`.
+        let Some(fiber) = (unsafe { CURRENT.get().as_ref() }) else { unreachable!("only flows of robots come here") };
+        fiber
+    }
+
+    /// Body of a fiber.
+    extern "sysv64" fn begin() -> ! {
+        let fiber = Self::current();
+        // SAFETY: the fiber runs, so that its context is its own.
+        unsafe {
+            if let Some(flow) = (*fiber.context.get()).flow.take() {
+                (*fiber.context.get()).next = flow();
+            }
+        }
+        // Nothing of this stack is used any more.
+        fiber.set_status(Status::Ended);
+        Self::leave_from_call()
+    }
+
+    /// Begins a new release, for which the watchdog measures anew.
+    fn begin_release(&self) {
+        self.block.releases.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Suspends this fiber, the calling one, until its worker resumes it.
+    fn suspend(&self) {
+        let worker = WORKER.get();
+        // SAFETY: the fiber runs on the thread of its worker, which has stored its context when it switched to the fiber.
+        unsafe { switch::switch(&raw mut (*self.context.get()).sp, *(*worker).sp.get()) };
+    }
+
+    /// Leaves the calling fiber for good: it has ended, or its fault is stored.
+    fn leave_from_call() -> ! {
+        loop {
+            Self::current().suspend();
+        }
+    }
+
+    /// See [`Leave::from_signal`].
+    ///
+    /// # Safety
+    /// `context` is the kernel's, of a signal on the thread of a worker, which runs a fiber.
+    unsafe fn leave_from_signal(context: *mut libc::ucontext_t) {
+        // SAFETY: as above, and the worker's context was stored when it switched to the fiber.
+        unsafe { switch::divert(context, *(*WORKER.get()).sp.get()) };
+    }
+
+    /// Returns true once the fiber holds nothing any more: it has never run, or it ends by this time.
+    fn gives_up(&self, deadline: Option<Instant>) -> bool {
+        const POLL_INTERVAL: Duration = Duration::from_micros(100);
+        while !matches!(self.status(), Status::New | Status::Ended) {
+            if deadline.is_none_or(|deadline| Instant::now() >= deadline) {
+                return false;
+            }
+            thread::sleep(POLL_INTERVAL);
+        }
+        true
+    }
+}
+
+impl Executor for FiberExecutor {
+    fn begin(&self, notifier: &Arc<Notifier>) {
+        damage::heap_functions();
+        // A run begins once.
+        let _ = self.notifier.set(Arc::clone(notifier));
+    }
+
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let mut all_end = true;
+        let deadline = Instant::now() + JOIN_TIMEOUT;
+        for (index, robot) in &self.robots {
+            let list = std::mem::take(&mut *robot.flows.lock()).list;
+            let is_broken = list.iter().any(|(_, fiber)| fiber.block.fault().is_some());
+            let ends = !is_broken && departed(RobotId::from_index(index));
+            for (_, fiber) in list {
+                if !fiber.gives_up(ends.then_some(deadline)) {
+                    damage::lose_flow();
+                    // Its program may have kept addresses of its stack, and the robot's other flows wait for it.
+                    std::mem::forget(fiber);
+                    all_end = false;
+                }
+            }
+        }
+        for worker in self.threads.lock().drain(..) {
+            if !worker.join() {
+                damage::lose_flow();
+                all_end = false;
+            }
+        }
+        all_end
+    }
+
+    fn must_end(&self) -> bool {
+        damage::is_heap_lost() && self.robots.iter().any(|(_, robot)| !robot.flows.lock().list.is_empty())
+    }
+
+    fn admit(&self, robot: RobotId, _: bool) {
+        while self.robots.count() <= robot.index() {
+            self.robots.push(Arc::new(RobotFibers { home: OnceLock::new(), flows: Mutex::default() }));
+        }
+    }
+
+    fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
+        self.start_workers()?;
+        let number = self.fiber_count.fetch_add(1, Ordering::Relaxed);
+        let fiber = Arc::new(Fiber::new(number, self.notifier(), flow)?);
+        let mut flows = self.robot(robot).flows.lock();
+        flows.token_holder.get_or_insert_with(|| Arc::clone(&fiber));
+        flows.list.push((task, fiber));
+        Ok(())
+    }
+
+    fn serve(&self, _: RobotId, _: Arc<Child>) {
+        unreachable!("programs in processes of their own are served by threads")
+    }
+
+    fn resume(&self, robot: RobotId, worker: u32) {
+        let fibers = self.robot(robot);
+        let Some(workers) = self.workers.get() else { return };
+        let home = fibers.home.get_or_init(|| Arc::clone(&workers[worker as usize]));
+        if let Some(token_holder) = fibers.token_holder() {
+            home.enqueue(fibers, token_holder);
+        }
+    }
+
+    fn suspend(&self, _: RobotId) {
+        Fiber::current().suspend();
+    }
+
+    fn continue_running(&self, _: RobotId) {
+        Fiber::current().begin_release();
+    }
+
+    fn switch(&self, robot: RobotId, task: u32) {
+        self.robot(robot).hand_token_to(task);
+        Fiber::current().suspend();
+    }
+
+    fn enter(&self, _: RobotId, call: Call) -> bool {
+        threads::enter(&Fiber::current().block, call)
+    }
+
+    fn leave(&self, _: RobotId) {
+        Fiber::current().block.leave_host();
+    }
+
+    fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
+        // SAFETY: by this method's contract the robot's flow, which is the calling fiber, is in a call of its program, or the first
+        // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
+        unsafe { threads::call_back(&Fiber::current().block, callback) }
+    }
+
+    fn broken(&self) -> Vec<(RobotId, Broken)> {
+        let mut all = Vec::new();
+        for (index, robot) in &self.robots {
+            let flows = robot.flows.lock();
+            for (task, fiber) in &flows.list {
+                let is_alone = *task == MAIN && flows.list.len() == 1;
+                let broken = threads::broken(&fiber.block, (!is_alone).then_some(*task));
+                all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
+            }
+        }
+        all
+    }
+
+    fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
+        let Some(fiber) = self.running_fiber(robot) else { return false };
+        if fiber.block.in_host.load(Ordering::Relaxed) {
+            fiber.timer.lock().pause();
+            return false;
+        }
+        let sample = FlowSample::at_thread(&fiber.block);
+        if sample.is_none() && fiber.timer.lock().is_gone(fiber.block.releases.load(Ordering::Relaxed)) {
+            fiber.block.set_gone();
+        }
+        sample.is_some_and(|sample| fiber.timer.lock().is_overdue(&sample, timeout))
+    }
+
+    fn break_overdue(&self, robot: RobotId) {
+        if let Some(fiber) = self.running_fiber(robot) {
+            signal::stop_overdue(&fiber.block);
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Switch between the stacks of a worker and of its fibers, for x86-64.
+//!
+//! A context that does not run is a stack pointer: below it lie the registers that calls preserve (System V ABI, section 3.2.1), above them
+//! the address at which it continues.
+
+use std::arch::naked_asm;
+
+/// Number of registers that [`switch`] pushes.
+const SAVED: usize = 6;
+
+/// Saves the calling context, stores its stack pointer in `from`, and continues the context of the stack pointer `to`.
+///
+/// # Safety
+/// `from` is valid for a write. `to` was stored by this function or made by [`prepare`], its context has not been continued since, and its
+/// stack is alive.
+#[unsafe(naked)]
+pub unsafe extern "sysv64" fn switch(from: *mut usize, to: usize) {
+    naked_asm!(
+        "push rbp",
+        "push rbx",
+        "push r12",
+        "push r13",
+        "push r14",
+        "push r15",
+        "mov [rdi], rsp",
+        "mov rsp, rsi",
+        "jmp {land}",
+        land = sym land,
+    )
+}
+
+/// Continues the context at whose saved registers the stack pointer stands. Never called: [`switch`] and a signal handler jump here.
+#[unsafe(naked)]
+unsafe extern "sysv64" fn land() {
+    naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
+}
+
+/// Writes the context of a fiber that begins with `entry` to its stack, which ends at `top`, a multiple of 16; returns its stack pointer.
+///
+/// # Safety
+/// The 64 bytes below `top` are valid for writes and used by nobody.
+pub unsafe fn prepare(top: usize, entry: extern "sysv64" fn() -> !) -> usize {
+    // The registers, the entry, and the address 0 to which it would return: there a debugger's or an unwinder's walk ends.
+    let mut words = [0; SAVED + 2];
+    words[SAVED] = entry as *const () as usize;
+    let sp = top - size_of_val(&words);
+    // SAFETY: by this function's contract.
+    unsafe { std::ptr::with_exposed_provenance_mut::<[usize; SAVED + 2]>(sp).write(words) };
+    sp
+}
+
+/// Changes the context of a signal so that, when its handler returns, the thread continues the context of the stack pointer `to`, with no
+/// signal blocked. What the signal interrupted never goes on. Async-signal-safe.
+///
+/// # Safety
+/// `context` is the kernel's, of a signal on the calling thread; `to` is as for [`switch`].
+pub unsafe fn divert(context: *mut libc::ucontext_t, to: usize) {
+    /// Flags that calls require to be clear: trap, direction, alignment check.
+    const CLEAR: i64 = 0x100 | 0x400 | 0x4_0000;
+    // SAFETY: valid by this function's contract, and no other reference to it exists.
+    let context = unsafe { &mut *context };
+    let registers = &mut context.uc_mcontext.gregs;
+    registers[libc::REG_RIP as usize] = land as *const () as i64;
+    registers[libc::REG_RSP as usize] = to as i64;
+    registers[libc::REG_EFL as usize] &= !CLEAR;
+    // SAFETY: a valid set.
+    unsafe { libc::sigemptyset(&raw mut context.uc_sigmask) };
+}

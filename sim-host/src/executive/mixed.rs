@@ -1,0 +1,116 @@
+//! Executor with a flow of its kind for each robot: fibers for the robots whose programs are fit for them, threads for the others.
+
+use std::io;
+use std::sync::Arc;
+
+use robios_sys::{Callback, Stop};
+use sim_core::RobotId;
+
+use super::Executor;
+use super::fault::Broken;
+use super::fiber::FiberExecutor;
+use super::notifier::Notifier;
+use super::process::Child;
+use super::thread::ThreadExecutor;
+use crate::robios::call::Call;
+
+/// Executor that forwards each call to the executor of the robot's kind of flow.
+pub struct MixedExecutor {
+    threads: ThreadExecutor,
+    fibers: FiberExecutor,
+    /// For each robot, true if its flows are fibers.
+    are_fibers: boxcar::Vec<bool>,
+}
+
+impl MixedExecutor {
+    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows that will be
+    /// started.
+    pub fn new(count: usize, flows: usize, workers: usize) -> Self {
+        Self {
+            threads: ThreadExecutor::new(count, flows, workers),
+            fibers: FiberExecutor::new(workers),
+            are_fibers: boxcar::Vec::new(),
+        }
+    }
+
+    /// The executor of the robot's flows.
+    fn of(&self, robot: RobotId) -> &dyn Executor {
+        if self.are_fibers.get(robot.index()).is_some_and(|is_fiber| *is_fiber) { &self.fibers } else { &self.threads }
+    }
+}
+
+impl Executor for MixedExecutor {
+    fn begin(&self, notifier: &Arc<Notifier>) {
+        self.threads.begin(notifier);
+        self.fibers.begin(notifier);
+    }
+
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let ends = [self.threads.end(departed), self.fibers.end(departed)];
+        ends == [true, true]
+    }
+
+    fn must_end(&self) -> bool {
+        self.threads.must_end() || self.fibers.must_end()
+    }
+
+    fn admit(&self, robot: RobotId, is_fiber: bool) {
+        while self.are_fibers.count() < robot.index() {
+            self.are_fibers.push(false);
+        }
+        if self.are_fibers.count() == robot.index() {
+            self.are_fibers.push(is_fiber);
+        }
+        self.of(robot).admit(robot, is_fiber);
+    }
+
+    fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
+        self.of(robot).start(robot, task, flow)
+    }
+
+    fn serve(&self, robot: RobotId, child: Arc<Child>) {
+        self.of(robot).serve(robot, child);
+    }
+
+    fn resume(&self, robot: RobotId, worker: u32) {
+        self.of(robot).resume(robot, worker);
+    }
+
+    fn suspend(&self, robot: RobotId) {
+        self.of(robot).suspend(robot);
+    }
+
+    fn continue_running(&self, robot: RobotId) {
+        self.of(robot).continue_running(robot);
+    }
+
+    fn switch(&self, robot: RobotId, task: u32) {
+        self.of(robot).switch(robot, task);
+    }
+
+    fn enter(&self, robot: RobotId, call: Call) -> bool {
+        self.of(robot).enter(robot, call)
+    }
+
+    fn leave(&self, robot: RobotId) {
+        self.of(robot).leave(robot);
+    }
+
+    fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop> {
+        self.of(robot).call_back(robot, callback)
+    }
+
+    fn broken(&self) -> Vec<(RobotId, Broken)> {
+        let mut all = self.threads.broken();
+        all.extend(self.fibers.broken());
+        all
+    }
+
+    fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
+        self.of(robot).is_overdue(robot, timeout)
+    }
+
+    fn break_overdue(&self, robot: RobotId) {
+        self.of(robot).break_overdue(robot);
+    }
+}
