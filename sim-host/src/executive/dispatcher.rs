@@ -127,6 +127,8 @@ impl Boundary {
 pub struct Plan {
     /// For each robot, true if it has a program.
     pub has_program: Vec<bool>,
+    /// For each robot the worker on which it has to run; `None` for any.
+    pub homes: Vec<Option<u32>>,
     /// Number of workers: robots that may run at one time.
     pub workers: usize,
     /// Simulated time at which the run ends.
@@ -142,7 +144,8 @@ impl Dispatcher {
             robots.map(|(index, _)| RobotId::from_index(index))
         };
         let alive = ids(true).count();
-        let workers = plan.workers.clamp(1, alive.max(1));
+        let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let workers = plan.workers.clamp(1, alive.max(1)).max(last_home);
         let mut dispatcher = Self {
             workers: (0..workers).map(|_| Worker::default()).collect(),
             max_workers: plan.workers,
@@ -161,7 +164,7 @@ impl Dispatcher {
             end: None,
         };
         for (place, robot) in ids(true).enumerate() {
-            dispatcher.affinity[robot.index()] = (place % workers) as u32;
+            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -403,7 +406,7 @@ impl Dispatcher {
             self.touched.push(id);
         }
         if let Some((id, has_program)) = effect.spawned {
-            self.admit(id, has_program, at);
+            self.admit(id, has_program, run.home(id), at);
         }
         if let Some(id) = effect.removed {
             // Wakes its program, whose calls return `Stop` from now on.
@@ -417,16 +420,17 @@ impl Dispatcher {
     }
 
     /// Adds a spawned robot, which has the next id; it is due at `at` if it has a program.
-    fn admit(&mut self, robot: RobotId, has_program: bool, at: Time) {
+    fn admit(&mut self, robot: RobotId, has_program: bool, home: Option<u32>, at: Time) {
         self.affinity.push(0);
         self.wake_numbers.push(0);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
-            if self.workers.len() < self.max_workers.min(self.alive) {
+            let wanted = self.max_workers.min(self.alive).max(home.map_or(0, |home| home as usize + 1));
+            while self.workers.len() < wanted {
                 self.workers.push(Worker::default());
             }
-            self.affinity[robot.index()] = (robot.index() % self.workers.len()) as u32;
+            self.affinity[robot.index()] = home.unwrap_or((robot.index() % self.workers.len()) as u32);
             self.sleep_until(robot, at);
         }
         self.touched.push(robot);

@@ -1,21 +1,22 @@
 //! Loads the programs of a scene: as private copies in this process, or in processes of their own.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use sim_core::RobotId;
 use sim_core::spec::{RobotSpec, SceneSpec};
 
-use super::damage;
 use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, Place, RobotProgram};
+use super::{damage, fiber};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
 
-/// Memory mappings for each robot's flow: its stack, the guard below it, its alternate stack, and the kernel's neighbouring ones.
-const MAPPINGS_PER_FLOW: usize = 4;
+/// Memory mappings for each robot's thread: its stack, the guard below it, its alternate stack, and the kernel's neighbouring ones.
+const MAPPINGS_PER_THREAD: usize = 4;
 
 /// Reasons why the programs of robots cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +43,7 @@ pub enum ProgramLoadError {
 }
 
 /// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process, or in its
-/// own process.
+/// own process. Robots on one of the `workers` may share a copy.
 ///
 /// # Errors
 /// The first program that cannot be loaded, or all of them if the kernel has no room.
@@ -51,15 +52,17 @@ pub fn load_programs(
     programs: &Programs,
     exec: Exec,
     debug: Option<&DebugTarget>,
+    workers: usize,
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
-    check_room(programs.iter(), exec)?;
+    check_room(programs.iter(), exec, workers)?;
     let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
     Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == Place::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-        let begun = program.as_ref().map(|program| Loading::begin(robot, program, exec, &mut loader, debugger));
+        let begun =
+            program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), &mut loader, debugger));
         loading.push(begun.transpose().map_err(|error| of_robot(robot, error))?);
     }
     let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
@@ -75,23 +78,39 @@ pub fn load_programs(
 pub fn load_program(
     robot: &RobotSpec,
     program: &Arc<Prepared>,
-    exec: Exec,
+    (exec, workers): (Exec, usize),
     loader: &mut Loader,
 ) -> Result<RobotProgram, ProgramLoadError> {
-    check_room([program], exec)?;
-    let loading = Loading::begin(robot, program, exec, loader, None);
+    check_room([program], exec, workers)?;
+    let loading = Loading::begin(robot, program, (exec, workers), loader, None);
     loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, error))
 }
 
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
 /// copies and stacks of these programs.
-fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), ProgramLoadError> {
-    let mut in_host = programs.into_iter().filter(|program| place_of(program, exec).0 != Place::Process).peekable();
-    if in_host.peek().is_some() {
+fn check_room<'a>(
+    programs: impl IntoIterator<Item = &'a Arc<Prepared>>,
+    exec: Exec,
+    workers: usize,
+) -> Result<(), ProgramLoadError> {
+    // The copies of each program (keyed by its address), and the robots in this process.
+    let (mut copies, mut robots, mut mappings) = (BTreeMap::new(), 0, 0);
+    for program in programs {
+        let place = place_of(program, exec).0;
+        let Some(image) = program.image().filter(|_| place != Place::Process) else { continue };
+        robots += 1;
+        let is_shared = place == Place::Fiber && image.shared_variables().is_some();
+        let count: &mut usize = copies.entry(Arc::as_ptr(program).addr()).or_default();
+        if !is_shared || *count < workers {
+            *count += 1;
+            mappings += image.mappings();
+        }
+        mappings += if place == Place::Fiber { fiber::mappings_per_stack() } else { MAPPINGS_PER_THREAD };
+    }
+    if robots > 0 {
         damage::check()?;
     }
-    let images = in_host.filter_map(|program| Some((&**program.image()?, 1)));
-    check_mappings(images, MAPPINGS_PER_FLOW).map_err(ProgramLoadError::Mappings)
+    check_mappings(robots, mappings).map_err(ProgramLoadError::Mappings)
 }
 
 fn of_robot(robot: &RobotSpec, error: LoadError) -> ProgramLoadError {
@@ -121,10 +140,12 @@ pub fn place_of(program: &Prepared, exec: Exec) -> (Place, Option<String>) {
     match exec {
         _ if image.has_resolvers() => in_process(),
         Exec::Auto if program.danger.is_some() => in_process(),
-        Exec::Auto | Exec::Fiber => match program.danger.clone().or_else(|| program.why_thread_bound()) {
-            Some(why) => (Place::Thread, Some(why)),
-            None => (Place::Fiber, None),
-        },
+        Exec::Auto | Exec::Fiber => {
+            match program.danger.clone().or_else(|| program.why_thread_bound().map(str::to_owned)) {
+                Some(why) => (Place::Thread, Some(why)),
+                None => (Place::Fiber, None),
+            }
+        }
         Exec::Thread => (Place::Thread, None),
         Exec::Process => (Place::Process, None),
     }
@@ -141,14 +162,15 @@ impl Loading {
     fn begin(
         robot: &RobotSpec,
         program: &Arc<Prepared>,
-        exec: Exec,
+        (exec, workers): (Exec, usize),
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
         let place = if debugger.is_some() { Place::Process } else { place_of(program, exec).0 };
         if place != Place::Process {
-            let program = loader.load(program, &robot.arguments)?;
-            return Ok(Self::Done(RobotProgram::InHost { program, is_fiber: place == Place::Fiber }));
+            let is_fiber = place == Place::Fiber;
+            let program = loader.load(program, &robot.arguments, is_fiber.then_some(workers))?;
+            return Ok(Self::Done(RobotProgram::InHost { program, is_fiber }));
         }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {

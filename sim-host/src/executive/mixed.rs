@@ -11,6 +11,7 @@ use super::fault::Broken;
 use super::fiber::FiberExecutor;
 use super::notifier::Notifier;
 use super::process::Child;
+use super::program::RobotProgram;
 use super::thread::ThreadExecutor;
 use crate::robios::call::Call;
 
@@ -54,14 +55,14 @@ impl Executor for MixedExecutor {
         self.threads.must_end() || self.fibers.must_end()
     }
 
-    fn admit(&self, robot: RobotId, is_fiber: bool) {
+    fn admit(&self, robot: RobotId, program: &RobotProgram) {
         while self.are_fibers.count() < robot.index() {
             self.are_fibers.push(false);
         }
         if self.are_fibers.count() == robot.index() {
-            self.are_fibers.push(is_fiber);
+            self.are_fibers.push(program.is_fiber());
         }
-        self.of(robot).admit(robot, is_fiber);
+        self.of(robot).admit(robot, program);
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {

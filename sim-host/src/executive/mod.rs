@@ -35,6 +35,7 @@ use std::sync::Arc;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
+use self::program::RobotProgram;
 use crate::robios::call::Call;
 
 /// Runs the flows of robots; implemented with threads, processes or fibers.
@@ -52,8 +53,8 @@ pub trait Executor: Send + Sync {
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn must_end(&self) -> bool;
 
-    /// Prepares for robots with ids up to this one; the flows of this one are fibers if it `is_fiber`.
-    fn admit(&self, robot: RobotId, is_fiber: bool);
+    /// Prepares for robots with ids up to this one, which runs `program`.
+    fn admit(&self, robot: RobotId, program: &RobotProgram);
 
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
     /// comes first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` for

@@ -11,6 +11,7 @@ use super::process::Child;
 use super::process::serve::RemoteProgram;
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
+use crate::program::shared::Variables;
 use crate::program::site::Site;
 
 /// What the user wants about the places of programs.
@@ -72,6 +73,14 @@ impl RobotProgram {
     /// Returns true if its flows are fibers.
     pub fn is_fiber(&self) -> bool {
         matches!(self, Self::InHost { is_fiber: true, .. })
+    }
+
+    /// Its variables in a copy of the library that it shares with other robots; `None` if it has a copy of its own.
+    pub fn variables(&self) -> Option<&Arc<Variables>> {
+        match self {
+            Self::InHost { program, .. } => program.variables(),
+            Self::Process(_) => None,
+        }
     }
 
     /// The program's process, if it has its own.

@@ -85,7 +85,9 @@ impl Run {
     /// The process has no file descriptor left.
     pub(super) fn new(parts: RunParts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
-        let plan = Plan { has_program, workers: limits.workers, until: limits.until };
+        let home = |program: &Option<RobotProgram>| program.as_ref()?.variables().map(|variables| variables.worker());
+        let homes = parts.programs.iter().map(home).collect();
+        let plan = Plan { has_program, homes, workers: limits.workers, until: limits.until };
         let notifier = Arc::new(Notifier::new()?);
         let members = parts.robots.into_iter().zip(parts.programs);
         Ok(Arc::new_cyclic(|weak_self| Self {
@@ -125,7 +127,7 @@ impl Run {
     /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         let weak_self = Weak::clone(&self.weak_self);
-        self.executor.admit(id, program.is_fiber());
+        self.executor.admit(id, program);
         self.executor.start(id, MAIN, Box::new(move || weak_self.upgrade()?.run_main_flow(id)))?;
         if let Some(child) = program.child() {
             self.executor.serve(id, Arc::clone(child));
@@ -171,6 +173,11 @@ impl Run {
     /// The program of robot `id`.
     pub(super) fn program(&self, id: RobotId) -> Option<&RobotProgram> {
         self.members[id.index()].program.as_ref()
+    }
+
+    /// The worker on which robot `id` has to run: that of the copy of its library; `None` for any.
+    pub(super) fn home(&self, id: RobotId) -> Option<u32> {
+        self.program(id)?.variables().map(|variables| variables.worker())
     }
 
     /// Returns true if robot `id` stays on its worker for ever.

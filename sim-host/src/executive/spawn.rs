@@ -50,6 +50,8 @@ pub struct RobotOptions {
     pub frames: Option<Arc<Frames>>,
     /// Place in which the programs run.
     pub exec: Exec,
+    /// Number of workers.
+    pub workers: usize,
 }
 
 /// Creates the robots of a run, and keeps a register of all robots and objects that were ever in it.
@@ -153,7 +155,7 @@ impl Spawner {
             Some(loader) => loader,
             None => self.loader.insert(Loader::new().map_err(ProgramLoadError::Folder)?),
         };
-        load_program(spec, prepared, self.options.exec, loader)
+        load_program(spec, prepared, (self.options.exec, self.options.workers), loader)
     }
 
     /// Registers a robot that was added to the run.

@@ -17,6 +17,7 @@ use super::fault::{Broken, stack_words};
 use super::notifier::Notifier;
 use super::process::Child;
 use super::process::child::Release;
+use super::program::RobotProgram;
 use super::signal::{self, Handlers, ThreadBlock};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
@@ -90,10 +91,20 @@ impl ThreadExecutor {
     pub fn new(count: usize, flows: usize, workers: usize) -> Self {
         let processors: Arc<[usize]> = if flows > workers { processors(workers).into() } else { Arc::default() };
         let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, notifier: OnceLock::new() };
-        if count > 0 {
-            executor.admit(RobotId::from_index(count - 1), false);
-        }
+        executor.make_room(count);
         executor
+    }
+
+    /// Makes room for `count` robots.
+    fn make_room(&self, count: usize) {
+        while self.robots.count() < count {
+            self.robots.push(Arc::new(RobotThreads {
+                worker: AtomicU32::new(u32::MAX),
+                processors: Arc::clone(&self.processors),
+                child: OnceLock::new(),
+                flows: Mutex::default(),
+            }));
+        }
     }
 
     fn robot(&self, robot: RobotId) -> &Arc<RobotThreads> {
@@ -264,15 +275,8 @@ impl Executor for ThreadExecutor {
         damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
     }
 
-    fn admit(&self, robot: RobotId, _: bool) {
-        while self.robots.count() <= robot.index() {
-            self.robots.push(Arc::new(RobotThreads {
-                worker: AtomicU32::new(u32::MAX),
-                processors: Arc::clone(&self.processors),
-                child: OnceLock::new(),
-                flows: Mutex::default(),
-            }));
-        }
+    fn admit(&self, robot: RobotId, _: &RobotProgram) {
+        self.make_room(robot.index() + 1);
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {

@@ -81,10 +81,11 @@ impl BuiltScene {
             scenery: Arc::clone(&scenery),
             frames: frames.clone(),
             exec: options.exec,
+            workers: options.worker_count(),
         };
         let mut spawner = Spawner::new(Arc::clone(&scene), &programs, robot_options);
         let (world, robots) = spawner.start()?;
-        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref())?;
+        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count())?;
         Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs: loaded })
     }
 }

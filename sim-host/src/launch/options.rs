@@ -74,6 +74,12 @@ pub struct Options {
 }
 
 impl Options {
+    /// Number of workers.
+    pub fn worker_count(&self) -> usize {
+        let processors = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        self.workers.map_or_else(processors, NonZeroUsize::get)
+    }
+
     /// Values that override those of the scene when its files are read.
     pub fn overrides(&self) -> Overrides {
         Overrides { seed: self.seed, dialect: self.dialect, maze_cell: self.maze_cell }

@@ -1,6 +1,5 @@
 //! A run that is ready to start, and one that has started.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -114,7 +113,7 @@ impl Ready {
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
         let sinks: Sinks<'_> = [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(failures).collect();
         let limits = Limits {
-            workers: options.workers.map_or_else(processors, NonZeroUsize::get),
+            workers: options.worker_count(),
             until: settings.until,
             timeout: options.timeout,
             is_verbose: options.is_verbose,
@@ -205,10 +204,6 @@ impl Running {
         let report = finished::report(&settings, &ended, inputs);
         Finished { settings, scene, scenery, ended, report }
     }
-}
-
-fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
 /// Sink that reports mistakes in the meshes and images that cameras need, at the end of the slot in which a camera is

@@ -32,10 +32,10 @@ pub struct ProgramImage {
     destructors: usize,
     /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
     has_resolvers: bool,
-    /// It has thread-local variables.
-    has_thread_locals: bool,
-    /// Libraries that it names.
-    needed: Vec<String>,
+    /// See [`ProgramImage::why_thread_bound`].
+    thread_bound: Option<String>,
+    /// Places of its variables, relative to the base.
+    variables: Vec<Range<usize>>,
     /// Debug information, read when a line is first requested; the inner `None` means that there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
@@ -133,8 +133,8 @@ impl ProgramImage {
             undefined,
             destructors,
             has_resolvers,
-            has_thread_locals,
-            needed,
+            thread_bound,
+            variables,
         } = parts;
         let source_folder = source_folder.map(|folder| {
             // A source that is named without a folder is in the working folder.
@@ -153,8 +153,8 @@ impl ProgramImage {
             undefined,
             destructors,
             has_resolvers,
-            has_thread_locals,
-            needed,
+            thread_bound,
+            variables,
             lines: OnceLock::new(),
         })
     }
@@ -223,29 +223,20 @@ impl ProgramImage {
         self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
     }
 
-    /// Reason why several flows of this program cannot share a thread, in words; `None` if they can. They can if nothing that belongs to
-    /// the thread belongs to one of them, apart from `errno` and the floating-point environment, which a switch saves: the
-    /// program is in C, has no thread-local variables, uses no libraries but those of C, and calls no function whose effect is on its
-    /// thread.
-    pub fn why_thread_bound(&self) -> Option<String> {
-        if cfg!(not(target_arch = "x86_64")) {
-            return Some("runs on a processor for which eyesim has no fibers".to_owned());
-        }
-        let language = self.description.map(|description| description.language);
-        if language != Some(language::C) {
-            return Some("is not in C alone".to_owned());
-        }
-        if self.has_thread_locals {
-            return Some("has thread-local variables".to_owned());
-        }
-        let is_foreign = |name: &&String| !OWN_LIBRARIES.iter().any(|own| name.starts_with(own));
-        if let Some(library) = self.needed.iter().find(is_foreign) {
-            return Some(format!("uses the library `{library}`"));
-        }
-        let is_bound = |name: &&String| {
-            THREAD_BOUND_FUNCTIONS.contains(&name.as_str()) || RETAINING_FUNCTIONS.contains(&name.as_str())
-        };
-        self.undefined.iter().find(is_bound).map(|name| format!("calls `{name}`, which concerns its thread"))
+    /// Places of the variables, relative to the base, if robots on one worker can share a copy: their flows can share a thread, the copy
+    /// can be unmapped, and the variables are few enough to be copied at each change of the robot.
+    pub fn shared_variables(&self) -> Option<&[Range<usize>]> {
+        let len: usize = self.variables.iter().map(Range::len).sum();
+        (self.why_thread_bound().is_none() && self.can_unmap() && len <= MAX_SHARED_VARIABLES)
+            .then_some(&self.variables)
+    }
+
+    /// Reason why several flows of this program cannot share a thread, without its subject, ``calls `gettid`, ...``; `None` if they can.
+    /// They can if nothing that belongs to the thread belongs to one of them, apart from `errno` and the floating-point environment, which
+    /// a switch saves: the program is in C, has no thread-local variables, uses no libraries but those of C, and calls no function whose
+    /// effect is on its thread.
+    pub fn why_thread_bound(&self) -> Option<&str> {
+        self.thread_bound.as_deref()
     }
 
     /// The line of the source at `offset` from the base, if the debug information contains it.
@@ -344,6 +335,9 @@ const RETAINING_FUNCTIONS: &[&str] = &[
     "tss_create",
 ];
 
+/// Largest size of a program's variables, in bytes, with which robots share a copy of it.
+const MAX_SHARED_VARIABLES: usize = 16 << 10;
+
 /// Beginnings of the names of the C library's files.
 const OWN_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "ld-linux"];
 
@@ -401,8 +395,8 @@ struct ImageParts {
     undefined: Vec<String>,
     destructors: usize,
     has_resolvers: bool,
-    has_thread_locals: bool,
-    needed: Vec<String>,
+    thread_bound: Option<String>,
+    variables: Vec<Range<usize>>,
 }
 
 /// One loaded segment.
@@ -418,7 +412,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let endian = file.endian();
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
     let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
-    let (mut segments, mut is_relocated, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
+    let (mut segments, mut is_relocated, mut relro, mut destructors) = (Vec::new(), false, 0..0, 0);
     let (mut has_thread_locals, mut names, mut strings) = (false, Vec::new(), 0);
     for header in headers {
         match header.p_type(endian) {
@@ -431,7 +425,10 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
                 });
             }
             elf::PT_INTERP => return Err("it is an executable, not a library".into()),
-            elf::PT_GNU_RELRO => has_relro = true,
+            elf::PT_GNU_RELRO => {
+                let start = header.p_vaddr(endian);
+                relro = number(start)?..number(start.saturating_add(header.p_memsz(endian)))?;
+            }
             elf::PT_TLS => has_thread_locals = true,
             elf::PT_DYNAMIC => {
                 for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
@@ -474,19 +471,25 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         }
     }
     undefined.sort();
-    let needed = names.iter().filter_map(|offset| text_at(&file, strings.saturating_add(*offset))).collect();
     undefined.dedup();
+    let needed: Vec<String> =
+        names.iter().filter_map(|offset| text_at(&file, strings.saturating_add(*offset))).collect();
+    let thread_bound = match description.map(|description| description.language) {
+        Some(language::C) if has_thread_locals => Some("has thread-local variables".to_owned()),
+        Some(language::C) => why_thread_bound(&needed, &undefined),
+        _ => Some("is not in C alone".to_owned()),
+    };
     Ok(ImageParts {
         loaded_len,
         span: start..end,
-        mappings: mappings_of(&segments) + usize::from(has_relro),
+        mappings: mappings_of(&segments) + usize::from(!relro.is_empty()),
         read_only: if is_relocated { Vec::new() } else { read_only_segments(&segments) },
         description,
         undefined,
         destructors,
         has_resolvers,
-        has_thread_locals,
-        needed,
+        thread_bound,
+        variables: variables_of(&segments, &relro),
     })
 }
 
@@ -523,6 +526,33 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
             is_code: segment.flags & elf::PF_X != 0,
         })
         .collect()
+}
+
+/// See [`ProgramImage::why_thread_bound`]: by the libraries that it names and the functions that it imports.
+fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String> {
+    if cfg!(not(target_arch = "x86_64")) {
+        return Some("runs on a processor for which eyesim has no fibers".to_owned());
+    }
+    if let Some(library) = libraries.iter().find(|name| !OWN_LIBRARIES.iter().any(|own| name.starts_with(own))) {
+        return Some(format!("uses the library `{library}`"));
+    }
+    let is_bound =
+        |name: &&String| [THREAD_BOUND_FUNCTIONS, RETAINING_FUNCTIONS].iter().any(|list| list.contains(&name.as_str()));
+    functions
+        .iter()
+        .find(is_bound)
+        .map(|name| format!("calls `{name}`, which concerns its thread or the whole process"))
+}
+
+/// Places of the variables: the writable segments without what the dynamic linker protects once it has relocated it, in whole pages.
+fn variables_of(segments: &[Segment], relro: &Range<usize>) -> Vec<Range<usize>> {
+    let protected_end = relro.end / page_size() * page_size();
+    let writable = segments.iter().filter(|segment| segment.flags & elf::PF_W != 0).map(|segment| &segment.memory);
+    let places = writable.map(|memory| match memory.contains(&relro.start) && !relro.is_empty() {
+        true => protected_end.clamp(memory.start, memory.end)..memory.end,
+        false => memory.clone(),
+    });
+    places.filter(|place| !place.is_empty()).collect()
 }
 
 /// The text at this address of the loaded image, up to its NUL.

@@ -22,6 +22,7 @@ use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
 use super::run_folder::RunFolder;
 use super::share::share_pages;
+use super::shared::{SharedCopy, Variables};
 
 /// Number of copies in a run that are complete files with debug information, for debuggers and profilers; further copies contain
 /// only the mapped part.
@@ -100,9 +101,9 @@ pub enum LoadError {
         /// Description of the event.
         what: String,
     },
-    /// The private copies need more memory mappings than the kernel allows one process.
+    /// The copies need more memory mappings than the kernel allows one process.
     #[error(
-        "{robots} robots need about {needed} memory mappings for private copies of their programs and for their stacks, and \
+        "{robots} robots need about {needed} memory mappings for copies of their programs and for their stacks, and \
          the kernel allows {allowed} a process: run fewer robots, or raise the limit with `sudo sysctl \
          vm.max_map_count={advised}`"
     )]
@@ -138,6 +139,8 @@ pub struct LoadedProgram {
     image: Arc<ProgramImage>,
     arguments: Vec<CString>,
     library: Arc<Opened>,
+    /// Its own variables in a copy that it shares with other robots; `None` for a private copy.
+    variables: Option<Arc<Variables>>,
 }
 
 impl std::fmt::Debug for LoadedProgram {
@@ -174,6 +177,11 @@ impl LoadedProgram {
     /// Returns true if the program's exit code has a meaning: false if `main` returns no value.
     pub fn has_exit_code(&self) -> bool {
         self.library.description().flags & flag::VOID_MAIN == 0
+    }
+
+    /// The robot's variables, if it shares the copy with other robots: they must be swapped in before it runs.
+    pub fn variables(&self) -> Option<&Arc<Variables>> {
+        self.variables.as_ref()
     }
 
     /// Runs the program's `main` on this thread, with its calls answered by `host`; returns its exit code.
@@ -255,6 +263,10 @@ pub struct Loader {
     first_copies: BTreeMap<usize, (Arc<Prepared>, File)>,
     /// Like `first_copies`: the file that robots' own processes load.
     libraries: BTreeMap<usize, (Arc<Prepared>, PathBuf)>,
+    /// Like `first_copies`, for each worker: the copy that its robots share.
+    shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
+    /// Number of robots so far that share copies.
+    sharing_robots: usize,
 }
 
 impl Loader {
@@ -263,25 +275,73 @@ impl Loader {
     /// # Errors
     /// The folder cannot be created.
     pub fn new() -> io::Result<Self> {
-        Ok(Self { folder: RunFolder::new()?, copies: 0, first_copies: BTreeMap::new(), libraries: BTreeMap::new() })
+        Ok(Self {
+            folder: RunFolder::new()?,
+            copies: 0,
+            first_copies: BTreeMap::new(),
+            libraries: BTreeMap::new(),
+            shared_copies: BTreeMap::new(),
+            sharing_robots: 0,
+        })
     }
 
-    /// Maps a private copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`.
+    /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
+    /// robots may share one on each of the `sharing_workers`: see [`ProgramImage::shared_variables`].
     ///
     /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless the program may
     /// leave references to it behind (exit handlers, threads).
     ///
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
-    pub fn load(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<LoadedProgram, LoadError> {
+    pub fn load(
+        &mut self,
+        prepared: &Arc<Prepared>,
+        arguments: &[String],
+        sharing_workers: Option<usize>,
+    ) -> Result<LoadedProgram, LoadError> {
         let image = library_of(prepared)?;
         check_description(image)?;
         let arguments = c_arguments(&prepared.name, arguments)
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
+        let (library, variables) = match (sharing_workers, image.shared_variables()) {
+            (Some(workers), Some(places)) => {
+                let copy = self.shared_copy(prepared, image, places, workers)?;
+                (Arc::clone(copy.opened()), Some(Arc::new(Variables::new(copy))))
+            }
+            _ => {
+                let opened = self.map_own(prepared, image)?;
+                (Arc::new(if image.can_unmap() { opened } else { opened.kept() }), None)
+            }
+        };
+        Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library, variables })
+    }
+
+    /// The copy that the next robot shares with others: robots are dealt to the workers in turn.
+    fn shared_copy(
+        &mut self,
+        prepared: &Arc<Prepared>,
+        image: &ProgramImage,
+        places: &[Range<usize>],
+        workers: usize,
+    ) -> Result<Arc<SharedCopy>, LoadError> {
+        let worker = (self.sharing_robots % workers.max(1)) as u32;
+        self.sharing_robots += 1;
+        let key = (Arc::as_ptr(prepared).addr(), worker);
+        if let Some((_, copy)) = self.shared_copies.get(&key) {
+            return Ok(Arc::clone(copy));
+        }
+        let opened = self.map_own(prepared, image)?;
+        // SAFETY: the places are writable parts of the image that was opened.
+        let copy = Arc::new(unsafe { SharedCopy::new(opened, worker, places) });
+        self.shared_copies.insert(key, (Arc::clone(prepared), Arc::clone(&copy)));
+        Ok(copy)
+    }
+
+    /// Maps a further copy of `image`, with the pages of code and constants of the first one.
+    fn map_own(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage) -> Result<Opened, LoadError> {
         let (opened, copy) = self.map_copy(image)?;
         self.share(prepared, image, opened.base, copy);
-        let library = Arc::new(if image.can_unmap() { opened } else { opened.kept() });
-        Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library })
+        Ok(opened)
     }
 
     /// The file from which robots' own processes load `prepared`: one copy for all of them, whose pages they share. It exists as long
@@ -482,41 +542,22 @@ fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     }
 }
 
-/// Checks that the kernel lets this process map the private copies of a run: `programs` are the images with the number of robots
-/// that load each; every robot needs `others` further mappings (its stacks).
+/// Checks that the kernel lets this process map the copies of a run's programs and the stacks of its `robots`, which take this
+/// many `mappings`.
 ///
 /// # Errors
 /// [`LoadError::TooManyMappings`] if they do not fit. If the kernel's limit is unknown, nothing is checked.
-pub fn check_mappings<'a>(
-    programs: impl IntoIterator<Item = (&'a ProgramImage, usize)>,
-    others: usize,
-) -> Result<(), LoadError> {
-    let Some(allowed) = fs::read_to_string("/proc/sys/vm/max_map_count").ok().and_then(|text| text.trim().parse().ok())
-    else {
-        return Ok(());
-    };
-    let there = fs::read_to_string("/proc/self/maps").map_or(0, |maps| maps.lines().count());
-    check_against_limit(programs, others, there, allowed)
-}
-
-fn check_against_limit<'a>(
-    programs: impl IntoIterator<Item = (&'a ProgramImage, usize)>,
-    others: usize,
-    there: usize,
-    allowed: usize,
-) -> Result<(), LoadError> {
+pub fn check_mappings(robots: usize, mappings: usize) -> Result<(), LoadError> {
     // Reserve for the heap and the record, which grow during the run.
     const RESERVE: usize = 1000;
-    let (mut robots, mut needed) = (0, there + RESERVE);
-    for (image, count) in programs {
-        robots += count;
-        needed += count * (image.mappings() + others);
-    }
+    let limit = fs::read_to_string("/proc/sys/vm/max_map_count").ok();
+    let Some(allowed) = limit.and_then(|text| text.trim().parse().ok()) else { return Ok(()) };
+    let there = fs::read_to_string("/proc/self/maps").map_or(0, |maps| maps.lines().count());
+    let needed = there + RESERVE + mappings;
     if needed <= allowed {
         return Ok(());
     }
-    let advised = needed.next_power_of_two();
-    Err(LoadError::TooManyMappings { robots, needed, allowed, advised })
+    Err(LoadError::TooManyMappings { robots, needed, allowed, advised: needed.next_power_of_two() })
 }
 
 /// The arguments of a program as C strings, `argv[0]` first; the error describes an argument that contains a NUL.

@@ -24,6 +24,7 @@ pub mod python;
 mod run_folder;
 pub mod scene;
 pub(crate) mod share;
+pub mod shared;
 pub mod site;
 pub mod symbols;
 #[cfg(test)]

@@ -50,10 +50,10 @@ impl Prepared {
     }
 
     /// Reason why several flows of this program cannot share a thread, see [`ProgramImage::why_thread_bound`]; `None` if they can.
-    pub fn why_thread_bound(&self) -> Option<String> {
+    pub fn why_thread_bound(&self) -> Option<&str> {
         match (&self.code, &self.source) {
             (Code::Library(image), ProgramSource::Sources { .. }) => image.why_thread_bound(),
-            _ => Some("has not been built by eyesim from sources in C".to_owned()),
+            _ => Some("has not been built by eyesim from sources in C"),
         }
     }
 

@@ -10,6 +10,8 @@
 mod stack;
 mod switch;
 
+pub use self::stack::mappings_per_stack;
+
 use std::cell::{Cell, UnsafeCell};
 use std::collections::VecDeque;
 use std::io;
@@ -27,11 +29,13 @@ use self::stack::Stack;
 use super::fault::Broken;
 use super::notifier::Notifier;
 use super::process::Child;
+use super::program::RobotProgram;
 use super::signal::{self, Handlers, Leave, ThreadBlock};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
 use crate::program::float::{self, Environment};
+use crate::program::shared::Variables;
 use crate::robios::call::Call;
 use crate::robios::task::MAIN;
 
@@ -74,7 +78,10 @@ struct Worker {
 unsafe impl Sync for Worker {}
 
 /// The fibers of one robot.
+#[derive(Default)]
 struct RobotFibers {
+    /// Its variables, if it shares a copy of its library with other robots.
+    variables: Option<Arc<Variables>>,
     /// The worker on which the robot's fibers run, set when it is resumed first.
     home: OnceLock<Arc<Worker>>,
     flows: Mutex<Flows>,
@@ -283,8 +290,12 @@ impl Worker {
         CURRENT.set(Arc::as_ptr(fiber));
         self.running.store(Arc::as_ptr(fiber).cast_mut(), Ordering::Relaxed);
         // SAFETY: the caller's reference keeps the fiber alive until both are replaced below; it does not run, so that its context is this
-        // thread's alone, and has not been continued since it was stored; `errno` is this thread's variable.
+        // thread's alone, and has not been continued since it was stored; `errno` is this thread's variable. This is the home of all
+        // robots that share the copy of the variables, which are those of a run's programs and dropped after the run.
         unsafe {
+            if let Some(variables) = &robot.variables {
+                variables.swap_in();
+            }
             signal::set_current(&raw const fiber.block);
             (*context).environment.apply();
             *libc::__errno_location() = (*context).errno;
@@ -466,10 +477,12 @@ impl Executor for FiberExecutor {
         damage::is_heap_lost() && self.robots.iter().any(|(_, robot)| !robot.flows.lock().list.is_empty())
     }
 
-    fn admit(&self, robot: RobotId, _: bool) {
-        while self.robots.count() <= robot.index() {
-            self.robots.push(Arc::new(RobotFibers { home: OnceLock::new(), flows: Mutex::default() }));
+    fn admit(&self, robot: RobotId, program: &RobotProgram) {
+        while self.robots.count() < robot.index() {
+            self.robots.push(Arc::default());
         }
+        let variables = program.variables().cloned();
+        self.robots.push(Arc::new(RobotFibers { variables, ..RobotFibers::default() }));
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {

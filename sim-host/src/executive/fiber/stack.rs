@@ -2,6 +2,7 @@
 
 use std::io;
 use std::ptr;
+use std::sync::OnceLock;
 
 use crate::program::share::page_size;
 
@@ -11,6 +12,8 @@ pub struct Stack {
     start: usize,
     /// Address above the usable bytes, a multiple of 16.
     top: usize,
+    /// The guard page has not split the mapping.
+    is_joined: bool,
 }
 
 /// Size of a stack's mapping in bytes, guard page included.
@@ -23,6 +26,12 @@ const COLOURS: usize = 16;
 /// Bytes between two of these places.
 const COLOUR_STEP: usize = 128;
 
+/// Memory mappings for each stack: none where the kernel joins equal neighbours, two where each guard page needs one of its own.
+pub fn mappings_per_stack() -> usize {
+    static COUNT: OnceLock<usize> = OnceLock::new();
+    *COUNT.get_or_init(|| Stack::new(0).map_or(2, |stack| if stack.is_joined { 0 } else { 2 }))
+}
+
 /// Lets accesses to pages fault without splitting their mapping (Linux 6.13).
 const MADV_GUARD_INSTALL: i32 = 102;
 
@@ -34,7 +43,7 @@ impl Stack {
     pub fn new(number: usize) -> io::Result<Self> {
         let page = page_size();
         // SAFETY: a fresh anonymous mapping; advice and protection concern nothing but its pages.
-        let start = unsafe {
+        let (start, is_joined) = unsafe {
             let start = libc::mmap(
                 ptr::null_mut(),
                 SIZE,
@@ -48,15 +57,15 @@ impl Stack {
             }
             // Where the kernel has no huge pages there is nothing to refuse.
             libc::madvise(start, SIZE, libc::MADV_NOHUGEPAGE);
-            if libc::madvise(start, page, MADV_GUARD_INSTALL) != 0 && libc::mprotect(start, page, libc::PROT_NONE) != 0
-            {
+            let is_joined = libc::madvise(start, page, MADV_GUARD_INSTALL) == 0;
+            if !is_joined && libc::mprotect(start, page, libc::PROT_NONE) != 0 {
                 let error = io::Error::last_os_error();
                 libc::munmap(start, SIZE);
                 return Err(error);
             }
-            start.expose_provenance()
+            (start.expose_provenance(), is_joined)
         };
-        Ok(Self { start, top: start + SIZE - number % COLOURS * COLOUR_STEP })
+        Ok(Self { start, top: start + SIZE - number % COLOURS * COLOUR_STEP, is_joined })
     }
 
     /// Lowest usable address, and the address above the usable bytes.

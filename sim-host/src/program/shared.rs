@@ -1,0 +1,117 @@
+//! Copies of a library that several robots use, one at a time: each robot has its own values of the variables.
+//!
+//! A private copy of a library costs some six memory mappings, of which a process may have 65,530, and a place of its own in the
+//! processor's caches and branch predictors. Robots on one worker run one after the other, so one copy does for all of them: before a
+//! robot runs, the values of the robot that used the copy before are copied out, and its own are copied in.
+
+use std::cell::UnsafeCell;
+use std::ops::Range;
+use std::ptr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicPtr, Ordering};
+
+use super::load::Opened;
+
+/// A mapped library that the robots of one worker use.
+pub struct SharedCopy {
+    opened: Arc<Opened>,
+    /// Worker on which all its robots run.
+    worker: u32,
+    /// Addresses of the variables.
+    places: Vec<Range<usize>>,
+    /// Values of the variables after loading.
+    initial: Box<[u8]>,
+    /// The variables whose values are in the copy; null for those of nobody.
+    present: AtomicPtr<Variables>,
+}
+
+/// The variables of one robot in a shared copy.
+pub struct Variables {
+    copy: Arc<SharedCopy>,
+    /// Their values while those of another robot are in the copy.
+    values: UnsafeCell<Box<[u8]>>,
+}
+
+// SAFETY: `values` is used by `swap_in` alone, which runs on the copy's worker.
+unsafe impl Send for Variables {}
+// SAFETY: as above.
+unsafe impl Sync for Variables {}
+
+impl SharedCopy {
+    /// Shares the library that has just been opened among the robots of `worker`; its variables lie at `places`, relative to its base.
+    ///
+    /// # Safety
+    /// The places are writable memory of the library, which nobody changes but code of the library.
+    pub unsafe fn new(opened: Opened, worker: u32, places: &[Range<usize>]) -> Self {
+        let places: Vec<_> = places.iter().map(|place| opened.base + place.start..opened.base + place.end).collect();
+        let mut initial = vec![0; places.iter().map(Range::len).sum()].into_boxed_slice();
+        let mut at = 0;
+        for place in &places {
+            // SAFETY: memory of the library by this function's contract, which no code uses now; the buffer has room for all places.
+            unsafe {
+                let from = ptr::with_exposed_provenance::<u8>(place.start);
+                ptr::copy_nonoverlapping(from, initial[at..].as_mut_ptr(), place.len());
+            }
+            at += place.len();
+        }
+        Self { opened: Arc::new(opened), worker, places, initial, present: AtomicPtr::default() }
+    }
+
+    /// The library.
+    pub fn opened(&self) -> &Arc<Opened> {
+        &self.opened
+    }
+}
+
+impl std::fmt::Debug for SharedCopy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SharedCopy").field("base", &self.opened.base).field("worker", &self.worker).finish()
+    }
+}
+
+impl Variables {
+    /// Creates the variables of a further robot, with the values after loading.
+    pub fn new(copy: Arc<SharedCopy>) -> Self {
+        Self { values: UnsafeCell::new(copy.initial.clone()), copy }
+    }
+
+    /// Worker on which the robot runs.
+    pub fn worker(&self) -> u32 {
+        self.copy.worker
+    }
+
+    /// Brings the values of these variables into the copy.
+    ///
+    /// # Safety
+    /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are dropped only when
+    /// none of their robots runs any more.
+    pub unsafe fn swap_in(&self) {
+        let own = ptr::from_ref(self).cast_mut();
+        let present = self.copy.present.load(Ordering::Relaxed);
+        if present == own {
+            return;
+        }
+        let mut at = 0;
+        for place in &self.copy.places {
+            let memory = ptr::with_exposed_provenance_mut::<u8>(place.start);
+            // SAFETY: memory of the library, which nobody else uses now, by this function's contract and that of `SharedCopy::new`;
+            // `present` is alive, since it takes itself out when it is dropped; all buffers have the length of all places.
+            unsafe {
+                if let Some(present) = present.as_ref() {
+                    ptr::copy_nonoverlapping(memory, (&mut *present.values.get())[at..].as_mut_ptr(), place.len());
+                }
+                ptr::copy_nonoverlapping((&*self.values.get())[at..].as_ptr(), memory, place.len());
+            }
+            at += place.len();
+        }
+        self.copy.present.store(own, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Variables {
+    fn drop(&mut self) {
+        let own = ptr::from_mut(self);
+        // It fails where those of another robot are present.
+        let _ = self.copy.present.compare_exchange(own, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
+    }
+}
