@@ -54,9 +54,11 @@ static void send_line(struct console *console)
 static void write_console(struct console *console, const char *bytes, size_t len)
 {
     size_t i;
+    if (console->line == NULL && (console->line = malloc(CONSOLE_LINE)) == NULL)
+        return;
     for (i = 0; i < len; i++) {
         console->line[console->used++] = bytes[i];
-        if (bytes[i] == '\n' || console->used == sizeof console->line)
+        if (bytes[i] == '\n' || console->used == CONSOLE_LINE)
             send_line(console);
     }
 }
@@ -118,6 +120,9 @@ __attribute__((destructor(101))) static void close_console(void)
     if (stderr != NULL)
         fclose(stderr);
     stdin = stdout = stderr = NULL;
+    free(self.out.line);
+    free(self.err.line);
+    self.out.line = self.err.line = NULL;
 }
 
 static void flush_console(void)

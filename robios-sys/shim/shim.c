@@ -72,7 +72,7 @@ struct at_end {
 struct console {
     int32_t number;
     size_t used;
-    char line[CONSOLE_LINE];
+    char *line; /* of CONSOLE_LINE bytes, NULL before the first text */
 };
 
 static struct {

@@ -466,9 +466,10 @@ impl World {
             slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start,
             "{slot_start} starts no later slot"
         );
-        if slot_start > self.now
-            && let Some(objects) = &mut self.objects
-        {
+        if slot_start == self.now {
+            return;
+        }
+        if let Some(objects) = &mut self.objects {
             objects.skip_to(slot_start);
             objects.publish(slot_start, slot_start + self.slot);
         }

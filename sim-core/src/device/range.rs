@@ -2,6 +2,8 @@
 //!
 //! PSDs come first, then the sensors of the other kinds. Only [`Ranges::read`] turns the world into a reading with errors.
 
+use std::sync::Arc;
+
 use crate::RobotId;
 use crate::build;
 use crate::drive::Motion;
@@ -19,7 +21,8 @@ use super::servo::Servos;
 /// Range sensors of a robot and the links that carry them: first the links of its legs, then the links of the robi.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
-    sensors: Vec<RangeSensor>,
+    /// Shared by the robots of a type.
+    sensors: Arc<[RangeSensor]>,
     links: Vec<Link>,
     /// Angles of each servo at positions 0 and 255, rad.
     swings: Vec<[f64; 2]>,
@@ -72,7 +75,7 @@ impl Ranges {
     /// The sensors that a robi describes.
     pub fn new(spec: &RobiSpec) -> Self {
         Self {
-            sensors: build::range_sensors(spec),
+            sensors: build::range_sensors(spec).into(),
             links: build::links(spec),
             swings: spec.all_servos().into_iter().map(|servo| servo.swing).collect(),
             errors: None,

@@ -166,6 +166,9 @@ pub struct Motion {
     log: VecDeque<Impact>,
     contacts: u32,
     revision: u64,
+    /// Result of the last [`Motion::pose`], with the revision and the instant for which it is valid: the sensors of a robot measure at
+    /// the same instants.
+    last_pose: Option<(u64, Time, Pose)>,
     /// Result of the last [`Motion::drive_end`], with the revision for which it is valid.
     drive_end: Option<(u64, Option<Time>)>,
     /// The feet of a robot with legs.
@@ -193,6 +196,7 @@ impl Motion {
             log: VecDeque::new(),
             contacts: 0,
             revision: 0,
+            last_pose: None,
             drive_end: None,
             walk: None,
         }
@@ -364,8 +368,15 @@ impl Motion {
 
     /// True pose of the robot's centre at `at`.
     pub fn pose(&mut self, at: Time) -> Pose {
+        if let Some((revision, time, pose)) = self.last_pose
+            && (revision, time) == (self.revision, at)
+        {
+            return pose;
+        }
         let index = self.index_at(at);
-        self.stages[index].centre(&self.vehicle.model, at)
+        let pose = self.stages[index].centre(&self.vehicle.model, at);
+        self.last_pose = Some((self.revision, at, pose));
+        pose
     }
 
     /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.

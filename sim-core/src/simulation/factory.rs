@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::Robot;
 use crate::build;
+use crate::device::Devices;
 use crate::drive::{Model, ModelError, Motion};
 use crate::noise::{Profile, RadioNoise};
 use crate::object::Bodies;
@@ -32,6 +33,8 @@ pub struct RobotFactory {
     floor: (DVec2, DVec2),
     /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
+    /// Devices as robots start with them, by the files of the robot types; robots share what never changes.
+    devices: BTreeMap<String, Devices>,
     /// Cache of the robots' noise profiles.
     profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,
 }
@@ -67,6 +70,7 @@ impl RobotFactory {
             wall_friction: scene.run.wall_friction.unwrap_or(f64::INFINITY),
             floor: scene.world.bounds(),
             models: BTreeMap::new(),
+            devices: BTreeMap::new(),
             profiles: Vec::new(),
         }
     }
@@ -86,7 +90,8 @@ impl RobotFactory {
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }
-        let mut robot = Robot::new(motion, Arc::clone(&spec.robi), since, self.seed, self.is_verbose);
+        let devices = self.devices.entry(spec.robi.file.clone()).or_insert_with(|| Devices::new(&spec.robi)).clone();
+        let mut robot = Robot::new(motion, (Arc::clone(&spec.robi), devices), since, self.seed, self.is_verbose);
         robot.watch_floor(self.floor);
         let Some(profile) = self.profile(spec) else { return Ok((robot, RadioNoise::default())) };
         robot.set_noise(since, &profile).map_err(failed("noise of the drive: "))?;

@@ -8,7 +8,9 @@ use crate::RobotId;
 use crate::contact::Thing;
 use crate::device::Devices;
 use crate::device::psd::Measured;
-use crate::device::switch::{self, SensorId};
+use crate::device::range::Ranges;
+use crate::device::servo::Servos;
+use crate::device::switch::{self, SensorId, Switches};
 use crate::device::{compass, psd};
 use crate::drive::legged::{BodyPart, Footfall, Stance};
 use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
@@ -97,16 +99,22 @@ pub struct WalkRecord {
 }
 
 impl Robot {
-    /// A robot of this type at its start pose, at virtual time `start`, in a run with `seed`; `is_verbose` turns the recording of its
-    /// calls on.
-    pub fn new(mut motion: Motion, spec: Arc<RobiSpec>, start: Time, seed: u64, is_verbose: bool) -> Self {
+    /// A robot of this type, with its `devices`, at its start pose, at virtual time `start`, in a run with `seed`; `is_verbose` turns the
+    /// recording of its calls on.
+    pub fn new(
+        mut motion: Motion,
+        (spec, devices): (Arc<RobiSpec>, Devices),
+        start: Time,
+        seed: u64,
+        is_verbose: bool,
+    ) -> Self {
         let id = motion.id();
         let recorded_pose = Some(motion.pose(start));
         Self {
             id,
             now: start,
             motion,
-            devices: Devices::new(&spec),
+            devices,
             spec,
             journal: Journal::new(id, is_verbose),
             station: None,
@@ -208,7 +216,8 @@ impl Robot {
     /// Reading of range sensor `index` now; no return while it is switched off.
     pub fn read_range(&mut self, world: &World, index: usize) -> Reading {
         let Self { now, motion, devices, .. } = self;
-        measure_range(devices, motion, world, index, *now)
+        let Devices { ranges, servos, switches, .. } = devices;
+        measure_range((ranges, servos, switches), motion, world, index, *now)
     }
 
     /// Latest sample of range sensor `index` taken by its driver; `None` before the end of a first cycle.
@@ -245,11 +254,8 @@ impl Robot {
         world: &World,
         act: impl FnOnce(&mut psd::Psds, &mut dyn FnMut(usize, Time) -> Reading) -> R,
     ) -> R {
-        let mut psds = std::mem::take(&mut self.devices.psds);
-        let Self { motion, devices, .. } = self;
-        let result = act(&mut psds, &mut |index, at| measure_range(devices, motion, world, index, at));
-        self.devices.psds = psds;
-        result
+        let Self { motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
+        act(psds, &mut |index, at| measure_range((ranges, servos, switches), motion, world, index, at))
     }
 
     /// Stops the motors, as at the end of a program.
@@ -396,8 +402,13 @@ impl Robot {
 }
 
 /// Reading of range sensor `index` at `at`; no return while it is switched off.
-fn measure_range(devices: &Devices, motion: &mut Motion, world: &World, index: usize, at: Time) -> Reading {
-    let Devices { ranges, servos, switches, .. } = devices;
+fn measure_range(
+    (ranges, servos, switches): (&Ranges, &Servos, &Switches),
+    motion: &mut Motion,
+    world: &World,
+    index: usize,
+    at: Time,
+) -> Reading {
     let is_on = switches.is_on(SensorId::Range(index));
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
 }

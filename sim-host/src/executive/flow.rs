@@ -1,6 +1,7 @@
-//! A robot's flow as seen by the calls of its program.
+//! A robot's flow as seen by the calls of its program: the same for threads and fibers.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use parking_lot::{MappedRwLockReadGuard, MutexGuard};
 use robios_sys::{Callback, Stop};
@@ -9,6 +10,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::run::Run;
+use super::signal::FlowBlock;
 use crate::program::site::Site;
 use crate::robios::call::Call;
 use crate::robios::flow::Flow;
@@ -58,11 +60,11 @@ impl Flow for RobotFlow {
     }
 
     fn enter(&self, call: Call) -> bool {
-        self.run.executor().enter(self.id, call)
+        enter(call)
     }
 
     fn leave(&self) {
-        self.run.executor().leave(self.id);
+        FlowBlock::current().leave_host();
     }
 
     fn switch(&self, task: u32) {
@@ -74,7 +76,7 @@ impl Flow for RobotFlow {
     }
 
     fn call_back(&self, callback: Callback) -> Result<(), Stop> {
-        self.run.executor().call_back(self.id, callback)
+        call_back(callback)
     }
 
     fn call_site(&self) -> Site {
@@ -84,4 +86,35 @@ impl Flow for RobotFlow {
     fn waits_of(&self, robot: &Robot) -> String {
         self.run.waits_of(robot)
     }
+}
+
+/// Stack that a RoBIOS call may need, in bytes, the scheduler step included: with less left the program has overflowed.
+const STACK_RESERVE: usize = 128 << 10;
+
+/// Marks the calling flow as inside `call`; false if its stack is too small to serve it.
+fn enter(call: Call) -> bool {
+    let block = FlowBlock::current();
+    if let Some(number) = call.robios_number() {
+        block.last_call.store(number, Ordering::Relaxed);
+    }
+    if block.stack_left() < STACK_RESERVE {
+        return false;
+    }
+    block.enter_host();
+    true
+}
+
+/// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The flow holds its
+/// robot's run token and no lock.
+///
+/// # Errors
+/// [`Stop`] if the program must exit: the call in progress returns it.
+pub(super) fn call_back(callback: Callback) -> Result<(), Stop> {
+    let block = FlowBlock::current();
+    block.leave_host();
+    // SAFETY: the robot's flow, which is the calling one, is in a call of its program, or the first in a task that such a call started;
+    // its frames keep the run alive, and with it the program.
+    let result = unsafe { callback.call() };
+    block.enter_host();
+    result
 }

@@ -3,7 +3,6 @@
 use std::io;
 use std::sync::Arc;
 
-use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
 use super::Executor;
@@ -13,7 +12,6 @@ use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::thread::ThreadExecutor;
-use crate::robios::call::Call;
 
 /// Executor that forwards each call to the executor of the robot's kind of flow.
 pub struct MixedExecutor {
@@ -87,18 +85,6 @@ impl Executor for MixedExecutor {
 
     fn switch(&self, robot: RobotId, task: u32) {
         self.of(robot).switch(robot, task);
-    }
-
-    fn enter(&self, robot: RobotId, call: Call) -> bool {
-        self.of(robot).enter(robot, call)
-    }
-
-    fn leave(&self, robot: RobotId) {
-        self.of(robot).leave(robot);
-    }
-
-    fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop> {
-        self.of(robot).call_back(robot, callback)
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {

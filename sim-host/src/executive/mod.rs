@@ -32,11 +32,9 @@ pub mod watchdog;
 
 use std::sync::Arc;
 
-use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
 use self::program::RobotProgram;
-use crate::robios::call::Call;
 
 /// Runs the flows of robots; implemented with threads, processes or fibers.
 ///
@@ -79,19 +77,6 @@ pub trait Executor: Send + Sync {
 
     /// Hands the run token of `robot` from the calling flow to that of task `task`; returns when it is handed back.
     fn switch(&self, robot: RobotId, task: u32);
-
-    /// Marks the calling flow, which holds the run token of `robot`, as inside `call`; false if its stack is too small to serve it.
-    fn enter(&self, robot: RobotId, call: Call) -> bool;
-
-    /// Marks the calling flow, which holds the run token of `robot`, as back in its program.
-    fn leave(&self, robot: RobotId);
-
-    /// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The flow
-    /// holds the run token of `robot` and no lock.
-    ///
-    /// # Errors
-    /// [`Stop`] if the program must exit: the call in progress returns it.
-    fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop>;
 
     /// Flows that broke (by a fault, or stopped as overdue) and never run again, with the cause.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;

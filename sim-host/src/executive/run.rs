@@ -14,7 +14,7 @@ use sim_core::world::World;
 use super::Executor;
 use super::dispatcher::{BarrierOutcome, Dispatcher, Plan};
 use super::fault::Broken;
-use super::flow::RobotFlow;
+use super::flow::{self, RobotFlow};
 use super::interrupt::Interrupt;
 use super::notifier::Notifier;
 use super::program::RobotProgram;
@@ -367,7 +367,7 @@ impl Run {
             let tasks = &self.robot(id).tasks;
             self.is_exiting(id) || tasks.is_exiting() || tasks.is_killed()
         };
-        let result = if is_left { Err(Stop) } else { self.executor.call_back(id, code) };
+        let result = if is_left { Err(Stop) } else { flow::call_back(code) };
         let mut robot = self.robot(id);
         if result.is_err() && !robot.tasks.is_killed() {
             robot.tasks.begin_exit();

@@ -1,7 +1,7 @@
 //! Signal handlers that catch the faults of robot programs.
 //!
 //! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack and written into
-//! the thread's [`ThreadBlock`], and the thread is parked for good: no code of the program runs again on it. The supervisor handles
+//! the thread's [`FlowBlock`], and the thread is parked for good: no code of the program runs again on it. The supervisor handles
 //! the rest. The handler calls only `write` and `pause`, and touches only memory allocated before.
 //!
 //! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is no robot's flow is passed to the previous
@@ -20,8 +20,8 @@ use parking_lot::Mutex;
 use super::notifier::Notifier;
 use crate::program::float;
 
-/// State of one flow's thread that a signal handler may read and write.
-pub struct ThreadBlock {
+/// State of one flow, a thread or a fiber, that a signal handler may read and write.
+pub struct FlowBlock {
     /// Kernel's id of the thread, 0 before it runs.
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
@@ -49,7 +49,7 @@ pub struct ThreadBlock {
     mark: AtomicUsize,
 }
 
-/// See [`ThreadBlock::is_at`].
+/// See [`FlowBlock::is_at`].
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 
 /// Action at a fault.
@@ -72,7 +72,7 @@ pub struct Leave {
 }
 
 /// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
-pub type FaultCallback = fn(&ThreadBlock, Fault);
+pub type FaultCallback = fn(&FlowBlock, Fault);
 
 /// A fault as the kernel reported it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,10 +102,11 @@ pub const GONE: i32 = -1;
 const ALTERNATE_STACK: usize = 64 * 1024;
 
 thread_local! {
-    static CURRENT: Cell<*const ThreadBlock> = const { Cell::new(ptr::null()) };
+    /// Block of the flow that this thread runs; null for none.
+    static CURRENT: Cell<*const FlowBlock> = const { Cell::new(ptr::null()) };
 }
 
-impl ThreadBlock {
+impl FlowBlock {
     /// Creates a block whose thread does not run yet; its fault parks the thread and signals `notifier`.
     pub fn notifying(notifier: Arc<Notifier>) -> Self {
         Self::new(OnFault::Park(notifier))
@@ -140,6 +141,13 @@ impl ThreadBlock {
             alternate_stack: AtomicUsize::new(0),
             mark: AtomicUsize::new(0),
         }
+    }
+
+    /// The block of the flow that the calling thread runs; the reference must not leave that flow.
+    pub fn current<'a>() -> &'a Self {
+        // SAFETY: null, or the block lives as long as its flow, see `adopt_current_thread` and `set_current`.
+        let Some(block) = (unsafe { CURRENT.get().as_ref() }) else { unreachable!("only flows of robots come here") };
+        block
     }
 
     /// Returns true if there is a block at this address, which need not be mapped. Async-signal-safe.
@@ -276,7 +284,7 @@ impl ThreadBlock {
     }
 }
 
-impl ThreadBlock {
+impl FlowBlock {
     /// Makes this the block of a fiber that runs on the calling thread, the one of `worker`, on the stack with these bounds.
     pub fn adopt_fiber(&self, worker: &Self, [low, top]: [usize; 2]) {
         self.stack[0].store(low, Ordering::Relaxed);
@@ -291,11 +299,11 @@ impl ThreadBlock {
 ///
 /// # Safety
 /// The block must be alive until it is replaced.
-pub unsafe fn set_current(block: *const ThreadBlock) {
+pub unsafe fn set_current(block: *const FlowBlock) {
     CURRENT.set(block);
 }
 
-impl Drop for ThreadBlock {
+impl Drop for FlowBlock {
     fn drop(&mut self) {
         let address = *self.alternate_stack.get_mut();
         if address != 0 {
@@ -435,7 +443,7 @@ fn guard_process() {
 }
 
 /// The block of the calling thread if that is a robot's flow and runs code of the program.
-fn block_of_program<'a>() -> Option<&'a ThreadBlock> {
+fn block_of_program<'a>() -> Option<&'a FlowBlock> {
     // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`), which does not pass it on.
     let block = unsafe { CURRENT.get().as_ref() }?;
     (!matches!(block.on_fault, OnFault::Report(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
@@ -491,7 +499,7 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
 }
 
 /// Installs the handlers for good in a robot's own process: they catch faults of the threads whose blocks
-/// [report](ThreadBlock::reporting) them. Signals that end the host are ignored: the host handles them.
+/// [report](FlowBlock::reporting) them. Signals that end the host are ignored: the host handles them.
 ///
 /// # Errors
 /// The kernel refuses a handler.
@@ -514,7 +522,7 @@ pub fn default_action(signal: i32) {
 }
 
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
-pub fn stop_overdue(block: &ThreadBlock) {
+pub fn stop_overdue(block: &FlowBlock) {
     block.overdue.store(true, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
@@ -523,7 +531,7 @@ pub fn stop_overdue(block: &ThreadBlock) {
 
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
-    if block.is_null() || !ThreadBlock::is_at(block) {
+    if block.is_null() || !FlowBlock::is_at(block) {
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
         return unsafe { chain_to_previous(signal, info, context) };
     }

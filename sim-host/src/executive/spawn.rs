@@ -1,5 +1,6 @@
 //! Creation of a run's robots: those of its start and those spawned during the run.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,6 +27,7 @@ use crate::robios::input::Input;
 use crate::robios::key::Press;
 use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
+use crate::robios::table::Table;
 use crate::scenery::{LazyScenery, SpawnedEntity};
 
 /// Options for a run's robots, besides the scene.
@@ -64,6 +66,8 @@ pub struct Spawner {
     /// The programs of the robots, in the order of their ids.
     programs: Vec<Option<Arc<Prepared>>>,
     entity_numbers: Arc<EntityNumbers>,
+    /// Tables of devices by the files of the robot types, which their robots share.
+    tables: BTreeMap<String, Arc<Table>>,
     /// Loader of the programs of spawned robots; created for the first of them.
     loader: Option<Loader>,
 }
@@ -105,6 +109,7 @@ impl Spawner {
             entity_numbers: Arc::new(EntityNumbers::of(&scene)),
             scene,
             options,
+            tables: BTreeMap::new(),
             loader: None,
         }
     }
@@ -187,6 +192,7 @@ impl Spawner {
         let generation = program.and_then(|program| program.generation());
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let mut robios = new_robios(&spec.robi).with_entity_numbers(Arc::clone(&self.entity_numbers));
+        robios.table = Arc::clone(self.tables.entry(spec.robi.file.clone()).or_insert(robios.table));
         robios.storage = Storage::new(Path::new(&self.scene.folder));
         robios.dialect = self.scene.run.dialect.unwrap_or_default();
         robios.os.may_execute = self.options.may_execute;

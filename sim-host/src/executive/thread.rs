@@ -10,7 +10,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime};
 
 use parking_lot::Mutex;
-use robios_sys::{Callback, Stop};
+
 use sim_core::RobotId;
 
 use super::fault::{Broken, stack_words};
@@ -18,17 +18,14 @@ use super::notifier::Notifier;
 use super::process::Child;
 use super::process::child::Release;
 use super::program::RobotProgram;
-use super::signal::{self, Handlers, ThreadBlock};
+use super::signal::{self, FlowBlock, Handlers};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
-use crate::robios::call::Call;
+
 use crate::robios::task::MAIN;
 
 /// Stack of a task's thread, in bytes of address space; memory is used as the program touches it.
 pub(super) const STACK: usize = 8 << 20;
-
-/// Stack that a RoBIOS call may need, in bytes, the scheduler step included: with less left the program has overflowed.
-pub(super) const RESERVE: usize = 128 << 10;
 
 /// Time in which the thread of a program that has ended must end before it counts as lost.
 pub(super) const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
@@ -66,7 +63,7 @@ struct Flows {
 
 /// State of one thread. The thread owns a reference count of it, which [`ThreadFlow::join`] alone gives back.
 struct ThreadFlow {
-    block: ThreadBlock,
+    block: FlowBlock,
     /// The worker to whose processor the thread is bound.
     worker: AtomicU32,
     is_resumed: AtomicBool,
@@ -115,7 +112,7 @@ impl ThreadExecutor {
 impl ThreadFlow {
     fn new(notifier: Arc<Notifier>) -> io::Result<Self> {
         Ok(Self {
-            block: ThreadBlock::notifying(notifier),
+            block: FlowBlock::notifying(notifier),
             worker: AtomicU32::new(u32::MAX),
             is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
@@ -337,20 +334,6 @@ impl Executor for ThreadExecutor {
         threads.wait(ThreadFlow::current());
     }
 
-    fn enter(&self, _: RobotId, call: Call) -> bool {
-        enter(&ThreadFlow::current().block, call)
-    }
-
-    fn leave(&self, _: RobotId) {
-        ThreadFlow::current().block.leave_host();
-    }
-
-    fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
-        // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the first
-        // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
-        unsafe { call_back(&ThreadFlow::current().block, callback) }
-    }
-
     fn broken(&self) -> Vec<(RobotId, Broken)> {
         let mut all = Vec::new();
         for (index, threads) in &self.robots {
@@ -402,32 +385,8 @@ impl Executor for ThreadExecutor {
     }
 }
 
-/// Marks the flow of `block` as inside `call`; false if its stack is too small to serve it.
-pub(super) fn enter(block: &ThreadBlock, call: Call) -> bool {
-    if let Some(number) = call.robios_number() {
-        block.last_call.store(number, Ordering::Relaxed);
-    }
-    if block.stack_left() < RESERVE {
-        return false;
-    }
-    block.enter_host();
-    true
-}
-
-/// Calls a function of the program from within a call of the flow of `block`, which is the calling one.
-///
-/// # Safety
-/// As for [`Callback::call`]; the flow holds no lock.
-pub(super) unsafe fn call_back(block: &ThreadBlock, callback: Callback) -> Result<(), Stop> {
-    block.leave_host();
-    // SAFETY: by this function's contract.
-    let result = unsafe { callback.call() };
-    block.enter_host();
-    result
-}
-
 /// Describes the fault that the flow of `block` has had, if any; `task` is named.
-pub(super) fn broken(block: &ThreadBlock, task: Option<u32>) -> Option<Broken> {
+pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
     let fault = block.fault()?;
     let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
     let stack_words = stack_words(fault.sp, bounds);

@@ -5,7 +5,7 @@ use std::io;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
-use super::signal::ThreadBlock;
+use super::signal::FlowBlock;
 
 /// Measurement of one flow since the watchdog first saw its present release.
 #[derive(Default)]
@@ -25,7 +25,7 @@ struct Baseline {
 
 /// Sample of a flow's state.
 pub struct FlowSample {
-    /// Number of the flow's release, see [`ThreadBlock::releases`](super::signal::ThreadBlock::releases).
+    /// Number of the flow's release, see [`FlowBlock::releases`](super::signal::FlowBlock::releases).
     pub release: u64,
     /// Processor time that the flow has used in all.
     pub processor_time: Duration,
@@ -35,7 +35,7 @@ pub struct FlowSample {
 
 impl FlowSample {
     /// Samples a thread of this process.
-    pub fn at_thread(block: &ThreadBlock) -> Option<Self> {
+    pub fn at_thread(block: &FlowBlock) -> Option<Self> {
         let tid = block.tid.load(Relaxed);
         Some(Self {
             release: block.releases.load(Relaxed),
@@ -45,7 +45,7 @@ impl FlowSample {
     }
 
     /// Samples the process `pid`, which the thread of `block` serves; `None` while a debugger is attached to it.
-    pub fn at_process(pid: i32, block: &ThreadBlock) -> Option<Self> {
+    pub fn at_process(pid: i32, block: &FlowBlock) -> Option<Self> {
         if is_traced(&pid.to_string()) {
             return None;
         }

@@ -6,8 +6,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use object::read::elf::{ElfFile64, FileHeader as _, ProgramHeader as _};
-use object::{Object as _, ObjectSegment as _, ObjectSymbol as _, RelocationFlags, SymbolFlags, elf};
+use object::read::elf::{ElfFile64, ElfSection64, FileHeader as _, ProgramHeader as _};
+use object::{
+    Object as _, ObjectSection as _, ObjectSegment as _, ObjectSymbol as _, RelocationFlags, SectionFlags, SymbolFlags,
+    elf,
+};
 use parking_lot::Mutex;
 use robios_sys::{PROGRAM_SYMBOL, language};
 
@@ -227,7 +230,7 @@ impl ProgramImage {
     /// can be unmapped, and the variables are few enough to be copied at each change of the robot.
     pub fn shared_variables(&self) -> Option<&[Range<usize>]> {
         let len: usize = self.variables.iter().map(Range::len).sum();
-        (self.why_thread_bound().is_none() && self.can_unmap() && len <= MAX_SHARED_VARIABLES)
+        (self.why_thread_bound().is_none() && self.can_unmap() && (1..=MAX_SHARED_VARIABLES).contains(&len))
             .then_some(&self.variables)
     }
 
@@ -412,7 +415,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let endian = file.endian();
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
     let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
-    let (mut segments, mut is_relocated, mut relro, mut destructors) = (Vec::new(), false, 0..0, 0);
+    let (mut segments, mut is_relocated, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
     let (mut has_thread_locals, mut names, mut strings) = (false, Vec::new(), 0);
     for header in headers {
         match header.p_type(endian) {
@@ -425,10 +428,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
                 });
             }
             elf::PT_INTERP => return Err("it is an executable, not a library".into()),
-            elf::PT_GNU_RELRO => {
-                let start = header.p_vaddr(endian);
-                relro = number(start)?..number(start.saturating_add(header.p_memsz(endian)))?;
-            }
+            elf::PT_GNU_RELRO => has_relro = true,
             elf::PT_TLS => has_thread_locals = true,
             elf::PT_DYNAMIC => {
                 for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
@@ -482,14 +482,14 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     Ok(ImageParts {
         loaded_len,
         span: start..end,
-        mappings: mappings_of(&segments) + usize::from(!relro.is_empty()),
+        mappings: mappings_of(&segments) + usize::from(has_relro),
         read_only: if is_relocated { Vec::new() } else { read_only_segments(&segments) },
         description,
         undefined,
         destructors,
         has_resolvers,
         thread_bound,
-        variables: variables_of(&segments, &relro),
+        variables: variables_of(&file),
     })
 }
 
@@ -544,15 +544,24 @@ fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String
         .map(|name| format!("calls `{name}`, which concerns its thread or the whole process"))
 }
 
-/// Places of the variables: the writable segments without what the dynamic linker protects once it has relocated it, in whole pages.
-fn variables_of(segments: &[Segment], relro: &Range<usize>) -> Vec<Range<usize>> {
-    let protected_end = relro.end / page_size() * page_size();
-    let writable = segments.iter().filter(|segment| segment.flags & elf::PF_W != 0).map(|segment| &segment.memory);
-    let places = writable.map(|memory| match memory.contains(&relro.start) && !relro.is_empty() {
-        true => protected_end.clamp(memory.start, memory.end)..memory.end,
-        false => memory.clone(),
-    });
-    places.filter(|place| !place.is_empty()).collect()
+/// Places of the variables by the section table: what is writable and does not only hold addresses, which are equal for all robots of a
+/// copy. Empty without that table.
+fn variables_of(file: &ElfFile64<'_>) -> Vec<Range<usize>> {
+    /// Beginnings of the names of sections that nobody writes to once the library is loaded.
+    const CONSTANT: [&str; 6] = [".dynamic", ".got", ".init_array", ".fini_array", ".data.rel.ro", ".eh_frame"];
+    let is_variable = |section: &ElfSection64<'_, '_>| {
+        let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
+        let name = section.name().unwrap_or_default();
+        sh_flags & u64::from(elf::SHF_WRITE) != 0 && !CONSTANT.iter().any(|constant| name.starts_with(constant))
+    };
+    let place = |section: ElfSection64<'_, '_>| {
+        let start = usize::try_from(section.address()).ok()?;
+        Some(start..start.checked_add(usize::try_from(section.size()).ok()?)?)
+    };
+    let mut places: Vec<Range<usize>> = file.sections().filter(is_variable).filter_map(place).collect();
+    places.retain(|place| !place.is_empty());
+    places.sort_by_key(|place| place.start);
+    places
 }
 
 /// The text at this address of the loaded image, up to its NUL.

@@ -87,7 +87,7 @@ use screen::Screen;
 #[derive(Default)]
 pub struct Robios {
     /// Table in which programs look up devices.
-    pub table: table::Table,
+    pub table: Arc<table::Table>,
     /// Variables and clock of the system.
     pub os: os::Os,
     /// The display.
@@ -144,7 +144,7 @@ impl Robios {
     /// State for a robot of this type whose program is of RoBIOS 6.
     pub fn new(spec: &RobiSpec) -> Self {
         let serial = serial::Serial::new(&spec.serials);
-        Self { table: table::Table::new(spec), serial, ..Self::default() }
+        Self { table: Arc::new(table::Table::new(spec)), serial, ..Self::default() }
     }
 
     /// State for a robot of this type whose program is of RoBIOS-7.

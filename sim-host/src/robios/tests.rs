@@ -79,7 +79,8 @@ impl Bench {
         // One slot for the whole test: a single robot sees the same for any slot length.
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let robios = Robios::new(&spec);
-        let mut state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
+        let devices = Devices::new(&spec);
+        let mut state = simulation::Robot::new(motion, (Arc::new(spec), devices), Time::ZERO, 0, false);
         state.devices.press(Time(2_500_000), UserInput::Key(1));
         state.devices.press(Time(3_000_000), UserInput::Key(3));
         let robot = Robot::new(state, robios, "test".to_owned());

@@ -22,7 +22,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
-use robios_sys::{Callback, Stop};
+
 use sim_core::RobotId;
 
 use self::stack::Stack;
@@ -30,13 +30,13 @@ use super::fault::Broken;
 use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
-use super::signal::{self, Handlers, Leave, ThreadBlock};
+use super::signal::{self, FlowBlock, Handlers, Leave};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
 use crate::program::float::{self, Environment};
 use crate::program::shared::Variables;
-use crate::robios::call::Call;
+
 use crate::robios::task::MAIN;
 
 /// Executor with one fiber for each task.
@@ -62,7 +62,7 @@ struct RunningWorker {
 /// A worker, which runs fibers one after the other on a thread.
 struct Worker {
     /// Provides the thread's alternate stack, which the fibers use.
-    block: ThreadBlock,
+    block: FlowBlock,
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
     thread: OnceLock<thread::Thread>,
     /// The fiber that runs; null for none.
@@ -97,7 +97,7 @@ struct Flows {
 
 /// One fiber.
 struct Fiber {
-    block: ThreadBlock,
+    block: FlowBlock,
     stack: Stack,
     /// See [`Status`].
     status: AtomicU8,
@@ -191,7 +191,7 @@ impl FiberExecutor {
 impl RunningWorker {
     fn start(number: usize, notifier: &Arc<Notifier>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
-            block: ThreadBlock::notifying(Arc::clone(notifier)),
+            block: FlowBlock::notifying(Arc::clone(notifier)),
             queue: Mutex::default(),
             thread: OnceLock::new(),
             running: AtomicPtr::default(),
@@ -353,7 +353,7 @@ impl Fiber {
         // SAFETY: nobody uses the new stack.
         let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
         Ok(Self {
-            block: ThreadBlock::leaving(
+            block: FlowBlock::leaving(
                 Leave { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
                 Arc::clone(notifier),
             ),
@@ -519,20 +519,6 @@ impl Executor for FiberExecutor {
     fn switch(&self, robot: RobotId, task: u32) {
         self.robot(robot).hand_token_to(task);
         Fiber::current().suspend();
-    }
-
-    fn enter(&self, _: RobotId, call: Call) -> bool {
-        threads::enter(&Fiber::current().block, call)
-    }
-
-    fn leave(&self, _: RobotId) {
-        Fiber::current().block.leave_host();
-    }
-
-    fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
-        // SAFETY: by this method's contract the robot's flow, which is the calling fiber, is in a call of its program, or the first
-        // in a task that such a call started, and holds no lock; its frames keep the run alive, and with it the program.
-        unsafe { threads::call_back(&Fiber::current().block, callback) }
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {

@@ -13,7 +13,7 @@ use robios_sys::{CallSite, Callback, Host, Program, Robios6Table, Robios7Table, 
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::fault::SEARCH;
-use crate::executive::signal::{self, Fault, OVERDUE_SIGNAL, ThreadBlock};
+use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
 
@@ -102,12 +102,12 @@ impl ProgramLine {
         Box::leak(Box::new(Self { channel }))
     }
 
-    fn leaked_block() -> &'static ThreadBlock {
-        Box::leak(Box::new(ThreadBlock::reporting(report_fault)))
+    fn leaked_block() -> &'static FlowBlock {
+        Box::leak(Box::new(FlowBlock::reporting(report_fault)))
     }
 
     /// Binds the calling thread to this line; a thread that had line and `block` before must have ended.
-    fn adopt_thread(&'static self, block: &'static ThreadBlock) {
+    fn adopt_thread(&'static self, block: &'static FlowBlock) {
         self.channel.attach();
         LINE.set(self);
         // SAFETY: the block is never freed, and its threads run one after the other.
@@ -319,7 +319,7 @@ fn without_stale(words: &[u8], pc: usize) -> &[u8] {
 }
 
 /// Reports a fault of this thread to the host and ends the process; returns if the host works for the program. Async-signal-safe.
-fn report_fault(block: &ThreadBlock, fault: Fault) {
+fn report_fault(block: &FlowBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
     let line = unsafe { LINE.get().as_ref() };
     let Some(line) = line.filter(|line| line.channel.turn() == Turn::Child) else {
