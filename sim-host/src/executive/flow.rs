@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use parking_lot::{MappedRwLockReadGuard, MutexGuard};
+use parking_lot::MutexGuard;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 use sim_core::time::Time;
@@ -31,8 +31,8 @@ impl Flow for RobotFlow {
         self.run.robot(self.id)
     }
 
-    fn world(&self) -> MappedRwLockReadGuard<'_, World> {
-        self.run.world()
+    fn world(&self) -> &World {
+        self.run.world_in_slot()
     }
 
     fn cost(&self, call: Call) -> Time {

@@ -160,6 +160,15 @@ impl Run {
         RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
 
+    /// As [`Run::world`], for a robot's flow that runs: without the lock, whose count all workers would change with each call.
+    pub(super) fn world_in_slot(&self) -> &World {
+        debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
+        // SAFETY: the environment is written only between slots, while no robot runs: by the scheduler step, which the last flow at the
+        // barrier runs once all others have suspended themselves, and by the owner of a paused run. The calling flow runs, and by
+        // the contract of `Flow::world` it gives the reference up before it suspends itself.
+        unsafe { &(*self.environment.data_ptr()).world }
+    }
+
     /// Number of robots, removed ones included; equal to the last robot's id.
     pub fn robot_count(&self) -> usize {
         self.members.count()

@@ -72,7 +72,7 @@ impl<F: Flow> Caller<F> {
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
-            act(&mut robot, &caller.flow.world());
+            act(&mut robot, caller.flow.world());
             caller.take_turns(robot, call)
         })
     }
@@ -130,7 +130,7 @@ impl<F: Flow> Caller<F> {
     ) -> Result<(), Stop> {
         let since = robot.now;
         loop {
-            let polled = poll(&mut robot, &self.flow.world());
+            let polled = poll(&mut robot, self.flow.world());
             let (at, reason) = match polled {
                 Poll::Ready(()) => {
                     robot.tasks.end_wait();
@@ -360,7 +360,7 @@ impl<F: Flow> Caller<F> {
             }
             robot.now = target;
             if target >= measured {
-                robot.settle(&self.flow.world());
+                robot.settle(self.flow.world());
                 continue;
             }
             if tick > end {

@@ -1,6 +1,6 @@
 //! Interface of a robot's calls to the run in which they are made.
 
-use parking_lot::{MappedRwLockReadGuard, MutexGuard};
+use parking_lot::MutexGuard;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 use sim_core::time::Time;
@@ -19,8 +19,8 @@ pub trait Flow: Send + Sync + 'static {
     /// Locks the robot's state.
     fn robot(&self) -> MutexGuard<'_, Robot>;
 
-    /// The world as published at the start of the present slot.
-    fn world(&self) -> MappedRwLockReadGuard<'_, World>;
+    /// The world as published at the start of the present slot; the reference must not be kept while the flow suspends itself.
+    fn world(&self) -> &World;
 
     /// Virtual time that `call` takes.
     fn cost(&self, call: Call) -> Time;
