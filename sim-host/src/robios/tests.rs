@@ -10,6 +10,7 @@ use robios_sys::robios6::{
 use robios_sys::{Out, OutBytes, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::build;
+use sim_core::device::Devices;
 use sim_core::device::key::UserInput;
 use sim_core::drive::Motion;
 use sim_core::pose::Pose;
