@@ -1146,6 +1146,10 @@ class _Console:
         if line:
             self._send(line)
 
+    def close(self):
+        """Leaves the console open: it belongs to the robot."""
+        self.flush()
+
     def finish(self):
         """Shows what any thread has begun."""
         for own in sorted(self.lines):
@@ -1163,7 +1167,7 @@ class _Console:
         return False
 
     def fileno(self):
-        raise OSError("the robot's console is no file")
+        raise _io.UnsupportedOperation("the robot's console is no file")  # an OSError; that name is a function of RoBIOS
 
     def readable(self):
         return False

@@ -11,6 +11,7 @@ pub mod damage;
 pub mod dispatcher;
 pub mod fault;
 mod flow;
+mod guard;
 pub mod interrupt;
 pub mod intervene;
 pub mod load;
