@@ -1250,6 +1250,11 @@ def _replace_surroundings():
                 if any(ready) or not _sleep_towards(until):
                     return ready
 
+    def excepthook(what):
+        if not issubclass(what.exc_type, _Stop):  # else the program is stopped, and with it its threads
+            tell_of_thread(what)
+
+    tell_of_thread, threading.excepthook = threading.excepthook, excepthook
     wait_for_ever, threading.Condition.wait = threading.Condition.wait, wait
     select_for_ever, select.select = select.select, Select()
     # `selectors`, and so asyncio, takes `select` where there is none of these.

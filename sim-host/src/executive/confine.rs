@@ -5,6 +5,8 @@
 //! programs get it, as imports do not show what a program does in assembly; the kernel remembers which calls it lets through, so that
 //! those cost next to nothing. The host ends the process by [`exit_at_once`] alone while programs are on its threads.
 
+use std::cell::Cell;
+
 use libc::{BPF_ABS, BPF_JEQ, BPF_JMP, BPF_JUMP, BPF_K, BPF_LD, BPF_RET, BPF_STMT, BPF_W, sock_filter, sock_fprog};
 
 use crate::program::command;
@@ -98,6 +100,13 @@ pub fn protect_host(host: i32) {
 /// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it starts. Does
 /// nothing where the kernel has no such filters.
 pub fn confine_thread() {
+    thread_local! {
+        /// A second filter would only cost time.
+        static IS_CONFINED: Cell<bool> = const { Cell::new(false) };
+    }
+    if IS_CONFINED.replace(true) {
+        return;
+    }
     // Commands that the host runs for a program must not have the filter. Without the thread they are refused.
     let _ = command::start_spawner();
     let own = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
