@@ -1,7 +1,8 @@
 //! Invariants that every reader must keep for any input.
 //!
 //! Each [`Target`] passes one input to one reader and panics when the reader does, or when the reader's result breaks an invariant:
-//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. The fuzz
+//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. `turn` is the
+//! host's side of the channel of a robot's process. The fuzz
 //! targets in `fuzz/` only call these functions; normal tests call them with the committed inputs. This crate generates no inputs
 //! and reads no files.
 #![forbid(unsafe_code)]
@@ -10,6 +11,7 @@ pub mod archive;
 mod reader;
 mod spec;
 mod text;
+mod turn;
 
 /// A reader and the invariants of its result.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +28,8 @@ impl Target {
     }
 }
 
-/// All targets. An input is a file of the reader's kind, for `load_scene` and `mesh` an [`archive`] of several.
+/// All targets. An input is a file of the reader's kind, for `load_scene` and `mesh` an [`archive`] of several, for `turn` a list of
+/// messages.
 pub const TARGETS: &[Target] = &[
     Target::new("world", reader::world),
     Target::new("maze", reader::maze),
@@ -39,6 +42,7 @@ pub const TARGETS: &[Target] = &[
     Target::new("noise", reader::noise),
     Target::new("mesh", reader::mesh),
     Target::new("load_scene", reader::load_scene),
+    Target::new("turn", turn::turn),
 ];
 
 /// Checks `input` with the target named `target`.

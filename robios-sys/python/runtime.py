@@ -1146,6 +1146,10 @@ class _Console:
         if line:
             self._send(line)
 
+    def close(self):
+        """Leaves the console open: it belongs to the robot."""
+        self.flush()
+
     def finish(self):
         """Shows what any thread has begun."""
         for own in sorted(self.lines):
@@ -1163,7 +1167,7 @@ class _Console:
         return False
 
     def fileno(self):
-        raise OSError("the robot's console is no file")
+        raise _io.UnsupportedOperation("the robot's console is no file")  # an OSError; that name is a function of RoBIOS
 
     def readable(self):
         return False
@@ -1246,6 +1250,11 @@ def _replace_surroundings():
                 if any(ready) or not _sleep_towards(until):
                     return ready
 
+    def excepthook(what):
+        if not issubclass(what.exc_type, _Stop):  # else the program is stopped, and with it its threads
+            tell_of_thread(what)
+
+    tell_of_thread, threading.excepthook = threading.excepthook, excepthook
     wait_for_ever, threading.Condition.wait = threading.Condition.wait, wait
     select_for_ever, select.select = select.select, Select()
     # `selectors`, and so asyncio, takes `select` where there is none of these.

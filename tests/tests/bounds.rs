@@ -1,6 +1,6 @@
 //! Limits on the resources of a program: they are reported, and the run goes on or ends in time.
 
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -270,6 +270,112 @@ fn processes_of_programs_do_not_outlive_the_run() {
     }
 }
 
+/// Two seconds on an idle machine; tests share theirs.
+const INTERRUPT_LIMIT: Duration = Duration::from_secs(30);
+
+/// Starts `command`, sends `signal` half a second after it `begins`, and returns the exit code and the time that the end took.
+fn interrupted(command: &mut Command, signal: &str, begins: impl Fn() -> bool) -> (Option<i32>, Duration) {
+    let mut host = command.stdout(Stdio::null()).spawn().expect("eyesim starts");
+    let start = Instant::now();
+    while !begins() {
+        assert!(start.elapsed() < Duration::from_secs(200), "it does not begin");
+        assert_eq!(host.try_wait().expect("a process"), None, "it ends by itself");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    let sent = Instant::now();
+    assert!(Command::new("kill").args([signal, &host.id().to_string()]).status().expect("kill").success());
+    (host.wait().expect("it ends").code(), sent.elapsed())
+}
+
+#[test]
+fn an_interrupt_ends_programs_in_every_language_with_a_whole_record() {
+    let programs = [
+        ("loop.py", "from eye import *\nOSWait(20)\nwhile True:\n    pass\n"),
+        ("wait.py", "from eye import *\nwhile True:\n    OSWait(1)\n"),
+        (
+            "deaf.py",
+            "from eye import *\nimport signal\nfor s in (2, 15, 23):\n    signal.signal(s, signal.SIG_IGN)\nOSWait(20)\n\
+             while True:\n    try:\n        OSWait(1)\n    except BaseException:\n        pass\n",
+        ),
+        (
+            "threads.py",
+            "from eye import *\nimport threading\ndef spin():\n    while True:\n        OSWait(1)\n\
+             for i in range(4):\n    threading.Thread(target=spin).start()\nspin()\n",
+        ),
+        (
+            "asleep.py",
+            "from eye import *\nimport threading, time\nOSWait(20)\n\
+             threading.Thread(target=lambda: time.sleep(100000)).start()\nwhile True:\n    pass\n",
+        ),
+        ("asleep.c", "#include \"eyebot.h\"\nint main(void) { OSWait(2000000000); return 0; }\n"),
+    ];
+    let has_python = Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
+    let programs = programs.iter().filter(|(name, _)| has_python || !name.ends_with(".py"));
+    for ((name, program), signal) in programs.zip(["-INT", "-TERM"].iter().cycle()) {
+        let scratch = Scratch::new();
+        scratch.write(name, program);
+        write_scene(&scratch, &[name, name]);
+        let args = ["run", "scene.sim", "--timeout", "600", "--until", "1e8", "--speed", "1", "--trace", "t.jsonl"];
+        let begins = || scratch.path().join("t.jsonl").exists();
+        let (code, elapsed) = interrupted(&mut scratch.command(&args), signal, begins);
+        assert_eq!(code, Some(130), "{name}");
+        assert!(elapsed < INTERRUPT_LIMIT, "{name}: {elapsed:?}");
+        println!("{signal} {elapsed:?} {name}");
+        assert_eq!(scratch.trace("t.jsonl").last().expect("a line")["event"], "end", "{name}");
+    }
+}
+
+#[test]
+fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
+    let tag = format!("9{}", std::process::id());
+    let resolver = "static void (*r(void))(void) { for (;;) ; }\nvoid f(void) __attribute__((ifunc(\"r\")));\n\
+                    int main(void) { f(); return 0; }\n";
+    let computes = "#include <stdio.h>\n#include \"eyebot.h\"\n\
+                    int main(void) { OSWait(1); fclose(fopen(\"begun\", \"w\")); for (;;) ; }\n";
+    let name = format!("bad{tag}");
+    let child = format!("eyesim: r1 {name}");
+    for (what, program, command) in [
+        ("build", "int main(void) { return 0; }\n", "run"),
+        ("load", resolver, "run"),
+        ("build in the window", "int main(void) { return 0; }\n", "view"),
+        ("load in the window", resolver, "view"),
+        ("run in the window", computes, "view"),
+    ] {
+        let scratch = Scratch::new();
+        scratch.write(&format!("{name}.c"), program);
+        write_scene(&scratch, &[&format!("{name}.c")]);
+        let begun = scratch.path().join("begun");
+        let compiler = "case \"$*\" in *-c*) touch {begun:?}; exec sleep {tag};; esac\nexec cc \"$@\"\n";
+        let compiler = compiler.replace("{begun:?}", &format!("{begun:?}")).replace("{tag}", &tag);
+        let wrapper = scratch.write("slow-cc", &format!("#!/bin/sh\n{compiler}"));
+        std::fs::set_permissions(&wrapper, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a script");
+        let mut eyesim = scratch.command(&[command, "scene.sim", "--timeout", "600"]);
+        if command == "view" {
+            eyesim.args(["--no-open", "--port", "0"]);
+        }
+        if what.starts_with("build") {
+            eyesim.env("CC", &wrapper);
+        }
+        let begins = || if what.starts_with("load") { runs(&child) } else { begun.exists() };
+        let (code, elapsed) = interrupted(&mut eyesim, "-TERM", begins);
+        assert!(elapsed < INTERRUPT_LIMIT, "{what}: {elapsed:?}");
+        println!("{what}: {code:?} after {elapsed:?}");
+        assert_ne!(code, Some(0), "{what}");
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(!runs(&format!("sleep {tag}")) && !runs(&child), "{what}: processes are left");
+    }
+}
+
+/// Returns true if a process has `words` in its command line.
+fn runs(words: &str) -> bool {
+    let processes = std::fs::read_dir("/proc").expect("processes").flatten();
+    let own = std::process::id().to_string();
+    let others = processes.filter(|process| *process.file_name() != *own);
+    let lines = others.filter_map(|process| std::fs::read(process.path().join("cmdline")).ok());
+    lines.into_iter().any(|line| String::from_utf8_lossy(&line).replace('\0', " ").contains(words))
+}
+
 #[test]
 fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
     let programs = [
@@ -299,23 +405,13 @@ fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
                 "--trace",
                 "t.jsonl",
             ];
-            let mut host = scratch.command(&args).stdout(std::process::Stdio::null()).spawn().expect("eyesim starts");
-            let start = Instant::now();
-            while !scratch.path().join("t.jsonl").exists() {
-                assert!(start.elapsed() < Duration::from_secs(200), "{exec} {program}: it does not begin");
-                std::thread::sleep(Duration::from_millis(20));
-            }
-            std::thread::sleep(Duration::from_millis(500));
-            let sent = Instant::now();
-            let pid = host.id().to_string();
-            assert!(Command::new("kill").args([*signal, pid.as_str()]).status().expect("kill").success());
-            let code = host.wait().expect("it ends").code();
+            let begins = || scratch.path().join("t.jsonl").exists();
+            let (code, elapsed) = interrupted(&mut scratch.command(&args), signal, begins);
             // A handler of faults is taken back at once on a thread, and the fault ends the run before the interrupt.
             let is_told_before = exec == "thread" && program.contains("SIGSEGV") && code == Some(1);
             assert!(code == Some(130) || is_told_before, "{exec} {program}: {code:?}");
-            // Two seconds on an idle machine; tests share theirs.
-            assert!(sent.elapsed() < Duration::from_secs(30), "{exec} {program}: {:?}", sent.elapsed());
-            println!("{exec} {signal} {:?} {program}", sent.elapsed());
+            assert!(elapsed < INTERRUPT_LIMIT, "{exec} {program}: {elapsed:?}");
+            println!("{exec} {signal} {elapsed:?} {program}");
             assert_eq!(scratch.trace("t.jsonl").last().expect("a line")["event"], "end", "{exec} {program}");
         }
     }

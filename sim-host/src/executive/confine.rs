@@ -1,13 +1,23 @@
-//! System calls that a program on a thread of the host must not make: those that end or replace the whole process.
+//! System calls that a program must not make: on a thread of the host those that end, replace or trace the whole process, in a process
+//! of its own those that send signals to the host or trace it.
 //!
-//! A filter of the kernel (seccomp) turns them into a fault of the thread (SIGSYS), which is reported like any other. Only threads of
-//! programs whose imports show the danger get it, since it costs each system call of the thread some nanoseconds.
+//! A filter of the kernel (seccomp) turns them into a fault of the thread (SIGSYS), which is reported like any other. All threads of
+//! programs get it, as imports do not show what a program does in assembly; the kernel remembers which calls it lets through, so that
+//! those cost next to nothing. The host ends the process by [`exit_at_once`] alone while programs are on its threads.
+
+use std::cell::Cell;
 
 use libc::{BPF_ABS, BPF_JEQ, BPF_JMP, BPF_JUMP, BPF_K, BPF_LD, BPF_RET, BPF_STMT, BPF_W, sock_filter, sock_fprog};
 
+use crate::program::command;
+
 /// The system calls that are refused, with their names.
-const REFUSED: [(libc::c_long, &str); 3] =
-    [(libc::SYS_exit_group, "exit_group"), (libc::SYS_execve, "execve"), (libc::SYS_execveat, "execveat")];
+const REFUSED: [(libc::c_long, &str); 4] = [
+    (libc::SYS_exit_group, "exit_group"),
+    (libc::SYS_execve, "execve"),
+    (libc::SYS_execveat, "execveat"),
+    (libc::SYS_ptrace, "ptrace"),
+];
 
 /// The architecture of system calls as the kernel's filters see it: <linux/audit.h>.
 #[cfg(target_arch = "x86_64")]
@@ -15,46 +25,138 @@ const ARCHITECTURE: u32 = 0xC000_003E;
 #[cfg(target_arch = "aarch64")]
 const ARCHITECTURE: u32 = 0xC000_00B7;
 
-/// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it starts. Does
-/// nothing where the kernel has no such filters.
-pub fn confine_thread() {
-    /// Offsets of the number and of the architecture in the kernel's `struct seccomp_data`.
-    const NUMBER: u32 = 0;
-    const OF_ARCHITECTURE: u32 = 4;
-    // SAFETY: the functions only compose instructions.
-    let mut filter = unsafe {
-        let refused = REFUSED.len() as u8;
-        let mut filter = vec![
-            BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, OF_ARCHITECTURE),
-            // Calls of another architecture have other numbers.
-            BPF_JUMP((BPF_JMP | BPF_JEQ | BPF_K) as u16, ARCHITECTURE, 0, refused + 2),
-            BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, NUMBER),
-        ];
-        for (before, (number, _)) in REFUSED.iter().enumerate() {
-            let to_trap = refused - before as u8;
-            filter.push(BPF_JUMP((BPF_JMP | BPF_JEQ | BPF_K) as u16, *number as u32, to_trap, 0));
-        }
-        filter.push(BPF_STMT((BPF_RET | BPF_K) as u16, libc::SECCOMP_RET_ALLOW));
-        filter.push(BPF_STMT((BPF_RET | BPF_K) as u16, libc::SECCOMP_RET_TRAP));
-        filter
-    };
-    let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr().cast::<sock_filter>() };
-    // SAFETY: the program is valid and is copied by the kernel; where it is refused, nothing changes. The set is filled before it is used.
+/// The system calls that are refused in a program's own process if they are meant for the host, whose number is the first argument.
+const OF_PROCESS: [libc::c_long; 7] = [
+    libc::SYS_kill,
+    libc::SYS_tgkill,
+    libc::SYS_rt_sigqueueinfo,
+    libc::SYS_rt_tgsigqueueinfo,
+    libc::SYS_pidfd_open,
+    libc::SYS_process_vm_writev,
+    libc::SYS_prlimit64,
+];
+
+/// Offsets in the kernel's `struct seccomp_data` of the number, the architecture, the halves of the program counter, and the lower
+/// half of the first argument.
+const NUMBER: u32 = 0;
+const OF_ARCHITECTURE: u32 = 4;
+const COUNTER: [u32; 2] = [8, 12];
+const FIRST_ARGUMENT: u32 = 16;
+
+fn load(offset: u32) -> sock_filter {
+    // SAFETY: the function only composes an instruction.
+    unsafe { BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, offset) }
+}
+
+/// Skips as many instructions as `equal` says if the loaded word is `value`, else as many as `other` says.
+fn jump(value: u32, equal: u8, other: u8) -> sock_filter {
+    // SAFETY: the function only composes an instruction.
+    unsafe { BPF_JUMP((BPF_JMP | BPF_JEQ | BPF_K) as u16, value, equal, other) }
+}
+
+fn give(action: u32) -> sock_filter {
+    // SAFETY: the function only composes an instruction.
+    unsafe { BPF_STMT((BPF_RET | BPF_K) as u16, action) }
+}
+
+/// Installs a filter for the calling thread and all that it starts; does nothing where the kernel refuses. Async-signal-safe.
+fn install(filter: &mut [sock_filter]) {
+    let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
+    // SAFETY: the program is valid and is copied by the kernel; where it is refused, nothing changes.
     unsafe {
-        // The handler of the second interrupt ends the process: it runs on another thread.
-        let mut interrupts = std::mem::zeroed();
-        libc::sigemptyset(&raw mut interrupts);
-        libc::sigaddset(&raw mut interrupts, libc::SIGINT);
-        libc::sigaddset(&raw mut interrupts, libc::SIGTERM);
-        libc::pthread_sigmask(libc::SIG_BLOCK, &raw const interrupts, std::ptr::null_mut());
         libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
         let flags = libc::SECCOMP_FILTER_FLAG_SPEC_ALLOW;
         libc::syscall(libc::SYS_seccomp, libc::SECCOMP_SET_MODE_FILTER, flags, &raw const program);
     }
 }
 
+/// Refuses, with `EPERM`, signals of this process to the process `host`, to its group and to all processes, and traces of any: a stopped
+/// host could tell nothing. For a program's own process before it loads the program. Async-signal-safe.
+pub fn protect_host(host: i32) {
+    /// Instructions besides those for [`OF_PROCESS`].
+    const OTHERS: usize = 12;
+    // SAFETY: getpgid takes no pointer. A group of another namespace is 0, which would stand for the caller's own.
+    let group = unsafe { libc::getpgid(host) }.max(1);
+    let calls = OF_PROCESS.len() as u8;
+    let mut filter = [give(libc::SECCOMP_RET_ALLOW); OTHERS + OF_PROCESS.len()];
+    // Calls of another architecture have other numbers.
+    filter[0] = load(OF_ARCHITECTURE);
+    filter[1] = jump(ARCHITECTURE, 0, calls + 9);
+    filter[2] = load(NUMBER);
+    filter[3] = jump(libc::SYS_ptrace as u32, calls + 7, 0);
+    filter[4] = jump(libc::SYS_tkill as u32, calls + 6, 0);
+    for (place, number) in OF_PROCESS.iter().enumerate() {
+        filter[5 + place] = jump(*number as u32, calls - place as u8, 0);
+    }
+    let rest = &mut filter[5 + OF_PROCESS.len()..];
+    rest[1] = load(FIRST_ARGUMENT);
+    rest[2] = jump(host as u32, 3, 0);
+    rest[3] = jump(-1_i32 as u32, 2, 0);
+    rest[4] = jump(-group as u32, 1, 0);
+    rest[6] = give(libc::SECCOMP_RET_ERRNO | libc::EPERM as u32);
+    install(&mut filter[..]);
+}
+
+/// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it starts. Does
+/// nothing where the kernel has no such filters.
+pub fn confine_thread() {
+    thread_local! {
+        /// A second filter would only cost time.
+        static IS_CONFINED: Cell<bool> = const { Cell::new(false) };
+    }
+    if IS_CONFINED.replace(true) {
+        return;
+    }
+    // Commands that the host runs for a program must not have the filter. Without the thread they are refused.
+    let _ = command::start_spawner();
+    let own = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
+    let refused = REFUSED.len() as u8;
+    // Calls of another architecture have other numbers.
+    let mut filter = vec![load(OF_ARCHITECTURE), jump(ARCHITECTURE, 0, refused + 7), load(NUMBER)];
+    for (before, (number, _)) in REFUSED.iter().enumerate() {
+        filter.push(jump(*number as u32, refused - before as u8, 0));
+    }
+    filter.push(give(libc::SECCOMP_RET_ALLOW));
+    // The host's own call has the program counter of `exit_at_once`.
+    filter.extend([load(COUNTER[0]), jump(own as u32, 0, 3), load(COUNTER[1]), jump((own >> 32) as u32, 0, 1)]);
+    filter.extend([give(libc::SECCOMP_RET_ALLOW), give(libc::SECCOMP_RET_TRAP)]);
+    install(&mut filter);
+}
+
+/// Ends the process at once with this exit code, on any thread; async-signal-safe.
+#[unsafe(naked)]
+pub extern "C" fn exit_at_once(code: i32) -> ! {
+    #[cfg(target_arch = "x86_64")]
+    std::arch::naked_asm!("mov eax, {call}", "syscall", "ud2", call = const libc::SYS_exit_group);
+    #[cfg(target_arch = "aarch64")]
+    std::arch::naked_asm!("mov x8, {call}", "svc 0", "brk 1", call = const libc::SYS_exit_group);
+}
+
+/// Distance from the start of [`exit_at_once`] to the end of its system call, in bytes.
+#[cfg(target_arch = "x86_64")]
+const EXIT_CALL_END: usize = 7;
+#[cfg(target_arch = "aarch64")]
+const EXIT_CALL_END: usize = 8;
+
 /// Name of a refused system call.
 pub fn name_of(number: usize) -> &'static str {
     let call = REFUSED.iter().find(|(refused, _)| *refused as usize == number);
     call.map_or("of another architecture", |(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hosts_own_call_is_where_the_filter_expects_it() {
+        #[cfg(target_arch = "x86_64")]
+        const CALL: &[u8] = &[0x0f, 0x05];
+        #[cfg(target_arch = "aarch64")]
+        const CALL: &[u8] = &[0x01, 0x00, 0x00, 0xd4];
+        let start = (exit_at_once as *const ()).cast::<u8>();
+        // SAFETY: code of this binary, which is readable.
+        let code = unsafe { std::slice::from_raw_parts(start, EXIT_CALL_END) };
+        assert!(code.ends_with(CALL), "{code:x?}");
+    }
 }

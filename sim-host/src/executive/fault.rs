@@ -1,7 +1,8 @@
 //! Reports of broken robot programs, in words.
 
 use super::confine;
-use super::signal::{EXITS, Fault, GONE, OVERDUE_SIGNAL};
+use super::guard::is_in_guard;
+use super::signal::{self, EXITS, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
 /// A flow that will never run again, and why.
@@ -32,7 +33,7 @@ const SHALLOW: usize = 1024;
 
 impl Broken {
     /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
-    pub(super) fn new(fault: Fault, [low, _]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
+    pub(super) fn new(fault: Fault, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
         let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
         let near_guard = low > 0 && is_deep && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
@@ -48,6 +49,9 @@ impl Broken {
                 format!("the program sent itself the signal {}", name_of_signal(signal).unwrap_or_default())
             }
             libc::SIGSEGV | libc::SIGBUS if near_guard => "stack overflow".into(),
+            libc::SIGSEGV if is_in_guard(fault.address, high) => {
+                "the program wrote or read beyond the top of its stack (an array overrun)".into()
+            }
             libc::SIGSEGV => format!("segmentation fault at address {:#x}", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
             libc::SIGFPE => format!("arithmetic fault ({})", cause_of_arithmetic_fault(fault.code)),
@@ -131,14 +135,15 @@ fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     }
 }
 
-/// Words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them.
+/// Words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them, as far as they are mapped.
 pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {
         return Vec::new();
     }
-    let count = ((high - sp) / size_of::<usize>()).min(SEARCH);
-    // SAFETY: [sp, sp + count words) lies within the mapped stack of a thread that is parked for good and so writes no more;
-    // every bit pattern is a valid usize.
-    (0..count).map(|i| unsafe { std::ptr::with_exposed_provenance::<usize>(sp).add(i).read_volatile() }).collect()
+    let mut words = vec![0_usize; ((high - sp) / size_of::<usize>()).min(SEARCH)];
+    // The program may have unmapped its stack, or a part of it.
+    let mapped = signal::copy_own_memory(sp, &mut words);
+    words.truncate(mapped);
+    words
 }

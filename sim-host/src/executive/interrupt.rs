@@ -1,11 +1,12 @@
 //! Interruption of runs by the user: a handle for their owner, which a binary connects with Ctrl-C.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use parking_lot::Mutex;
 
+use super::confine::exit_at_once;
 use super::signal::{self, Handlers, action, change_action, default_action};
 
 /// Interrupts, permanently, the runs that have a clone of this handle.
@@ -57,6 +58,7 @@ pub fn of_process() -> io::Result<Interrupt> {
         // SAFETY: as above.
         unsafe { change_action(signal, Some(&action)) }?;
     }
+    LAST_RESORT.install()?;
     *is_installed = true;
     HAS_HANDLERS.store(true, Ordering::Release);
     Ok(interrupt)
@@ -79,16 +81,79 @@ pub(super) fn take_back(is_of_program: impl Fn(usize) -> bool) {
     }
 }
 
+/// Ends this process if a run does not end within this time after a program has broken while the host worked on its thread: the program
+/// has harmed the host, and locks may be held for ever. Our choice.
+const LAST_RESORT_TIMEOUT: libc::time_t = 10;
+
+/// The kernel's timer behind [`arm_last_resort`].
+struct LastResort {
+    /// Its number; meaningful once `is_installed`.
+    timer: AtomicUsize,
+    is_installed: AtomicBool,
+}
+
+static LAST_RESORT: LastResort = LastResort { timer: AtomicUsize::new(0), is_installed: AtomicBool::new(false) };
+
+impl LastResort {
+    /// Creates the timer, which does not run yet.
+    fn install(&self) -> io::Result<()> {
+        let signal = libc::SIGRTMAX() - 1;
+        let action = action(on_last_resort as *const () as usize, libc::SA_RESTART);
+        // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe. An all-zero event is valid, and both
+        // pointers are.
+        unsafe {
+            change_action(signal, Some(&action))?;
+            let mut event: libc::sigevent = std::mem::zeroed();
+            (event.sigev_notify, event.sigev_signo) = (libc::SIGEV_SIGNAL, signal);
+            let mut timer: libc::timer_t = std::ptr::null_mut();
+            if libc::timer_create(libc::CLOCK_MONOTONIC, &raw mut event, &raw mut timer) != 0 {
+                return Err(io::Error::last_os_error());
+            }
+            self.timer.store(timer.expose_provenance(), Ordering::Release);
+        }
+        self.is_installed.store(true, Ordering::Release);
+        Ok(())
+    }
+
+    /// Lets the timer end the process after `seconds`; 0 stops it. Async-signal-safe.
+    fn set(&self, seconds: libc::time_t) {
+        if !self.is_installed.load(Ordering::Acquire) {
+            return;
+        }
+        let timer = std::ptr::with_exposed_provenance_mut(self.timer.load(Ordering::Acquire));
+        let none = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+        let time = libc::itimerspec { it_interval: none, it_value: libc::timespec { tv_sec: seconds, tv_nsec: 0 } };
+        // SAFETY: the timer exists until the process ends, and the time is valid.
+        unsafe { libc::timer_settime(timer, 0, &raw const time, std::ptr::null_mut()) };
+    }
+}
+
+/// Ends the process of a binary with a message if [`disarm_last_resort`] does not follow in time. Async-signal-safe.
+pub(super) fn arm_last_resort() {
+    LAST_RESORT.set(LAST_RESORT_TIMEOUT);
+}
+
+/// The run has ended by itself.
+pub(super) fn disarm_last_resort() {
+    LAST_RESORT.set(0);
+}
+
+extern "C" fn on_last_resort(_: i32) {
+    const WORDS: &[u8] = b"error: a robot program on a thread of eyesim has harmed eyesim itself, which cannot go on: the run ends here, and \
+        its record is not complete (--exec process keeps such a program apart)\n";
+    // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
+    unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
+    exit_at_once(1)
+}
+
 /// Ends this process with exit code 1 if it has not ended by itself after `timeout`: destructors of programs run when it ends.
 pub fn end_within(timeout: std::time::Duration) {
     const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
     let end = move || {
         std::thread::sleep(timeout);
-        // SAFETY: both calls are safe at any time, and `WORDS` has as many bytes as are given.
-        unsafe {
-            libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
-            libc::_exit(1)
-        }
+        // SAFETY: the call is safe at any time, and `WORDS` has as many bytes as are given.
+        unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
+        exit_at_once(1)
     };
     // Without room for a thread the process ends when its destructors do.
     let _ = std::thread::Builder::new().name("end".to_owned()).spawn(end);
@@ -105,8 +170,7 @@ extern "C" fn on_interrupt(signal: i32) {
     }
     if OF_PROCESS.get().is_some_and(Interrupt::set) {
         // The second Ctrl-C: the user does not want to wait for files to be closed.
-        // SAFETY: _exit is async-signal-safe.
-        unsafe { libc::_exit(130) };
+        exit_at_once(130);
     }
 }
 
@@ -122,11 +186,9 @@ extern "C" fn on_foreign_fault(signal: i32) {
         // A fault of the host itself: the default action ends the process when the instruction is tried again.
         return default_action(signal);
     }
-    // SAFETY: write and _exit are async-signal-safe; `WORDS` has as many bytes as are given.
-    unsafe {
-        libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
-        libc::_exit(1)
-    }
+    // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
+    unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
+    exit_at_once(1)
 }
 
 #[cfg(test)]

@@ -15,8 +15,9 @@ use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
 
-/// Memory mappings for each robot's thread: its stack, the guard below it, its alternate stack, and the kernel's neighbouring ones.
-const MAPPINGS_PER_THREAD: usize = 4;
+/// Memory mappings for each robot's thread: its stack with the guards below and above, its alternate stack, and the kernel's
+/// neighbouring ones.
+const MAPPINGS_PER_THREAD: usize = 6;
 
 /// Reasons why the programs of robots cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -178,7 +179,7 @@ impl Loading {
                 let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
                 return Err(LoadError::Incompatible { path, what });
             }
-            (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
+            (Code::Python(python), None) => (Child::start_foreign(python.command(&path)), path.clone()),
             // gdb reads the library's file again while it debugs; the file in the cache is not removed.
             (Code::Library(image), Some(debugger)) => {
                 (Child::start_debugged(debugger, image.path()), image.path().to_owned())

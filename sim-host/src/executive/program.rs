@@ -61,9 +61,7 @@ impl RobotProgram {
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
         match self {
             Self::InHost { program, .. } => {
-                if program.prepared().danger.is_some() {
-                    confine_thread();
-                }
+                confine_thread();
                 Ok(program.run(host))
             }
             Self::Process(program) => program.run(host),

@@ -261,7 +261,9 @@ impl Scheduler {
         self.run.dispatcher.lock().close(&self.run);
         self.exit_programs();
         self.broken.append(&mut self.run.broken_processes.lock());
-        self.conclude()
+        let ended = self.conclude();
+        interrupt::disarm_last_resort();
+        ended
     }
 
     /// Supervises the programs until no robot runs.

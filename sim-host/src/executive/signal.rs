@@ -17,6 +17,7 @@ use std::sync::atomic::{
 
 use parking_lot::Mutex;
 
+use super::interrupt;
 use super::notifier::Notifier;
 use crate::program::float;
 
@@ -154,15 +155,9 @@ impl FlowBlock {
     ///
     /// A program that writes beyond the top of its stack overwrites the thread's own variables, [`CURRENT`] among them.
     fn is_at(address: *const Self) -> bool {
-        let mut word = 0_usize;
-        let place = address.addr().wrapping_add(std::mem::offset_of!(Self, mark));
-        let local = libc::iovec { iov_base: (&raw mut word).cast(), iov_len: size_of::<usize>() };
-        let remote = libc::iovec { iov_base: ptr::without_provenance_mut(place), iov_len: size_of::<usize>() };
-        // SAFETY: the kernel copies from this process itself, and fails where nothing is mapped; `word` has the stated size.
-        let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
-        // Where the kernel does not allow the copy, the address is trusted.
-        copied == size_of::<usize>() as isize && word == address.addr() ^ MARK
-            || copied < 0 && io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT)
+        let mut word = [0_usize];
+        let copied = copy_own_memory(address.addr().wrapping_add(std::mem::offset_of!(Self, mark)), &mut word);
+        copied == 1 && word[0] == address.addr() ^ MARK
     }
 
     /// The fault that parked this thread.
@@ -512,6 +507,29 @@ pub fn install_in_child() -> io::Result<()> {
     Ok(())
 }
 
+/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied words.
+/// Async-signal-safe.
+pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
+    let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
+    let remote = libc::iovec { iov_base: ptr::without_provenance_mut(address), iov_len: size_of_val(words) };
+    // SAFETY: the kernel copies from this process itself, and stops where nothing is mapped; `words` has the stated size.
+    let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
+    // A kernel that does not allow the copy is known by another error; what it would read is trusted to be there then.
+    if copied < 0 && io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT) {
+        let from = ptr::with_exposed_provenance::<usize>(address);
+        // SAFETY: as said; every bit pattern is a valid usize.
+        words.iter_mut().enumerate().for_each(|(place, word)| *word = unsafe { from.add(place).read_unaligned() });
+        return words.len();
+    }
+    copied.max(0).unsigned_abs() / size_of::<usize>()
+}
+
+/// Sets the highest address of the stack of the calling thread's block, if it has one; returns the one before.
+pub fn set_stack_top(high: usize) -> usize {
+    // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`).
+    unsafe { CURRENT.get().as_ref() }.map_or(0, |block| block.stack[1].swap(high, Ordering::Relaxed))
+}
+
 /// Performs the default action of `signal`; returns only if that does not end the process. Async-signal-safe.
 pub fn default_action(signal: i32) {
     // SAFETY: signal and raise are async-signal-safe.
@@ -547,6 +565,9 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
     let code = if code == libc::SI_USER { -1 } else { code };
     let fault = Fault { signal, code, address, pc, sp };
+    if !matches!(block.on_fault, OnFault::Report(_)) && block.in_host.load(Ordering::Relaxed) {
+        interrupt::arm_last_resort();
+    }
     match &block.on_fault {
         OnFault::Park(_) => block.stop_faulted(fault),
         OnFault::Leave { leave, .. } => {

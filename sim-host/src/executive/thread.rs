@@ -14,6 +14,7 @@ use parking_lot::Mutex;
 use sim_core::RobotId;
 
 use super::fault::{Broken, stack_words};
+use super::guard::below_guard;
 use super::notifier::Notifier;
 use super::process::Child;
 use super::process::child::Release;
@@ -237,9 +238,6 @@ impl RobotThreads {
     }
 }
 
-/// Factor by which the import of a module may take longer than anything else.
-const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
-
 impl Executor for ThreadExecutor {
     fn begin(&self, notifier: &Arc<Notifier>) {
         damage::heap_functions();
@@ -290,7 +288,7 @@ impl Executor for ThreadExecutor {
             let _ = adopted.send(result);
             if is_adopted {
                 threads.wait(ThreadFlow::current());
-                if let Some(next) = flow() {
+                if let Some(next) = below_guard(flow) {
                     threads.hand_token_to(next, true);
                 }
             }
@@ -350,14 +348,12 @@ impl Executor for ThreadExecutor {
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
         let threads = self.robot(robot);
         let Some(flow) = threads.active_flow() else { return false };
-        let mut timeout = timeout;
         let sample = match threads.child.get() {
             Some(child) if child.is_debugged() => return false,
             Some(child) if child.is_asked(flow.release()) || child.is_stopped() => return true,
             Some(child) => {
-                let (is_importing, spent) = child.imports();
-                timeout *= if is_importing { IMPORT_TIMEOUT_FACTOR } else { 1.0 };
-                FlowSample::at_process(child.pid(), &flow.block).map(|sample| sample.without(spent))
+                let sample = FlowSample::at_process(child.pid(), &flow.block);
+                sample.map(|sample| sample.with_imports(child.imports()))
             }
             None if flow.block.in_host.load(Ordering::Relaxed) => {
                 flow.timer.lock().pause();

@@ -18,6 +18,7 @@ pub struct ReleaseTimer {
 
 struct Baseline {
     processor_time: Duration,
+    imports: Duration,
     /// Last time at which it was seen running, or ready to run.
     last_active: Instant,
     last_processor_time: Duration,
@@ -31,7 +32,14 @@ pub struct FlowSample {
     pub processor_time: Duration,
     /// The flow sleeps in the kernel.
     pub is_asleep: bool,
+    /// The flow imports a module, which may take [`IMPORT_TIMEOUT_FACTOR`] times as long as anything else.
+    pub is_importing: bool,
+    /// Processor time of earlier imports, which does not count. The program's process says so and may lie.
+    pub imports: Duration,
 }
+
+/// Factor by which the import of a module may take longer than anything else, and all imports of a release together.
+const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {
     /// Samples a thread of this process.
@@ -41,6 +49,8 @@ impl FlowSample {
             release: block.releases.load(Relaxed),
             processor_time: processor_time(tid)?,
             is_asleep: is_asleep(&format!("/proc/self/task/{tid}")),
+            is_importing: false,
+            imports: Duration::ZERO,
         })
     }
 
@@ -49,12 +59,13 @@ impl FlowSample {
         if is_traced(&pid.to_string()) {
             return None;
         }
-        let mut threads = threads(pid).into_iter();
         Some(Self {
             release: block.releases.load(Relaxed),
             processor_time: process_time(pid)?,
             // While the host works for the program, the program's threads rightly sleep.
-            is_asleep: !block.in_host.load(Relaxed) && threads.all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}"))),
+            is_asleep: !block.in_host.load(Relaxed) && are_asleep(pid),
+            is_importing: false,
+            imports: Duration::ZERO,
         })
     }
 }
@@ -62,14 +73,19 @@ impl FlowSample {
 impl FlowSample {
     /// Samples the process `pid`, which loads its program.
     pub fn at_loading(pid: i32) -> Option<Self> {
-        let mut threads = threads(pid).into_iter();
-        let is_asleep = threads.all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}")));
-        Some(Self { release: 1, processor_time: process_time(pid)?, is_asleep })
+        Some(Self {
+            release: 1,
+            processor_time: process_time(pid)?,
+            is_asleep: are_asleep(pid),
+            is_importing: false,
+            imports: Duration::ZERO,
+        })
     }
 
-    /// Subtracts `other`, processor time that does not count.
-    pub fn without(self, other: Duration) -> Self {
-        Self { processor_time: self.processor_time.saturating_sub(other), ..self }
+    /// Adds what the process says of its imports.
+    #[must_use]
+    pub fn with_imports(self, (is_importing, imports): (bool, Duration)) -> Self {
+        Self { is_importing, imports, ..self }
     }
 }
 
@@ -86,13 +102,16 @@ impl ReleaseTimer {
     }
 
     /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its last
-    /// release. Measured from the first sample of a release, so up to one sampling interval in the program's favour.
+    /// release, imports of modules left out. Measured from the first sample of a release, so up to one sampling interval in the
+    /// program's favour.
     pub fn is_overdue(&mut self, sample: &FlowSample, timeout: f64) -> bool {
         let processor_time = sample.processor_time;
         let now = Instant::now();
         if sample.release != self.release || self.baseline.is_none() {
             self.release = sample.release;
-            self.baseline = Some(Baseline { processor_time, last_active: now, last_processor_time: processor_time });
+            let imports = sample.imports;
+            self.baseline =
+                Some(Baseline { processor_time, imports, last_active: now, last_processor_time: processor_time });
             return false;
         }
         let Some(baseline) = &mut self.baseline else { return false };
@@ -102,7 +121,10 @@ impl ReleaseTimer {
         }
         let asleep = now - baseline.last_active;
         let used = processor_time.saturating_sub(baseline.processor_time);
-        used.as_secs_f64() >= timeout || asleep.as_secs_f64() >= timeout
+        let imports =
+            sample.imports.saturating_sub(baseline.imports).as_secs_f64().min(timeout * IMPORT_TIMEOUT_FACTOR);
+        let limit = if sample.is_importing { timeout * IMPORT_TIMEOUT_FACTOR } else { timeout };
+        used.as_secs_f64() - imports >= limit || asleep.as_secs_f64() >= limit
     }
 }
 
@@ -111,12 +133,22 @@ pub fn is_debugged() -> bool {
     is_traced("self")
 }
 
-/// Returns true while a debugger is attached to the process `pid`.
+/// Returns true while a debugger is attached to the process `pid`: a tracer that is not this process, as after `ptrace(PTRACE_TRACEME)`
+/// of a program, and that no program has started.
 pub fn is_traced(pid: &str) -> bool {
-    fs::read_to_string(format!("/proc/{pid}/status"))
-        .ok()
-        .and_then(|status| status.lines().find_map(|line| line.strip_prefix("TracerPid:").map(|pid| pid.trim() != "0")))
-        .unwrap_or(false)
+    number_in_status(pid, "TracerPid:").is_some_and(|tracer| tracer != 0 && !is_descendant(tracer))
+}
+
+/// Returns true if the process `pid` is this one, or one that this one or its descendants have started.
+fn is_descendant(pid: u32) -> bool {
+    let own = std::process::id();
+    std::iter::successors(Some(pid), |pid| number_in_status(&pid.to_string(), "PPid:")).take(64).any(|pid| pid == own)
+}
+
+/// The number behind `key` in the kernel's description of the process `pid`.
+fn number_in_status(pid: &str, key: &str) -> Option<u32> {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    status.lines().find_map(|line| line.strip_prefix(key)?.trim().parse().ok())
 }
 
 /// Returns true if the process `pid` has no thread `tid`.
@@ -159,9 +191,18 @@ fn is_asleep(folder: &str) -> bool {
     matches!(state(folder), Some('S' | 'D'))
 }
 
-/// Returns true if a signal has stopped the process `pid`; false if a debugger has.
+/// Returns true if all threads of the process `pid` sleep.
+fn are_asleep(pid: i32) -> bool {
+    threads(pid).into_iter().all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}")))
+}
+
+/// Returns true if a signal has stopped the process `pid`, or a tracer that is no debugger; false if a debugger has.
 pub fn is_stopped(pid: i32) -> bool {
-    state(&format!("/proc/{pid}")) == Some('T')
+    match state(&format!("/proc/{pid}")) {
+        Some('T') => true,
+        Some('t') => !is_traced(&pid.to_string()),
+        _ => false,
+    }
 }
 
 /// The kernel's state letter of the thread or process whose folder in `/proc` this is.
@@ -178,12 +219,34 @@ mod tests {
     #[test]
     fn what_the_host_does_is_not_the_programs_time() {
         let mut timer = ReleaseTimer::default();
-        let sample =
-            |seconds| FlowSample { release: 1, processor_time: Duration::from_secs(seconds), is_asleep: false };
+        let sample = |seconds| FlowSample { processor_time: Duration::from_secs(seconds), ..sample_at_start() };
         assert!(!timer.is_overdue(&sample(0), 1.0));
         timer.pause();
         assert!(!timer.is_overdue(&sample(5), 1.0), "five seconds of the host's");
         assert!(timer.is_overdue(&sample(6), 1.0), "one of the program's");
+    }
+
+    fn sample_at_start() -> FlowSample {
+        FlowSample {
+            release: 1,
+            processor_time: Duration::ZERO,
+            is_asleep: false,
+            is_importing: false,
+            imports: Duration::ZERO,
+        }
+    }
+
+    #[test]
+    fn a_process_that_lies_about_its_imports_is_overdue_in_the_end() {
+        let sample = |seconds, imports| {
+            FlowSample { processor_time: Duration::from_secs(seconds), ..sample_at_start() }.with_imports(imports)
+        };
+        let mut timer = ReleaseTimer::default();
+        assert!(!timer.is_overdue(&sample(0, (false, Duration::ZERO)), 1.0));
+        assert!(!timer.is_overdue(&sample(11, (true, Duration::ZERO)), 1.0), "it imports");
+        assert!(!timer.is_overdue(&sample(11, (false, Duration::from_secs(11))), 1.0), "it has imported");
+        assert!(!timer.is_overdue(&sample(20, (true, Duration::MAX)), 1.0));
+        assert!(timer.is_overdue(&sample(24, (true, Duration::MAX)), 1.0), "the longest time of all");
     }
 
     #[test]

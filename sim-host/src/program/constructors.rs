@@ -1,27 +1,75 @@
 //! Hides a library's constructors from the dynamic linker, so that they run as a part of the program.
 //!
-//! Constructors of static C++ objects may call RoBIOS, print and throw, but there is no robot yet while the library is loaded. The
-//! shim therefore calls them when the robot's program starts.
+//! Constructors of static C++ objects may call RoBIOS, print and throw, but there is no robot yet while the library is loaded, and
+//! no thread that may loop or fault. The shim therefore calls them when the robot's program starts; for Rust programs the host does.
 
+use std::ffi::{c_char, c_int};
 use std::fs;
 use std::io;
 use std::path::Path;
+use std::ptr;
 
 use object::elf;
 use object::read::elf::{Dyn as _, FileHeader as _, ProgramHeader as _};
 use robios_sys::CONSTRUCTOR_TAGS;
 
-/// Replaces the tags `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` of the library at `path` by those that the shim looks for.
+/// Hides the constructors of the library at `path`, see [`hide`].
 ///
 /// # Errors
 /// The file cannot be read or written, or is no library of this system.
 pub fn defer_constructors(path: &Path) -> io::Result<()> {
     let mut bytes = fs::read(path)?;
-    let tags = constructor_tags(&bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-    for (at, tag) in tags {
+    hide(&mut bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+    fs::write(path, bytes)
+}
+
+/// Replaces the tags `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` in the bytes of a library by [`CONSTRUCTOR_TAGS`].
+///
+/// # Errors
+/// The bytes are no library of this system.
+pub fn hide(bytes: &mut [u8]) -> Result<(), object::Error> {
+    for (at, tag) in constructor_tags(bytes)? {
         bytes[at..at + 8].copy_from_slice(&u64::from(tag).to_ne_bytes());
     }
-    fs::write(path, bytes)
+    Ok(())
+}
+
+/// Runs the hidden constructors of the library at `base`, which has no shim that does so, on this thread; does nothing if there are none.
+/// Their arguments are empty.
+///
+/// # Safety
+/// A library of this system is mapped at `base`, as the dynamic linker does it, and stays so; its constructors have not run.
+pub unsafe fn run_hidden(base: usize) {
+    type Constructor = unsafe extern "C" fn(c_int, *const *const c_char, *const *const c_char);
+    type Word = elf::Dyn64<object::Endianness>;
+    let endian = object::Endianness::default();
+    let at = ptr::with_exposed_provenance::<u8>;
+    // SAFETY: the file's header begins the first mapping, and the program headers follow it there; the dynamic section is mapped where
+    // they say and ends with a null tag. The types have no alignment of their own that these places, laid out for the kernel, lack.
+    unsafe {
+        let header = &*at(base).cast::<elf::FileHeader64<object::Endianness>>();
+        let headers = at(base + header.e_phoff(endian) as usize).cast::<elf::ProgramHeader64<object::Endianness>>();
+        let headers = std::slice::from_raw_parts(headers, header.e_phnum(endian).into());
+        let Some(dynamic) = headers.iter().find(|header| header.p_type(endian) == elf::PT_DYNAMIC) else { return };
+        let mut entry = at(base + dynamic.p_vaddr(endian) as usize).cast::<Word>();
+        let (mut start, mut size) = (0, 0);
+        while (*entry).d_tag.get(endian) != elf::DT_NULL {
+            let value = (*entry).d_val.get(endian) as usize;
+            match u32::try_from((*entry).d_tag.get(endian)) {
+                Ok(tag) if tag == CONSTRUCTOR_TAGS[0] => start = value,
+                Ok(tag) if tag == CONSTRUCTOR_TAGS[1] => size = value,
+                _ => {}
+            }
+            entry = entry.add(1);
+        }
+        let constructors = at(base + start).cast::<Option<Constructor>>();
+        let none = [ptr::null()];
+        for place in 0..size / size_of::<Constructor>() {
+            if let Some(constructor) = *constructors.add(place) {
+                constructor(0, none.as_ptr(), none.as_ptr());
+            }
+        }
+    }
 }
 
 /// Offsets in the file of the constructors' tags, and their replacements.

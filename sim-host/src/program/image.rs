@@ -14,6 +14,7 @@ use object::{
 use parking_lot::Mutex;
 use robios_sys::{PROGRAM_SYMBOL, language};
 
+use super::constructors;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::share::page_size;
 use crate::files::read_regular;
@@ -122,11 +123,16 @@ impl ProgramImage {
     /// # Errors
     /// [`ImageError`] if the file cannot be read or is no library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
-        let bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
+        let mut bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
         if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
+        // C libraries are built with hidden constructors.
+        if parts.description.is_some_and(|description| description.language == language::RUST) {
+            let broken = |what: object::Error| ImageError::Broken { path: path.to_owned(), what: what.to_string() };
+            constructors::hide(&mut bytes).map_err(broken)?;
+        }
         let ImageParts {
             loaded_len,
             span,
@@ -167,7 +173,7 @@ impl ProgramImage {
         &self.path
     }
 
-    /// All bytes of the file.
+    /// All bytes of the file, with the constructors of a Rust program [hidden](constructors::hide).
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }

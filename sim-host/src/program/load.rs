@@ -9,14 +9,15 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::ptr::NonNull;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use robios_sys::{
     ABI_VERSION, CallSite, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Robios7, Robios7Call,
-    Robios7Table, Support, SupportTable, flag,
+    Robios7Table, Support, SupportTable, flag, language,
 };
 
+use super::constructors;
 use super::float;
 use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
@@ -194,6 +195,7 @@ impl LoadedProgram {
         let argc = self.arguments.len() as c_int;
         let robot = std::ptr::from_ref(host).cast_mut().cast::<c_void>();
         let description = self.library.description();
+        self.library.construct();
         // SAFETY: the tables are those of `H`, so that `robot` points to the type that their entries expect
         // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then a null
         // pointer, alive as long; the description was checked when it was loaded, and the library stays mapped as long as `self`.
@@ -413,6 +415,7 @@ pub struct Opened {
     pub base: usize,
     /// Checked by [`open`]; points to the library's constants.
     description: NonNull<Program>,
+    is_constructed: Once,
     /// Unmaps the library when dropped; `None` if the library stays mapped for ever.
     library: Option<Library>,
 }
@@ -427,6 +430,14 @@ impl Opened {
     pub fn description(&self) -> &Program {
         // SAFETY: checked by `open`, and mapped as long as `self`.
         unsafe { self.description.as_ref() }
+    }
+
+    /// Runs, once, the library's hidden constructors on this thread, if it has no shim that does so.
+    pub fn construct(&self) {
+        if self.description().language == language::RUST {
+            // SAFETY: the library stays mapped as long as `self`; hidden constructors have not run, and run once.
+            self.is_constructed.call_once(|| unsafe { constructors::run_hidden(self.base) });
+        }
     }
 
     /// Keeps the library mapped until the process ends.
@@ -481,7 +492,7 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     // this size; it is a constant in an image that is mapped as long as `library`.
     unsafe { description.as_ref() }.check().map_err(|why| incompatible(&why.to_string()))?;
     let base = base_of(description.as_ptr().addr()).ok_or_else(|| incompatible("its address is unknown"))?;
-    Ok(Opened { base, description, library: Some(library) })
+    Ok(Opened { base, description, is_constructed: Once::new(), library: Some(library) })
 }
 
 /// The library of `prepared`; an error for a Python program.

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use parking_lot::Mutex;
+
 /// A file that counts what is written to it.
 pub struct RecordFile {
     file: File,
@@ -19,6 +21,8 @@ pub struct Proof {
     /// Device and inode; `None` for what is no regular file, such as a pipe, which proves nothing.
     identity: Option<(u64, u64)>,
     written: AtomicU64,
+    /// Hash of what was written.
+    content: Mutex<blake3::Hasher>,
 }
 
 impl RecordFile {
@@ -34,7 +38,8 @@ impl RecordFile {
             file.set_len(0)?;
         }
         let identity = (is_regular && !path.starts_with("/dev")).then(|| identity(&metadata));
-        Ok(Self { file, proof: Arc::new(Proof { path: path.to_owned(), identity, written: AtomicU64::new(0) }) })
+        let (written, content) = (AtomicU64::new(0), Mutex::default());
+        Ok(Self { file, proof: Arc::new(Proof { path: path.to_owned(), identity, written, content }) })
     }
 
     /// The proof, to be checked once everything is written.
@@ -44,10 +49,10 @@ impl RecordFile {
 }
 
 impl Proof {
-    /// Checks that the path still names the file, and that it is as long as what was written.
+    /// Checks that the path still names the file, and that it contains what was written.
     ///
     /// # Errors
-    /// It is another file, none at all, or one of another length.
+    /// It is another file, none at all, or has another content.
     pub fn check(&self) -> io::Result<()> {
         let Some(expected) = self.identity else { return Ok(()) };
         let written = self.written.load(Ordering::Relaxed);
@@ -62,7 +67,14 @@ impl Proof {
                     "{written} bytes were written, and it has {length}: it was changed, or its descriptor was,"
                 )))
             }
-            Ok(_) => Ok(()),
+            Ok(_) => {
+                let mut content = blake3::Hasher::new();
+                content.update_reader(File::open(&self.path)?)?;
+                match content.finalize() == self.content.lock().finalize() {
+                    true => Ok(()),
+                    false => Err(lost("its content was changed".to_owned())),
+                }
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Err(lost("it was deleted".to_owned())),
             Err(error) => Err(error),
         }
@@ -77,6 +89,9 @@ impl Write for RecordFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.file.write(bytes)?;
         self.proof.written.fetch_add(count as u64, Ordering::Relaxed);
+        if self.proof.identity.is_some() {
+            self.proof.content.lock().update(&bytes[..count]);
+        }
         Ok(count)
     }
 
@@ -114,6 +129,8 @@ mod tests {
         assert!(check_after(|path| fs::remove_file(path).unwrap()).unwrap_err().contains("deleted"));
         let cut = check_after(|path| File::options().write(true).open(path).unwrap().set_len(0).unwrap());
         assert!(cut.unwrap_err().contains("5 bytes were written, and it has 2"));
+        let changed = check_after(|path| fs::write(path, "abx").unwrap());
+        assert!(changed.unwrap_err().contains("its content was changed"));
         let replaced = check_after(|path| {
             fs::write(path.with_extension("new"), "abcde").unwrap();
             fs::rename(path.with_extension("new"), path).unwrap();

@@ -3,8 +3,10 @@
 //! Source: RoBIOS-7 library, system functions and timer; versions and clock rate are those of EyeSim VR.
 
 use std::ffi::OsStr;
+use std::io;
 use std::os::unix::ffi::OsStrExt;
-use std::process::{Command, Stdio};
+use std::process::Command;
+use std::time::Duration;
 
 use robios_sys::robios7::{MAX_NAME, MAX_OUTPUT};
 use robios_sys::{Callback, Out, OutBytes, Robios7Call as Call};
@@ -13,12 +15,16 @@ use sim_core::time::Time;
 use super::os;
 use super::robot::Robot;
 use super::timer::MILLISECOND;
+use crate::program::command::output_apart;
 
 /// Version of RoBIOS, and of the input and output board.
 const VERSION: &str = "1.0";
 
 /// Clock rate of the processor in Hz.
 pub const MACHINE_SPEED: i32 = 700_000_000;
+
+/// Real time that a command of `OSExecute` may take; our choice.
+const EXECUTE_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Whole milliseconds, in 32 bits that wrap after 49 days.
 pub fn milliseconds(time: Time) -> i32 {
@@ -84,7 +90,7 @@ pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
     0
 }
 
-/// `OSExecute`: runs a command if the user has allowed it, and waits in real time for its end.
+/// `OSExecute`: runs a command if the user has allowed it, and waits in real time, at most [`EXECUTE_TIMEOUT`], for its end.
 pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
     let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
     if !robot.robios.os.may_execute {
@@ -95,14 +101,18 @@ pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) ->
     if !std::mem::replace(&mut robot.robios.os.has_executed, true) {
         robot.hint("`OSExecute` runs commands, which are outside of the simulation: a run with them need not repeat");
     }
-    let shell = Command::new("sh").arg("-c").arg(OsStr::from_bytes(command)).stdin(Stdio::null()).output();
-    match shell {
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(OsStr::from_bytes(command));
+    match output_apart(shell, EXECUTE_TIMEOUT) {
         Ok(output) => {
             let room = out.capacity().min(MAX_OUTPUT);
             if room > 0 {
                 out.set(&terminated(&output.stdout, room));
             }
             if output.status.success() { 0 } else { robot.failed(Call::OSExecute, 1) }
+        }
+        Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+            robot.refused(Call::OSExecute, 1, |_| format!("`{}`: {error}", super::text(command)))
         }
         Err(error) => robot.refused(Call::OSExecute, 1, |_| format!("there is no shell: {error}")),
     }

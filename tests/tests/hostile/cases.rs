@@ -425,6 +425,216 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     ("calls", "every number into every call", "NUMBERS", &[]),
     ("libraries", "dlopen of what is not there", "if (dlopen(\"/nothing\", RTLD_NOW)) exit(9); OSWait(5);", &[]),
     ("libraries", "dlclose of itself", "{ void *h = dlopen(0, RTLD_NOW); dlclose(h); dlclose(h); } OSWait(5);", &[]),
+    (
+        "memory",
+        "own text zeroed through /proc/self/mem",
+        "{ static char z[4096]; int f = open(\"/proc/self/mem\", O_RDWR); pwrite(f, z, 4096, (long)&faults & -4096); faults(0); }",
+        &["segmentation fault", "illegal"],
+    ),
+    (
+        "memory",
+        "own stack unmapped",
+        "munmap((void *)(((intptr_t)&sinkp, (intptr_t)__builtin_frame_address(0)) & -4096), 4096); sink = 1;",
+        &["segmentation fault", "killed by signal 11"],
+    ),
+    (
+        "memory",
+        "zeros mapped over the own stack",
+        "{ intptr_t at = (intptr_t)__builtin_frame_address(0) & -4096; mmap((void *)(at - 65536), 65536 + 4096, 3, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0); }",
+        &["segmentation fault", "killed by signal 11", "smashed"],
+    ),
+    (
+        "memory",
+        "own stack read-only",
+        "mprotect((void *)(((intptr_t)__builtin_frame_address(0) & -4096) - 8192), 8192, PROT_READ); OSWait(5); sink = deep(1);",
+        &["segmentation fault", "stack overflow", "killed by signal 11", "harmed eyesim"],
+    ),
+    (
+        "memory",
+        "own variables read-only",
+        "mprotect((void *)((intptr_t)&sink & -4096), 4096, PROT_READ); sink = 7;",
+        &["segmentation fault"],
+    ),
+    (
+        "memory",
+        "own text unmapped",
+        "munmap((void *)((intptr_t)&faults & -4096), 4096); faults(0);",
+        &["segmentation fault"],
+    ),
+    (
+        "memory",
+        "memfd of a terabyte",
+        "{ int f = memfd_create(\"big\", 0); volatile char *p; if (ftruncate(f, 1L << 40) < 0) exit(4); p = mmap(0, 1L << 40, 3, MAP_SHARED, f, 0); p[0] = 1; }",
+        &["exit code 4", "segmentation fault", "killed by signal"],
+    ),
+    (
+        "memory",
+        "mappings without end",
+        "while (mmap(0, 4096, sink++ % 2 ? 1 : 3, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED) ; OSWait(50);",
+        &[],
+    ),
+    (
+        "memory",
+        "stack below by a gigabyte",
+        "{ volatile char *p = (volatile char *)&p - (1 << 30); p[0] = 1; }",
+        &["segmentation fault", "killed by signal 11", "stack overflow", "illegal instruction"],
+    ),
+    (
+        "signals",
+        "alternate stack in a variable",
+        "{ static char s[2048]; stack_t t = {.ss_sp = s, .ss_size = sizeof s}; sigaltstack(&t, 0); *(volatile int *)0 = 1; }",
+        &["segmentation fault", "killed by signal 11"],
+    ),
+    (
+        "signals",
+        "alternate stack that is not mapped",
+        "{ stack_t t = {.ss_sp = (void *)4096, .ss_size = 65536}; sigaltstack(&t, 0); *(volatile int *)0 = 1; }",
+        &["segmentation fault", "killed by signal 11"],
+    ),
+    (
+        "signals",
+        "storm of SIGURG from a thread",
+        "victim = syscall(SYS_gettid); foreign(storm); for (;;) OSWait(1);",
+        &[],
+    ),
+    (
+        "signals",
+        "kernel timer that kills",
+        "{ timer_t t; struct sigevent e = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGKILL}; struct itimerspec i = {{0, 0}, {0, 1000000}}; timer_create(CLOCK_REALTIME, &e, &t); timer_settime(t, 0, &i, 0); for (;;) ; }",
+        &["timer_create", "no RoBIOS call returned in time"],
+    ),
+    (
+        "signals",
+        "timer of the kernel during calls",
+        "{ struct itimerval t = {{0, 100}, {0, 100}}; int i; signal(SIGALRM, nothing); syscall(SYS_setitimer, ITIMER_REAL, &t, 0); for (i = 0; i < 100; i++) OSWait(1); }",
+        &[],
+    ),
+    ("signals", "SIGABRT handled, then abort", "signal(SIGABRT, nothing); abort();", &["abort"]),
+    ("signals", "SIGSTOP to the parent", "kill(getppid(), SIGSTOP); OSWait(50);", &[]),
+    ("signals", "SIGKILL to the parent", "kill(getppid(), SIGKILL); OSWait(50);", &[]),
+    ("signals", "SIGSTOP to everybody", "kill(-1, SIGSTOP); OSWait(50);", &[]),
+    ("ends", "exit_group(0) in assembly", "RAW(SYS_exit_group, 0);", &["without a word", "exit_group"]),
+    (
+        "ends",
+        "exit_group(0) in assembly, on another thread",
+        "foreign(leaves); OSWait(300);",
+        &["without a word", "exit_group", "started by itself"],
+    ),
+    (
+        "ends",
+        "exit_group(0) in assembly of 32 bits",
+        "__asm__ volatile(\"int $0x80\" : : \"a\"(252), \"b\"(0) : \"memory\");",
+        &[],
+    ),
+    (
+        "ends",
+        "execve in assembly",
+        "{ static char *a[] = {\"/bin/true\", 0}; register char **e __asm__(\"rdx\") = 0; __asm__ volatile(\"syscall\" : : \"a\"(SYS_execve), \"D\"(*a), \"S\"(a), \"r\"(e) : \"rcx\", \"r11\", \"memory\"); }",
+        &["without a word", "execve"],
+    ),
+    ("ends", "atexit that registers itself", "atexit(anew);", &["no RoBIOS call returned in time", "exit"]),
+    ("ends", "_exit in a timer", "OSAttachTimer(10, leave_raw); OSWait(50);", &[]),
+    (
+        "tracing",
+        "ptrace(TRACEME), then a loop",
+        "ptrace(PTRACE_TRACEME, 0, 0, 0); for (;;) ;",
+        &["no RoBIOS call returned in time", "ptrace"],
+    ),
+    (
+        "tracing",
+        "ptrace(TRACEME), then a signal",
+        "ptrace(PTRACE_TRACEME, 0, 0, 0); raise(SIGUSR1); OSWait(50);",
+        &["signal", "ptrace", "stopped"],
+    ),
+    (
+        "tracing",
+        "traced by its own child, then a loop",
+        "{ pid_t own = getpid(); prctl(PR_SET_PTRACER, -1L, 0, 0, 0); if (fork() == 0) { ptrace(PTRACE_SEIZE, own, 0, 0); for (;;) syscall(SYS_pause); } for (;;) ; }",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "tracing",
+        "no dumps and no death signal",
+        "prctl(PR_SET_DUMPABLE, 0); prctl(PR_SET_PDEATHSIG, 0); for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "tracing",
+        "name like a state",
+        "prctl(PR_SET_NAME, \") T 1 (\"); for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "tracing",
+        "seccomp against all",
+        "prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0); prctl(PR_SET_SECCOMP, 1); OSWait(50);",
+        &[],
+    ),
+    (
+        "limits",
+        "all limits 0",
+        "{ int i; struct rlimit l = {0, 0}; for (i = 0; i < 16; i++) setrlimit(i, &l); } OSWait(50); for (;;) ;",
+        &["no RoBIOS call returned in time", "killed by signal"],
+    ),
+    (
+        "limits",
+        "lowest scheduling class",
+        "{ int zero = 0; syscall(SYS_sched_setscheduler, 0, 5, &zero); } OSWait(50); for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "limits",
+        "bound to no processor of the others",
+        "{ unsigned long one_only = 1; syscall(SYS_sched_setaffinity, 0, 8, &one_only); } for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "descriptors",
+        "trace changed in place",
+        "{ int f = open(\"t.jsonl\", O_WRONLY); pwrite(f, \"x\", 1, 0); } OSWait(50);",
+        &["not complete"],
+    ),
+    ("descriptors", "channel overwritten with ones", "CHANNELS({ memset((void *)p, 255, 4096); }) OSWait(50);", &[]),
+    ("descriptors", "channel overwritten with zeros", "CHANNELS({ memset((void *)p, 0, 4096); }) OSWait(50);", &[]),
+    (
+        "descriptors",
+        "channel that imports for ever",
+        "CHANNELS({ p[8] = 1; p[9] = 0xffffffff; }) for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "descriptors",
+        "channel with a foreign thread",
+        "CHANNELS({ p[5] = 1; }) OSWait(50); for (;;) ;",
+        &["no RoBIOS call returned in time", "its own thread"],
+    ),
+    ("descriptors", "channel whose turn flies back and forth", "CHANNELS({ for (;;) p[2] ^= 1; }) for (;;) ;", &[]),
+    (
+        "descriptors",
+        "channel with forged calls",
+        "CHANNELS({ int k; for (k = 0; k < 2000; k++) { unsigned w; for (w = 16; w < 64; w++) p[w] = w < 18 ? w & 7 : k * 2654435761u >> w % 16; p[3] = 3; p[4] = 200; p[2] = 1; while (p[2] == 1) ; } }) OSWait(50); for (;;) ;",
+        &[],
+    ),
+    (
+        "descriptors",
+        "all sockets and files passed on",
+        "{ int i; for (i = 0; i < 100; i++) fcntl(i, F_SETFL, O_NONBLOCK | O_ASYNC); } OSWait(50);",
+        &[],
+    ),
+    ("forks", "vfork that returns", "if (vfork() == 0) OSWait(1); OSWait(50);", &[]),
+    (
+        "forks",
+        "clone that shares everything",
+        "{ static char s[65536]; clone(shares, s + sizeof s, CLONE_VM | CLONE_FS | CLONE_FILES | SIGCHLD, 0); } OSWait(50);",
+        &[],
+    ),
+    ("forks", "unshare of all", "unshare(CLONE_NEWNS | CLONE_NEWPID | CLONE_FS | CLONE_FILES); OSWait(50);", &[]),
+    (
+        "forks",
+        "session of its own, then a loop",
+        "setsid(); setpgid(0, 0); for (;;) ;",
+        &["no RoBIOS call returned in time"],
+    ),
 ];
 
 /// Whole programs: class, name, language, text, words.
@@ -740,6 +950,247 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     ("Rust", "all memory", Rust, "memory", &["aborted", "panicked", "signal"]),
     ("Rust", "panic caught for ever", Rust, "caught", &[]),
     ("Rust", "command", Rust, "command", &[]),
+    (
+        "libraries",
+        "fork in a constructor",
+        C,
+        "__attribute__((constructor)) static void f(void) { if (fork() == 0) for (;;) syscall(SYS_pause); } int main(void) { unused; OSWait(20); return 0; }",
+        &[],
+    ),
+    (
+        "libraries",
+        "exit_group(0) in assembly in a constructor",
+        C,
+        "__attribute__((constructor)) static void f(void) { RAW(SYS_exit_group, 0); } int main(void) { unused; OSWait(20); return 0; }",
+        &["exit_group", "without a word"],
+    ),
+    (
+        "libraries",
+        "own dl_iterate_phdr and __tls_get_addr",
+        C,
+        "void *__tls_get_addr(void *p) { (void)p; abort(); } int dl_iterate_phdr(void *f, void *d) { (void)f, (void)d; abort(); } int main(void) { unused; OSWait(20); return 0; }",
+        &[],
+    ),
+    (
+        "libraries",
+        "LD_PRELOAD in the environment, then system",
+        C,
+        "int main(void) { unused; OSWait(20); setenv(\"LD_PRELOAD\", \"/nothing/there.so\", 1); setenv(\"LD_DEBUG\", \"all\", 1); if (system(\"true\") != 0) exit(9); return 0; }",
+        &[],
+    ),
+    (
+        "C++",
+        "destructor of a thread_local that loops",
+        Cpp,
+        "struct A { int n = 1; ~A() { for (;;) ; } }; thread_local A a; int main() { OSWait(5); return a.n - 1; }",
+        &[],
+    ),
+    (
+        "C++",
+        "destructor of a thread_local in a task that loops",
+        Cpp,
+        "struct A { int n = 1; ~A() { for (;;) ; } }; thread_local A a; int main() { OSWait(5); std::thread t([] { a.n = 2; OSWait(1); }); t.join(); return 0; }",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "C++",
+        "exception through qsort",
+        Cpp,
+        "static int f(const void *, const void *) { throw std::runtime_error(\"sorted\"); } int main() { int l[2] = {2, 1}; OSWait(5); try { qsort(l, 2, sizeof *l, f); } catch (...) { OSWait(1); throw; } return 0; }",
+        &["sorted"],
+    ),
+    (
+        "C++",
+        "exception in a destructor of a thread_local",
+        Cpp,
+        "struct A { int n = 1; ~A() noexcept(false) { throw 3; } }; thread_local A a; int main() { OSWait(5); return a.n - 1; }",
+        &[],
+    ),
+    (
+        "C++",
+        "a hundred thousand exceptions",
+        Cpp,
+        "int main() { for (int i = 0; i < 100000; i++) try { throw std::string(100, 'x'); } catch (...) { } return 0; }",
+        &[],
+    ),
+    (
+        "C++",
+        "exception of an exception",
+        Cpp,
+        "struct A { A() {} A(const A &) { throw 1; } }; int main() { OSWait(5); A a; throw a; }",
+        &["uncaught", "terminate"],
+    ),
+    (
+        "C++",
+        "threads without end",
+        Cpp,
+        "int main() { OSWait(5); std::vector<std::thread> v; for (;;) v.emplace_back([] { OSWait(1000); }); }",
+        &[],
+    ),
+    (
+        "Python",
+        "trace function that loops",
+        Python,
+        "import sys\ndef f(*a):\n    while True:\n        pass\nsys.settrace(f)\ndef g():\n    pass\ng()",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "Python",
+        "profile function that raises",
+        Python,
+        "import sys\ndef f(*a):\n    raise ValueError('profiled')\nsys.setprofile(f)\nOSWait(10)",
+        &["profiled"],
+    ),
+    (
+        "Python",
+        "collector that raises",
+        Python,
+        "import gc\ndef f(*a):\n    raise ValueError('collected')\ngc.callbacks.append(f)\ngc.collect()\nOSWait(10)",
+        &[],
+    ),
+    (
+        "Python",
+        "atexit that loops",
+        Python,
+        "import atexit\ndef f():\n    while True:\n        pass\natexit.register(f)\nOSWait(10)",
+        &[],
+    ),
+    ("Python", "atexit that calls", Python, "import atexit\natexit.register(lambda: OSWait(100000))\nOSWait(10)", &[]),
+    (
+        "Python",
+        "faulthandler that exits with 0",
+        Python,
+        "import faulthandler\nfaulthandler.dump_traceback_later(0.05, exit=True, file=open('dump', 'w'))\nwhile True:\n    pass",
+        &["exit code 1", "no RoBIOS call"],
+    ),
+    (
+        "Python",
+        "timer of the kernel that raises",
+        Python,
+        "import signal\ndef f(*a):\n    raise ValueError('alarmed')\nsignal.signal(signal.SIGALRM, f)\nsignal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)\nfor i in range(10**9):\n    pass",
+        &["alarmed"],
+    ),
+    ("Python", "one line of 50 MB", Python, "print('x' * 50_000_000)\nOSWait(10)", &[]),
+    (
+        "Python",
+        "finaliser that loops",
+        Python,
+        "class A:\n    def __del__(self):\n        while True:\n            pass\na = A()\ndel a",
+        &["no RoBIOS call returned in time"],
+    ),
+    (
+        "Python",
+        "finaliser at the end that raises",
+        Python,
+        "class A:\n    def __del__(self):\n        raise ValueError('late')\na = A()\nOSWait(10)",
+        &[],
+    ),
+    (
+        "Python",
+        "thread that outlives main",
+        Python,
+        "import threading, time\nthreading.Thread(target=lambda: time.sleep(1000)).start()\nOSWait(10)",
+        &[],
+    ),
+    (
+        "Python",
+        "daemon thread that calls for ever",
+        Python,
+        "import threading\ndef f():\n    while True:\n        OSWait(1)\nthreading.Thread(target=f, daemon=True).start()\nOSWait(10)",
+        &[],
+    ),
+    (
+        "Python",
+        "exit in a thread",
+        Python,
+        "import os, threading\nthreading.Thread(target=lambda: os._exit(0)).start()\nwhile True:\n    OSWait(1)",
+        &["without a word"],
+    ),
+    ("Python", "null pointer written", Python, "import ctypes\nctypes.memset(0, 1, 1)", &["signal 11"]),
+    (
+        "Python",
+        "interpreter's own object destroyed",
+        Python,
+        "import ctypes\nctypes.memset(id(None), 65, 16)\nOSWait(10)\nx = [None] * 3",
+        &[],
+    ),
+    ("Python", "modules cleared", Python, "import sys\nsys.modules.clear()\nOSWait(10)", &[]),
+    (
+        "Python",
+        "library of calls overwritten",
+        Python,
+        "import eye\nfor n in list(vars(eye)):\n    if not n.startswith('__'):\n        setattr(eye, n, None)\nOSWait(10)",
+        &[],
+    ),
+    (
+        "Python",
+        "memory by little",
+        Python,
+        "a = {}\nwhile True:\n    a[len(a)] = [object() for _ in range(100)]",
+        &["MemoryError", "signal 9", "no RoBIOS call returned"],
+    ),
+    (
+        "Python",
+        "big number",
+        Python,
+        "n = 10\nwhile True:\n    n = n ** 10",
+        &["no RoBIOS call returned in time", "MemoryError"],
+    ),
+    (
+        "Python",
+        "SIGSTOP to the parent",
+        Python,
+        "import os, signal\nos.kill(os.getppid(), signal.SIGSTOP)\nOSWait(10)",
+        &["PermissionError", "not permitted"],
+    ),
+    (
+        "Python",
+        "standard streams closed",
+        Python,
+        "import sys, os\nsys.stdout.close()\nsys.stderr.close()\nos.close(1)\nos.close(2)\nOSWait(10)\nraise ValueError('unheard')",
+        &["unheard", "exit code"],
+    ),
+    (
+        "Python",
+        "exception whose text raises",
+        Python,
+        "class E(Exception):\n    def __str__(self):\n        raise ValueError('again')\nraise E()",
+        &["E"],
+    ),
+    (
+        "Python",
+        "exception whose text loops",
+        Python,
+        "class E(Exception):\n    def __str__(self):\n        while True:\n            pass\nraise E()",
+        &["no RoBIOS call returned in time", "exit code"],
+    ),
+    (
+        "Python",
+        "generator that swallows its end",
+        Python,
+        "def g():\n    while True:\n        try:\n            yield OSWait(1)\n        except BaseException:\n            pass\nfor _ in g():\n    pass",
+        &[],
+    ),
+    ("Rust", "panic in a destructor", Rust, "bomb", &["again", "panicked"]),
+    ("Rust", "panic in a thread", Rust, "thread", &[]),
+    ("Rust", "thread that outlives main", Rust, "outlive", &[]),
+    ("Rust", "thread-local whose destructor loops", Rust, "local", &[]),
+    ("Rust", "thread-local whose destructor panics", Rust, "local-panic", &[]),
+    ("Rust", "panic hook that loops", Rust, "hook", &["no RoBIOS call returned in time"]),
+    ("Rust", "panic hook that panics", Rust, "hook-panic", &["abort", "panicked"]),
+    ("Rust", "payload that panics when dropped", Rust, "payload", &["panicked", "again", "abort"]),
+    ("Rust", "exit_group(0) in assembly", Rust, "raw", &["exit_group", "without a word"]),
+    ("Rust", "memory leaked for ever", Rust, "leak", &["abort", "panicked", "signal", "no RoBIOS call returned"]),
+    ("Rust", "mutex locked twice", Rust, "mutex", &["no RoBIOS call returned in time", "panicked"]),
+    ("Rust", "channel that nobody sends to", Rust, "receive", &["no RoBIOS call returned in time"]),
+    ("Rust", "prints for ever", Rust, "print", &[]),
+    ("Rust", "destructor that loops while panicking", Rust, "drop-loop", &["no RoBIOS call returned in time"]),
+    ("Rust", "constructor that loops", Rust, "constructor loop", &["no RoBIOS call returned in time"]),
+    ("Rust", "constructor that faults", Rust, "constructor null", &["segmentation fault at address 0x4"]),
+    ("Rust", "constructor that panics", Rust, "constructor panic", &["abort"]),
+    ("Rust", "constructor that exits with 0", Rust, "constructor exit", &["called `exit`", "without a word"]),
+    ("Rust", "constructor with exit_group(0) in assembly", Rust, "constructor raw", &["exit_group", "without a word"]),
+    ("Rust", "constructor in order", Rust, "constructor in order", &[]),
 ];
 
 /// Text in front of each program in C.
@@ -751,6 +1202,7 @@ const HEAD: &str = r#"#define _GNU_SOURCE
 #include <fenv.h>
 #include <pthread.h>
 #include <semaphore.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdint.h>
@@ -758,10 +1210,13 @@ const HEAD: &str = r#"#define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <ucontext.h>
 #include <unistd.h>
 #include "eyebot.h"
@@ -787,6 +1242,15 @@ static void *crossed(void *p) { pthread_mutex_lock(&two); OSWait(20); pthread_mu
 static void *jump_task(void *p) { longjmp(place, 1); return p; }
 static void *faults(void *p) { *(volatile int *)0 = 1; return p; }
 static void *spins(void *p) { for (;;) sink = 1; return p; }
+static volatile long victim;
+#define RAW(number, code) __asm__ volatile("syscall" : : "a"((long)(number)), "D"((long)(code)) : "rcx", "r11", "memory")
+#define CHANNELS(HARM) { int i; for (i = 3; i < 64; i++) { volatile unsigned *p = mmap(0, 4096, 3, MAP_SHARED, i, 0); \
+    if (p != MAP_FAILED && p[0] == 0x53455945) HARM } }
+static void *storm(void *p) { for (;;) syscall(SYS_tgkill, getpid(), victim, SIGURG); return p; }
+static void *leaves(void *p) { RAW(SYS_exit_group, 0); return p; }
+static int shares(void *p) { (void)p; for (;;) syscall(SYS_pause); }
+static void anew(void) { atexit(anew); }
+static void leave_raw(void) { _exit(0); }
 static void *calls(void *p) { int i; for (i = 0; i < 1000; i++) { OSWait(1); LCDPrintf("x"); } return p; }
 static void foreign(void *(*f)(void *)) {
     pthread_t t;
@@ -795,7 +1259,7 @@ static void foreign(void *(*f)(void *)) {
 }
 #define unused (void)one, (void)two, (void)deep, (void)smash, (void)overrun, (void)keep, (void)nothing, (void)jumps, (void)quiet, (void)waits, \
     (void)again, (void)jump_out, (void)on_own_stack, (void)idle, (void)spin, (void)crossed, (void)jump_task, (void)faults, \
-    (void)spins, (void)calls, (void)foreign, (void)sinkd, (void)zero, (void)sinkp, (void)place
+    (void)spins, (void)calls, (void)victim, (void)storm, (void)leaves, (void)shares, (void)anew, (void)leave_raw, (void)foreign, (void)sinkd, (void)zero, (void)sinkp, (void)place
 "#;
 
 /// Text in front of each program in RoBIOS-7 C and in C++.
@@ -845,11 +1309,37 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
+/// Variable whose value, `constructor NAME`, chooses what the constructor of the package in Rust does.
+pub const CONSTRUCTOR: &str = "HOSTILE_CONSTRUCTOR";
+
 /// The package with the cases in Rust: its first argument is the case.
 pub const RUST: &str = r#"use robios_api::prelude::*;
 robios_api::program!(main);
 struct Bomb;
 impl Drop for Bomb { fn drop(&mut self) { panic!("again"); } }
+#[used]
+#[unsafe(link_section = ".init_array")]
+static START: extern "C" fn() = start;
+extern "C" fn start() {
+    match std::env::var("HOSTILE_CONSTRUCTOR").unwrap_or_default().as_str() {
+        "constructor loop" => loop { std::hint::black_box(1); },
+        "constructor null" => unsafe { std::ptr::null_mut::<u32>().wrapping_add(1).write_volatile(1) },
+        "constructor panic" => panic!("built"),
+        "constructor exit" => std::process::exit(0),
+        "constructor raw" => unsafe { std::arch::asm!("syscall", in("rax") 231, in("rdi") 0, out("rcx") _, out("r11") _) },
+        _ => {}
+    }
+}
+struct Spin;
+impl Drop for Spin { fn drop(&mut self) { loop { std::hint::black_box(1); } } }
+struct Looping(std::cell::Cell<u8>);
+impl Drop for Looping { fn drop(&mut self) { loop { std::hint::black_box(1); } } }
+struct Panicking(std::cell::Cell<u8>);
+impl Drop for Panicking { fn drop(&mut self) { panic!("again"); } }
+thread_local! {
+    static LOOPS: Looping = const { Looping(std::cell::Cell::new(0)) };
+    static PANICS: Panicking = const { Panicking(std::cell::Cell::new(0)) };
+}
 #[inline(never)]
 fn deep(n: u64) -> u64 { let pad = std::hint::black_box([n; 512]); deep(n + 1) + pad[3] }
 fn main(robot: &Robot) -> Result {
@@ -868,6 +1358,20 @@ fn main(robot: &Robot) -> Result {
         "caught" => loop {
             let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| robot.sleep(Duration::from_millis(10))));
         },
+        "bomb" => { let _bomb = Bomb; }
+        "thread" => { let _ = std::thread::spawn(|| panic!("spun")).join(); }
+        "outlive" => { std::thread::spawn(|| loop { std::thread::sleep(Duration::from_millis(1)); }); }
+        "local" => { LOOPS.with(|one| one.0.set(1)); }
+        "local-panic" => { PANICS.with(|one| one.0.set(1)); }
+        "hook" => { std::panic::set_hook(Box::new(|_| loop { std::hint::black_box(1); })); panic!("hooked"); }
+        "hook-panic" => { std::panic::set_hook(Box::new(|_| panic!("again"))); panic!("hooked"); }
+        "payload" => std::panic::panic_any(Bomb),
+        "raw" => unsafe { std::arch::asm!("syscall", in("rax") 231, in("rdi") 0, out("rcx") _, out("r11") _) },
+        "leak" => loop { std::mem::forget(vec![1_u8; 1 << 20]); },
+        "mutex" => { let one = std::sync::Mutex::new(1); let _first = one.lock(); let _second = one.lock(); }
+        "receive" => { let (sender, receiver) = std::sync::mpsc::channel::<u8>(); let _ = receiver.recv(); drop(sender); }
+        "print" => loop { println!("flood"); },
+        "drop-loop" => { let _spin = Spin; panic!("first"); }
         "command" => { let _ = std::process::Command::new("true").status(); }
         _ => {}
     }

@@ -103,6 +103,7 @@ fn run(case: &Case, exec: &str) -> Told {
     let start = Instant::now();
     let mut command = Command::new("sh");
     command.args(["-c", &shell, "sh"]).arg(eyesim_path()).args(&args).current_dir(scratch.path()).stdin(Stdio::null());
+    command.env(cases::CONSTRUCTOR, if package.is_some() { &case.source } else { "" });
     let output = command.output().expect("a shell");
     let seconds = start.elapsed().as_secs();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -130,7 +131,15 @@ fn in_words(report: &str, stderr: &str, scratch: &Scratch) -> String {
         None => stderr.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().to_owned(),
     };
     let words = words.replace(&format!("{}/", scratch.path().display()), "");
+    let words = without_kits(&words);
     without_chance(words.trim_end_matches([':', ' ']))
+}
+
+/// `words` without the folders of the shim's sources, which differ from machine to machine.
+fn without_kits(words: &str) -> String {
+    let is_kit = |word: &str| word.contains("/eyesim/kits/");
+    let short = |word: &str| word.rsplit('/').next().unwrap_or_default().to_owned();
+    words.split(' ').map(|word| if is_kit(word) { short(word) } else { word.to_owned() }).collect::<Vec<_>>().join(" ")
 }
 
 /// `words` with `...` for what differs from run to run: addresses above the program's first pages, and names of temporary files.

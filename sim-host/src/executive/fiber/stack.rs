@@ -6,17 +6,17 @@ use std::sync::OnceLock;
 
 use crate::program::share::page_size;
 
-/// A stack: memory that is used as it is touched, above a guard page.
+/// A stack: memory that is used as it is touched, between two guard pages.
 pub struct Stack {
-    /// Lowest address of the mapping, where the guard page is.
+    /// Lowest address of the mapping, where the lower guard page is.
     start: usize,
     /// Address above the usable bytes, a multiple of 16.
     top: usize,
-    /// The guard page has not split the mapping.
+    /// The guard pages have not split the mapping.
     is_joined: bool,
 }
 
-/// Size of a stack's mapping in bytes, guard page included.
+/// Size of a stack's mapping in bytes, guard pages included.
 const SIZE: usize = super::super::thread::STACK;
 
 /// Places of stack tops within their last page: neighbours differ, so that their frames do not compete for the same sets of the
@@ -26,10 +26,10 @@ const COLOURS: usize = 16;
 /// Bytes between two of these places.
 const COLOUR_STEP: usize = 128;
 
-/// Memory mappings for each stack: none where the kernel joins equal neighbours, two where each guard page needs one of its own.
+/// Memory mappings for each stack: none where the kernel joins equal neighbours, four where each guard page needs one of its own.
 pub fn mappings_per_stack() -> usize {
     static COUNT: OnceLock<usize> = OnceLock::new();
-    *COUNT.get_or_init(|| Stack::new(0).map_or(2, |stack| if stack.is_joined { 0 } else { 2 }))
+    *COUNT.get_or_init(|| Stack::new(0).map_or(4, |stack| if stack.is_joined { 0 } else { 4 }))
 }
 
 /// Lets accesses to pages fault without splitting their mapping (Linux 6.13).
@@ -57,15 +57,19 @@ impl Stack {
             }
             // Where the kernel has no huge pages there is nothing to refuse.
             libc::madvise(start, SIZE, libc::MADV_NOHUGEPAGE);
-            let is_joined = libc::madvise(start, page, MADV_GUARD_INSTALL) == 0;
-            if !is_joined && libc::mprotect(start, page, libc::PROT_NONE) != 0 {
-                let error = io::Error::last_os_error();
-                libc::munmap(start, SIZE);
-                return Err(error);
+            let mut is_joined = true;
+            for guard in [start, start.byte_add(SIZE - page)] {
+                let is_advised = libc::madvise(guard, page, MADV_GUARD_INSTALL) == 0;
+                is_joined &= is_advised;
+                if !is_advised && libc::mprotect(guard, page, libc::PROT_NONE) != 0 {
+                    let error = io::Error::last_os_error();
+                    libc::munmap(start, SIZE);
+                    return Err(error);
+                }
             }
             (start.expose_provenance(), is_joined)
         };
-        Ok(Self { start, top: start + SIZE - number % COLOURS * COLOUR_STEP, is_joined })
+        Ok(Self { start, top: start + SIZE - page - number % COLOURS * COLOUR_STEP, is_joined })
     }
 
     /// Lowest usable address, and the address above the usable bytes.
@@ -94,7 +98,7 @@ mod tests {
         assert_eq!(places.len(), COLOURS);
         for stack in &stacks {
             let [low, top] = stack.bounds();
-            assert!(top % 16 == 0 && top - low > SIZE - 2 * page_size(), "{low:#x} to {top:#x}");
+            assert!(top % 16 == 0 && top - low > SIZE - 3 * page_size(), "{low:#x} to {top:#x}");
             // SAFETY: both ends of the stack, which nobody uses.
             unsafe {
                 ptr::with_exposed_provenance_mut::<u8>(low).write_volatile(1);

@@ -155,6 +155,14 @@ impl Channels {
             }
             File::from_raw_fd(fd)
         };
+        Self::of_file(file)
+    }
+
+    /// The channels in `file`, which another process has created.
+    ///
+    /// # Errors
+    /// The file has another length than channels have.
+    pub fn of_file(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
         if length < CHANNEL as u64 || length % CHANNEL as u64 != 0 {
             return Err(io::Error::other("the standard input is not a channel of eyesim"));
@@ -257,10 +265,15 @@ impl Channel {
         }
         header.kind.store(kind, Ordering::Relaxed);
         header.length.store(length as u32, Ordering::Relaxed);
-        let next = if kind < kind::RUN { Turn::Host } else { Turn::Child };
-        header.turn.store(next as u32, Ordering::Release);
-        wake(&header.turn);
+        self.give_turn(if kind < kind::RUN { Turn::Host } else { Turn::Child });
         true
+    }
+
+    /// Gives the turn to `next`, which finds the message that is in the channel now. Async-signal-safe.
+    pub fn give_turn(&self, next: Turn) {
+        let turn = &self.header().turn;
+        turn.store(next as u32, Ordering::Release);
+        wake(turn);
     }
 
     /// Copies the message out; the caller must have the turn. `None` if its length is impossible.

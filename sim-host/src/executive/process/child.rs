@@ -6,8 +6,8 @@ use std::io;
 use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
-use std::sync::{OnceLock, mpsc};
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
@@ -16,9 +16,11 @@ use robios_sys::wire::Reader;
 use super::channel::{Channel, Channels, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
+use crate::executive::confine::protect_host;
 use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
+use crate::program::command;
 
 /// Prefix of the name of a robot's process in lists of processes.
 pub const CHILD_NAME: &str = "eyesim: ";
@@ -86,34 +88,6 @@ struct Tasks {
     idle: Vec<Channel>,
 }
 
-/// Request to start a process.
-struct SpawnRequest {
-    command: Command,
-    answer: mpsc::SyncSender<io::Result<std::process::Child>>,
-}
-
-/// Starts a process on a thread that lives as long as this process, since the kernel kills a child when the thread that started it ends.
-fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> {
-    static REQUESTS: Mutex<Option<mpsc::Sender<SpawnRequest>>> = Mutex::new(None);
-    let mut requests = REQUESTS.lock();
-    if requests.is_none() {
-        let (sender, incoming) = mpsc::channel::<SpawnRequest>();
-        let serve = move || {
-            for SpawnRequest { mut command, answer } in incoming {
-                // The requester waits for this one message.
-                let _ = answer.send(command.spawn());
-            }
-        };
-        std::thread::Builder::new().name("spawner".to_owned()).spawn(serve)?;
-        *requests = Some(sender);
-    }
-    let (answer, answered) = mpsc::sync_channel(1);
-    let sent = requests.as_ref().is_some_and(|requests| requests.send(SpawnRequest { command, answer }).is_ok());
-    drop(requests);
-    let started = if sent { answered.recv().ok() } else { None };
-    started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
-}
-
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
     ///
@@ -123,6 +97,22 @@ impl Child {
         let channels = Channels::new()?;
         command.stdin(Stdio::from(channels.file()?)).stdout(Stdio::from(io::stderr())).process_group(0);
         Self::spawn(command, channels, false)
+    }
+
+    /// As [`Child::start`], for a command that is not this binary and cannot [protect the host](protect_host) itself.
+    ///
+    /// # Errors
+    /// As [`Child::start`].
+    pub fn start_foreign(mut command: Command) -> io::Result<Self> {
+        let host = std::process::id().cast_signed();
+        // SAFETY: the function is async-signal-safe.
+        unsafe {
+            command.pre_exec(move || {
+                protect_host(host);
+                Ok(())
+            })
+        };
+        Self::start(command)
     }
 
     /// Starts the program in `library` under a debugger, which gets the terminal.
@@ -137,7 +127,7 @@ impl Child {
 
     fn spawn(command: Command, channels: Channels, is_debugged: bool) -> io::Result<Self> {
         let first = channels.map(0)?;
-        let handle = spawn_on_lasting_thread(command)?;
+        let handle = command::spawn(command)?;
         Ok(Self {
             is_debugged,
             pid: handle.id() as i32,
@@ -203,9 +193,8 @@ impl Child {
         // A debugger has no limit, and an interpreter says when it imports modules, which may take long.
         while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
         {
-            let (is_importing, spent) = self.imports();
-            let sample = FlowSample::at_loading(self.pid).filter(|_| !is_importing);
-            if sample.is_some_and(|sample| timer.is_overdue(&sample.without(spent), LOAD_TIMEOUT)) {
+            let sample = FlowSample::at_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
+            if sample.is_some_and(|sample| timer.is_overdue(&sample, LOAD_TIMEOUT)) {
                 return Err(self.lose(self.broken(&format!(
                     "its library was not loaded within {LOAD_TIMEOUT} s: a function that runs while it is being loaded does not return"
                 ))));

@@ -12,7 +12,9 @@ use robios_sys::wire::{HostConnection, Malformed, Plain as _, Reader, put_bytes}
 use robios_sys::{CallSite, Callback, Host, Program, Robios6Table, Robios7Table, Status, Stop, SupportTable};
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
+use crate::executive::confine::protect_host;
 use crate::executive::fault::SEARCH;
+use crate::executive::guard::below_guard;
 use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
@@ -53,6 +55,7 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     }
     if !is_debugged {
         die_with(first.host())?;
+        protect_host(first.host().cast_signed());
     }
     signal::install_in_child()?;
     let library = library.to_owned();
@@ -127,7 +130,10 @@ impl ProgramLine {
         store_span(library.base);
         let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&run_message) {
-            Ok(arguments) => run_main(library.description(), &arguments),
+            Ok(arguments) => below_guard(|| {
+                library.construct();
+                run_main(library.description(), &arguments)
+            }),
             // Stopped before `main` began.
             Err(Malformed) => robios_sys::EXIT_STOPPED,
         };
@@ -143,7 +149,7 @@ impl ProgramLine {
         self.converse_with(kind::READY, &[0; 8], |body| {
             let run = move || {
                 self.adopt_thread(block);
-                call_back(&body)
+                below_guard(|| call_back(&body))
             };
             let task = thread::Builder::new().name("task".to_owned()).stack_size(STACK).spawn(run);
             task.map_or(None, |task| task.join().ok()).unwrap_or_else(|| self.break_off("no room for another task"))
@@ -330,14 +336,12 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     };
     let [low, high] = block.stack_bounds();
     let sp = fault.sp.next_multiple_of(align_of::<usize>());
-    let words: &[u8] = if (low..high).contains(&sp) {
-        let length = ((high - sp) / size_of::<usize>()).min(SEARCH) * size_of::<usize>();
-        // SAFETY: [sp, sp + length) lies within the mapped stack of this thread, on which no code runs any more: this handler runs
-        // on another stack.
-        unsafe { std::slice::from_raw_parts(ptr::with_exposed_provenance(sp), length) }
-    } else {
-        &[]
-    };
+    let mut words = [0_usize; SEARCH];
+    let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(SEARCH) } else { 0 };
+    // The program may have unmapped its stack, or a part of it.
+    let count = signal::copy_own_memory(sp, &mut words[..count]);
+    // SAFETY: the bytes of the words.
+    let words = unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), count * size_of::<usize>()) };
     line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + fault.signal) }

@@ -1,0 +1,116 @@
+//! The channel between the host and a robot's process, written by a process that obeys no protocol.
+
+use std::fs::File;
+use std::os::unix::fs::FileExt as _;
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
+use std::time::Duration;
+
+use robios_sys::{CallContext, Robios6, Robios7, Support};
+use sim_host::executive::process::Child;
+use sim_host::executive::process::channel::{Channels, Turn, kind};
+use sim_host::executive::process::serve::{LoadRefusal, RemoteProgram};
+use sim_host::program::find::ProgramSource;
+use sim_host::program::image::ProgramImage;
+use sim_host::program::prepare::{Code, Prepared};
+
+/// Offset in a channel of the words behind the turn, with which a record begins, and their size in bytes.
+const WORDS: u64 = 12;
+const WORDS_SIZE: usize = 28;
+
+/// Offset of the message's body.
+const BODY: u64 = 64;
+
+/// A robot that answers each call with its documented failure.
+struct Robot;
+
+impl CallContext for Robot {}
+impl Support for Robot {}
+impl Robios6 for Robot {}
+impl Robios7 for Robot {}
+
+/// A host serves the program of a process whose messages are the records of `input`: each is a length in two bytes, then as many bytes,
+/// the words of the channel's header behind the turn and the body of the message. A length of 0 in the header stands for the body's.
+///
+/// The host must answer each message or give the process up, with a reason.
+pub fn turn(input: &[u8]) {
+    // The process does nothing by itself: this process writes its channel.
+    let mut command = Command::new("sleep");
+    command.arg("1000");
+    let child = Child::start(command).expect("the system has room for a process");
+    let path = format!("/proc/{}/fd/0", child.pid());
+    let file = File::options().read(true).write(true).open(path).expect("the channel of a process that lives");
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| write_records(&file, input, &is_over));
+        match RemoteProgram::new(child, Arc::clone(&PROGRAM), &["argument".to_owned()]) {
+            Ok(program) => serve(&program),
+            Err(LoadRefusal::Broken(why)) => assert!(!why.is_empty(), "given up without a reason"),
+            Err(LoadRefusal::Linker(_) | LoadRefusal::Incompatible(_)) => {}
+        }
+        is_over.store(true, Ordering::Release);
+    });
+}
+
+/// Runs the program to its end and looks at all that is known of it then.
+fn serve(program: &RemoteProgram) {
+    if let Err(broken) = program.run(&Robot) {
+        assert!(!broken.what.is_empty(), "given up without a reason");
+        let line = program.own_source_line(&broken.addresses);
+        assert!(line.is_none_or(|line| !line.file.as_os_str().is_empty()), "a line of no file");
+    }
+    let place = program.place_of(&program.call_site());
+    assert!(place.is_none_or(|place| !place.is_empty()), "a place without words");
+}
+
+/// Writes a record each time the process has the turn, and at last the end of `main`.
+fn write_records(file: &File, input: &[u8], is_over: &AtomicBool) {
+    let channels = file.try_clone().and_then(Channels::of_file).expect("the file of channels");
+    let channel = channels.map(0).expect("room for a mapping");
+    let mut rest = input;
+    loop {
+        while !channel.wait_for(Turn::Child, Some(Duration::from_millis(5))) {
+            if is_over.load(Ordering::Acquire) {
+                return;
+            }
+        }
+        let Some((record, others)) = record(rest) else {
+            channel.send(kind::EXITED, &[&0_i32.to_le_bytes()]);
+            return;
+        };
+        rest = others;
+        let (words, body) = record.split_at(record.len().min(WORDS_SIZE));
+        let mut words = words.to_vec();
+        if let Some(length) = words.get_mut(4..8).filter(|length| length.iter().all(|byte| *byte == 0)) {
+            length.copy_from_slice(&(body.len() as u32).to_le_bytes());
+        }
+        file.write_all_at(&words, WORDS).and_then(|()| file.write_all_at(body, BODY)).expect("the channel has room");
+        channel.give_turn(Turn::Host);
+    }
+}
+
+/// The next record of an input, and the rest.
+fn record(input: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = input.split_first_chunk::<2>()?;
+    Some(rest.split_at(rest.len().min(u16::from_le_bytes(*length).into())))
+}
+
+/// The program of the process: any library, for the places in it.
+static PROGRAM: LazyLock<Arc<Prepared>> = LazyLock::new(|| {
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("the kernel lists the mappings");
+    let library = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
+    let library = library.into_iter().find(|path| path.contains("/libc.so")).expect("the C library is mapped");
+    let image = ProgramImage::read(Path::new(&library), None).unwrap_or_else(|error| panic!("{error}"));
+    Arc::new(Prepared {
+        name: "program".to_owned(),
+        source: ProgramSource::Library(library.into()),
+        code: Code::Library(Arc::new(image)),
+        output: String::new(),
+        compiled: false,
+        choice: None,
+        warnings: Vec::new(),
+        danger: None,
+    })
+});

@@ -1,0 +1,61 @@
+//! Guard page above a program's frames on its thread's stack.
+//!
+//! The C library keeps a thread's own variables above its stack, the host's among them. A program that writes beyond the top of its
+//! frames, as by an array overrun, faults at the guard page before it reaches them, and the fault is reported like any other.
+
+use std::mem::MaybeUninit;
+
+use super::signal;
+
+/// Size of a page on most machines; on others the kernel refuses the guard.
+const PAGE: usize = 4096;
+
+/// Runs `body`, in which the program of this thread runs, below a guard page on this thread's stack. Without a guard if the kernel has
+/// no room for more mappings.
+#[inline(never)]
+pub fn below_guard<R>(body: impl FnOnce() -> R) -> R {
+    let mut room = MaybeUninit::<[u8; 2 * PAGE]>::uninit();
+    let page = room.as_mut_ptr().map_addr(|address| address.next_multiple_of(PAGE));
+    // SAFETY: the page lies within `room`, which nothing else uses.
+    let is_guarded = unsafe { libc::mprotect(page.cast(), PAGE, libc::PROT_NONE) } == 0;
+    let _guard = is_guarded.then(|| Guard { page: page.cast(), outer: signal::set_stack_top(page.addr()) });
+    run(body)
+}
+
+/// Runs `body` in frames below the caller's.
+#[inline(never)]
+fn run<R>(body: impl FnOnce() -> R) -> R {
+    body()
+}
+
+/// The page; accessible again when dropped.
+struct Guard {
+    page: *mut libc::c_void,
+    outer: usize,
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        signal::set_stack_top(self.outer);
+        // SAFETY: the page of `below_guard`, whose frame still exists.
+        unsafe { libc::mprotect(self.page, PAGE, libc::PROT_READ | libc::PROT_WRITE) };
+    }
+}
+
+/// Returns true if `address` lies in the guard page above a stack that ends at `high`.
+pub fn is_in_guard(address: usize, high: usize) -> bool {
+    (high..high.saturating_add(PAGE)).contains(&address)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_guard_is_taken_away_again() {
+        assert_eq!(below_guard(|| below_guard(|| 7)), 7);
+        let big = std::hint::black_box([1_u8; 4 * PAGE]);
+        assert!(big.iter().all(|byte| *byte == 1));
+        assert!(is_in_guard(PAGE, PAGE) && !is_in_guard(2 * PAGE, PAGE) && !is_in_guard(0, PAGE));
+    }
+}
