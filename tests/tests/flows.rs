@@ -9,7 +9,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use tests::Scratch;
 
 /// Scenes in a run of the tests without `EYESIM_SCENES`.
-const FEW: u64 = 4;
+const FEW: u64 = 2;
 
 /// A source of random choices, fixed by the number of the scene.
 struct Choices {
@@ -89,7 +89,7 @@ fn write_scene(number: u64, scratch: &Scratch) {
     let mut choices = Choices::of(number);
     let noise = ["", "noise = \"mild\"\n", "noise = \"real\"\n"][choices.below(3) as usize];
     let mut text = format!(
-        "[scene]\nseed = {number}\nuntil_s = 8\n{noise}slot_ms = {}\n\n[world]\nfloor_mm = [3000, 3000]\nwall = [\n",
+        "[scene]\nseed = {number}\nuntil_s = 4\n{noise}slot_ms = {}\n\n[world]\nfloor_mm = [3000, 3000]\nwall = [\n",
         choices.between(1, 4) * 25
     );
     for [x1, y1, x2, y2] in [[0, 0, 3000, 0], [3000, 0, 3000, 3000], [3000, 3000, 0, 3000], [0, 3000, 0, 0]] {
