@@ -1,7 +1,10 @@
 //! Wheels that follow their command with a lag, and the controllers that drive them: two PI controllers for the speed and
 //! the turning speed, or a PID controller a wheel.
 
-use super::model::{Model, Wheels};
+use super::{
+    hull::Afloat,
+    model::{Model, Wheels},
+};
 use crate::{math, pose::Twist, time::TICK};
 
 /// Parameters of the two PI controllers: out = V (e + 1/T integral e), for the speed (v) and the turning speed (w).
@@ -72,6 +75,8 @@ pub(super) struct Actuation {
     pub sums: Wheels,
     /// For each wheel whose own controller runs its rate a tick before, rad/s.
     pub last: Wheels,
+    /// Of a hull under water, whose velocity stands in the place of the rates of wheels.
+    pub afloat: Afloat,
 }
 
 /// What the wheels are to follow.

@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::{
     command::{Orders, Pending},
     control::Actuation,
+    hull::Hull,
     model::{DriveKind, Model, ModelError, Wheels},
 };
 use crate::{
@@ -55,7 +56,7 @@ impl noise::MotionNoise {
             DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
             DriveKind::Ackermann => [Some(self.left), None, None, None],
             DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
-            DriveKind::Legged => [None; 4],
+            DriveKind::Legged | DriveKind::Thrusters => [None; 4],
         };
         let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
         let diameters = sides.map(|side| {
@@ -120,7 +121,7 @@ impl TwistNoise {
             vx: deviation(self.speed, self.speed_share, twist.vx) * ahead,
             vy: match kind {
                 DriveKind::Omni | DriveKind::Legged => deviation(self.speed, self.speed_share, twist.vy) * aside,
-                DriveKind::Differential | DriveKind::Ackermann => 0.0,
+                DriveKind::Differential | DriveKind::Ackermann | DriveKind::Thrusters => 0.0,
             },
             omega: deviation(self.turn, self.turn_share, twist.omega) * turn,
         }
@@ -162,6 +163,8 @@ pub(super) struct Vehicle {
     /// `None` for a perfect one.
     pub errors: Option<Box<Errors>>,
     pub contact: ContactRule,
+    /// Of a robot under water.
+    pub hull: Option<Hull>,
 }
 
 /// An imperfection with its random numbers.
@@ -186,7 +189,8 @@ impl Vehicle {
     /// What comes of wheels that turn at `during` and tell the twist `belief`, from `start` on.
     pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
         match &self.errors {
-            Some(errors) if during.rates != [0.0; 4] => errors.apply(&self.model, start, orders, during, belief),
+            // The errors are those of wheels and legs.
+            Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => errors.apply(&self.model, start, orders, during, belief),
             _ => Erring { truth: belief, odometry: belief, is_drawn: false },
         }
     }

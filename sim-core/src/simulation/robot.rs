@@ -50,7 +50,7 @@ pub struct Robot {
     seed: u64,
     /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// Recorded walk, of a robot with legs.
+    /// Recorded walk, of a robot with legs or in the water.
     pub walk: WalkRecord,
 }
 
@@ -235,10 +235,10 @@ impl Robot {
         }
     }
 
-    /// Records the footfalls of a legged robot in the slot, and its posture at the slot's end, if that has changed since the last
-    /// record.
+    /// Records the footfalls of a legged robot in the slot, and the posture of one with legs or in the water at the slot's end, if
+    /// that has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
-        if self.motion.legs().is_none() {
+        if !self.motion.has_height() {
             return;
         }
         for Footfall { time, leg, point } in self.motion.take_footfalls(slot_end) {
