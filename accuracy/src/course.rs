@@ -119,8 +119,8 @@ const LEAST_ASKED: Time = Time(100);
 
 /// True pose at the end of the course as the core drives it in slots of length `slot`, in a world without walls.
 ///
-/// A program gives the next drive when the one before has ended. On the way the pose is queried after each slot, for slots below
-/// 100 us after each 100 us.
+/// Each drive is commanded when the one before has ended. The pose is queried after each slot; if slots are shorter
+/// than 100 us, after every 100 us.
 ///
 /// # Panics
 /// If a drive of the course is not finite.
@@ -180,8 +180,8 @@ fn integrate(course: &Course, step: f64, gain: impl Fn(Twist, f64, f64) -> DVec2
     Pose { position, ..Pose::new(0.0, 0.0, heading) }
 }
 
-/// End pose by the robot's own odometry, which reads the encoders every `period` and takes each stretch for an arc: in whole ticks
-/// of `ticks_per_turn`, or exactly if that is `None`.
+/// End pose by the robot's own odometry, which reads the encoders every `period` and treats the motion in between as an
+/// arc. Encoders count whole ticks, `ticks_per_turn` for each turn of a wheel, or are exact if that is `None`.
 ///
 /// # Panics
 /// If a drive of the course is not finite.

@@ -8,9 +8,9 @@ use sim_core::scene::Segment;
 /// Nearest of `segments` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
 /// `None` when nothing lies within `range` metres.
 ///
-/// Each wall is extended by `longer` metres at both ends (shortened if negative). The result of an index that lets no ray slip
-/// through a corner, and differs from the truth only by rounding, lies between the results for a small positive and a small
-/// negative `longer`. A wall parallel to the ray is hit at its nearer end when both ends are within `longer` of the ray's line;
+/// Each wall is extended by `longer` metres at both ends (shortened if negative). If an index lets no ray slip through
+/// a corner and errs only by rounding, its result lies between the results for a small positive and a small negative
+/// `longer`. A wall parallel to the ray is hit at its nearer end when both ends are within `longer` of the ray's line;
 /// the same holds for a wall of zero length.
 ///
 /// Source: the ray and the wall's line as two linear equations, solved by Cramer's rule.
@@ -58,9 +58,9 @@ fn distance_to_parallel(a: DVec2, b: DVec2, direction: DVec2, longer: f64) -> Op
 /// Nearest of `triangles` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
 /// `None` when nothing lies within `range` metres.
 ///
-/// Each triangle is widened by `wider` metres at all edges (narrowed if negative): the results for a small positive and a small
-/// negative `wider` enclose that of an index which lets no ray slip through a shared edge. Triangles of zero area, and triangles
-/// whose plane is parallel to the ray, are not hit.
+/// Each triangle is widened by `wider` metres at all edges (narrowed if negative). If an index lets no ray slip through
+/// a shared edge, its result lies between the results for a small positive and a small negative `wider`. Triangles of
+/// zero area, and triangles whose plane is parallel to the ray, are not hit.
 ///
 /// Source: the ray and two edges as three linear equations, solved by Cramer's rule.
 pub fn nearest_triangle(

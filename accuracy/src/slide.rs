@@ -1,7 +1,9 @@
-//! A disc that is pushed along walls, by an integrator in small steps: what the core's closed forms are compared with.
+//! Reference for the sliding of a disc along walls: an integrator in small steps, with which the core's closed forms
+//! are compared.
 //!
-//! It knows nothing of the core's events. In each step it looks for the contact forces that keep the disc out of the walls and within
-//! their friction cones, by sweeps over the contacts (projected Gauss-Seidel); its error falls with the step.
+//! The integrator does not use the events of the core. In each step, sweeps over the contacts (projected Gauss-Seidel)
+//! find contact forces that keep the disc out of the walls and lie within their friction cones. The error falls with
+//! the length of the step.
 
 use glam::DVec2;
 use sim_core::contact::SKIN;
@@ -9,36 +11,38 @@ use sim_core::math;
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Segment;
 
-/// A disc under a constant push in its own frame.
+/// A disc that is driven with a constant twist in its own frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What it may touch.
+    /// Walls that the disc may touch.
     pub walls: Vec<Segment>,
-    /// Its radius, m.
+    /// Radius of the disc, m.
     pub radius: f64,
-    /// Coefficient of friction at its rim.
+    /// Coefficient of friction between the rim and the walls.
     pub friction: f64,
-    /// Centre and direction at the start.
+    /// Centre and heading at the start.
     pub start: Pose,
-    /// The twist of the centre without walls.
+    /// Twist of the disc while it touches no wall, in its own frame.
     pub twist: Twist,
 }
 
-/// Rounds of the search for the forces of one step at most.
+/// Greatest number of sweeps in the search for the forces of one step.
 const ROUNDS: usize = 400;
 
-/// A gap in m that is closed: above what a step around a corner opens, below what is worth a step of its own.
+/// Gap that counts as closed, m: larger than the gap that opens in a step around a corner, too small for a step of its
+/// own.
 const CLOSED: f64 = 1e-7;
 
 impl Case {
-    /// Where the centre is after `seconds`, in `steps` steps, of which one is cut in two where a wall is met.
+    /// Position of the centre after `seconds`, in `steps` equal steps; a step in which the disc reaches a wall is
+    /// divided there.
     pub fn by_steps(&self, seconds: f64, steps: u64) -> DVec2 {
         let step = seconds / steps as f64;
         let mut centre = self.start.position;
         let mut velocity = self.push(0.0);
         for index in 0..steps {
             let (mut from, end) = (index as f64 * step, (index + 1) as f64 * step);
-            // More walls than these are not met at once.
+            // The disc reaches no more than eight walls within one step.
             for _ in 0..8 {
                 let left = end - from;
                 velocity = self.settle(centre, self.push(from + 0.5 * left), velocity, left);
@@ -53,16 +57,16 @@ impl Case {
         centre
     }
 
-    /// Where the centre is after `seconds`: Richardson's extrapolation of `steps` and twice as many steps, and how far that is from
-    /// the latter.
+    /// Position of the centre after `seconds`, by Richardson extrapolation from `steps` steps and twice as many steps,
+    /// and its distance from the position by twice as many steps.
     pub fn extrapolated(&self, seconds: f64, steps: u64) -> (DVec2, f64) {
         let (coarse, fine) = (self.by_steps(seconds, steps), self.by_steps(seconds, 2 * steps));
-        // Of second order, but for the instants at which contacts end.
+        // The method is of second order except at the instants at which contacts end.
         let limit = fine + (fine - coarse) / 3.0;
         (limit, (limit - fine).length())
     }
 
-    /// The push after `seconds`, m/s in the world.
+    /// Velocity of the centre after `seconds` if no wall hinders the disc, world frame, m/s.
     pub fn push(&self, seconds: f64) -> DVec2 {
         let (sin, cos) = math::sin_cos(self.twist.omega * seconds);
         let heading = self.start.heading.direction().rotate(DVec2::new(cos, sin));
@@ -73,7 +77,7 @@ impl Case {
         (centre - wall.nearest_point(centre)).length() - self.radius - SKIN
     }
 
-    /// The part of `way` that leads into none of the walls whose gap is open.
+    /// Share of the displacement `way`, 0 to 1, after which the disc reaches the first of the walls whose gap is open.
     fn clear_part(&self, centre: DVec2, way: DVec2) -> f64 {
         let mut part = 1.0;
         for wall in &self.walls {
@@ -95,7 +99,8 @@ impl Case {
         part
     }
 
-    /// The velocity in a step from `centre` on: of slip over the floor in the direction of the forces at the contacts.
+    /// Velocity in a step from `centre` on: `push`, plus a slip over the floor in the direction of the forces at the
+    /// contacts.
     fn settle(&self, centre: DVec2, push: DVec2, before: DVec2, step: f64) -> DVec2 {
         struct Contact {
             normal: DVec2,

@@ -1,4 +1,5 @@
-//! Contacts of a disc with walls whose instants have a formula, and how the core and a simulator that steps find them.
+//! Contacts of a disc with walls at instants given by a formula, as found by the core and by a simulator that works in
+//! steps.
 
 use std::f64::consts::PI;
 
@@ -9,7 +10,7 @@ use sim_core::scene::Segment;
 use crate::oracle;
 use crate::world::Random;
 
-/// How a disc comes to its contact.
+/// Way in which a disc approaches its contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Approach {
     /// Straight, along the wall's normal.
@@ -23,10 +24,10 @@ pub enum Approach {
 }
 
 impl Approach {
-    /// All of them.
+    /// All approaches.
     pub const ALL: [Self; 4] = [Self::HeadOn, Self::Oblique, Self::Arc, Self::ArcToCorner];
 
-    /// Its name in a table.
+    /// Name of the approach in a table.
     pub fn name(self) -> &'static str {
         match self {
             Self::HeadOn => "head on",
@@ -40,23 +41,23 @@ impl Approach {
 /// A disc on its way to a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
-    /// What is met.
+    /// The wall that the disc reaches.
     pub wall: Segment,
-    /// The disc's centre and its direction at the start.
+    /// The disc's centre and its heading at the start.
     pub start: Pose,
     /// Its constant twist.
     pub twist: Twist,
     /// Its radius, m.
     pub radius: f64,
-    /// Seconds until the gap has become the skin, by the formula.
+    /// Seconds until the gap has shrunk to the skin, by the formula.
     pub instant: f64,
 }
 
 impl Case {
-    /// A case drawn at random: a contact within some seconds, its start within 5 m of the origin.
+    /// Draws a case at random: a contact within some seconds, with coordinates of the start of at most 5 m.
     ///
-    /// The instant is chosen first and the wall then put where the disc is at that instant, so that no formula need be
-    /// inverted; drawn anew until the disc touches nothing before.
+    /// The instant is chosen first. The wall is then put where the disc is at that instant, so that no formula need be
+    /// inverted. Cases in which the disc touches the wall earlier are drawn again.
     pub fn draw(random: &mut Random, approach: Approach) -> Self {
         loop {
             let case = Self::draw_any(random, approach);
@@ -90,7 +91,7 @@ impl Case {
         let instant = random.between(0.2, 2.0);
         let start = Pose::new(random.between(-5.0, 5.0), random.between(-5.0, 5.0), random.between(-PI, PI));
         let at_contact = start.moved(twist.scaled(instant));
-        // Towards the touched point, off the direction of the motion there.
+        // Angle between the direction of motion at the contact and the direction to the touched point.
         let off = match approach {
             Approach::HeadOn => 0.0,
             Approach::Oblique => random.between(-1.4, 1.4),
@@ -99,21 +100,22 @@ impl Case {
         let towards = at_contact.heading.turned(off).direction();
         let point = at_contact.position + towards * (radius + SKIN);
         let wall = match approach {
-            // Leads away from the disc.
+            // The wall leads away from the disc.
             Approach::ArcToCorner => Segment::new(point, point + towards * 0.1),
             _ => Segment::new(point - towards.perp() * 0.5, point + towards.perp() * 0.5),
         };
         Self { wall, start, twist, radius, instant }
     }
 
-    /// The instant that the core finds, seconds.
+    /// Instant of the contact that the core finds, in seconds.
     pub fn by_core(&self) -> Option<f64> {
         let path = Path::new(&self.start, self.twist);
         first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.after)
     }
 
-    /// The instant that a simulator finds which looks for overlap after each step of `step` seconds: the end of the first step with
-    /// one. `None` if it has found none within `horizon` seconds: the disc has gone through.
+    /// Instant of the contact for a simulator that tests for overlap after each step of `step` seconds: the end of the
+    /// first step with an overlap. `None` without an overlap within `horizon` seconds: the disc has passed through the
+    /// wall.
     pub fn by_steps(&self, step: f64, horizon: f64) -> Option<f64> {
         let is_touching = |seconds: f64| {
             let centre = self.start.moved(self.twist.scaled(seconds)).position;
@@ -134,7 +136,7 @@ mod tests {
             for _ in 0..500 {
                 let case = Case::draw(&mut random, approach);
                 let found = case.by_core().unwrap_or_else(|| panic!("missed {case:?}"));
-                // Rounding of the positions, some 1e-15 m, over an approach of 0.017 m/s and more.
+                // Positions are rounded to some 1e-15 m, and the disc approaches at 0.017 m/s or more.
                 assert!((found - case.instant).abs() < 1e-12, "{found} for {case:?}");
             }
         }

@@ -32,7 +32,7 @@ pub struct Servo {
     handle: ServoHandle,
 }
 
-/// Position of a servo: its whole range in 255 steps.
+/// Position of a servo: 0 is one end of its range, 255 the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ServoPosition(pub u8);
 

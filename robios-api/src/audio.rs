@@ -44,7 +44,7 @@ impl Audio<'_> {
         is_silent == FALSE
     }
 
-    /// Plays a sample, a WAV file in memory, and returns its rate; does not wait.
+    /// Plays a sample, a WAV file in memory, and returns its sampling rate; does not wait.
     ///
     /// # Errors
     /// [`Error::Refused`] if the bytes are not a sample.
@@ -61,7 +61,7 @@ impl Audio<'_> {
         is_silent == FALSE
     }
 
-    /// Records from the microphone until the buffer is full; returns the rate.
+    /// Records from the microphone until the buffer is full; returns the sampling rate.
     ///
     /// # Errors
     /// [`Error::Refused`] if nothing can be recorded.
@@ -85,7 +85,7 @@ impl Audio<'_> {
     }
 }
 
-/// Converts the rate returned by a call to a result; a rate of 0 or less is a failure.
+/// Converts the sampling rate returned by a call to a result; a rate of 0 or less is a failure.
 fn rate_of(call: &'static str, device: Device, rate: i32) -> Result<Frequency> {
     if rate > 0 { Ok(Frequency::hertz(rate.into())) } else { Err(Error::Refused { call, device, code: rate }) }
 }

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering};
 
 use robios_sys::CallSite;
 
-/// Recorder of the location.
+/// Destination of the locations of calls.
 pub(crate) enum Recorder {
-    /// The host that has loaded this library: it reads the variable that [`of_library`] points to.
+    /// The host that has loaded this library. The host reads the variable that [`of_library`] points to.
     Host,
     /// A fake host in the same library.
     Fake(Arc<LastCallSite>),

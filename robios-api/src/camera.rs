@@ -14,7 +14,8 @@ use crate::{Error, Result, Robot};
 
 /// The camera; dropping the value switches it off.
 ///
-/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top; images have no border here.
+/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top. Images lack the border of
+/// one pixel that `CAMGetFrame` of RoBIOS adds.
 #[derive(Debug)]
 pub struct Camera {
     robot: Robot,
@@ -53,12 +54,12 @@ pub enum FrameRate {
     Fps0_46875,
 }
 
-/// Adjustment of image levels: 128 is neutral, lower values reduce.
+/// Adjustment of image levels: 128 leaves a level unchanged, lower values reduce it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     /// Brightness.
     pub brightness: u8,
-    /// Hue of colour images; offset of grey images, plus 128.
+    /// Hue of colour images. For grey images 128 plus the offset that is added to the grey levels.
     pub hue_or_offset: u8,
     /// Saturation of colour images; contrast of grey images.
     pub saturation_or_contrast: u8,
@@ -146,7 +147,8 @@ impl Camera {
     /// Sets the adjustment of image levels.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a brightness up to 7 with two zeros, which RoBIOS interprets as a frame rate.
+    /// [`Error::OutOfRange`] if the brightness is at most 7 and the other values are 0: RoBIOS takes such values as a
+    /// frame rate.
     #[track_caller]
     pub fn set_levels(&self, levels: Levels) -> Result {
         let Levels { brightness, hue_or_offset, saturation_or_contrast } = levels;
@@ -161,7 +163,7 @@ impl Camera {
         checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(numbers[0], numbers[1], numbers[2])))
     }
 
-    /// Current levels, including automatic brightness; the numbers of the frame rate if that was set last.
+    /// Current levels, including automatic brightness. If a frame rate was set last, the numbers of that frame rate.
     #[track_caller]
     pub fn levels(&self) -> Result<Levels> {
         let mut numbers = [0; 3];
@@ -226,7 +228,7 @@ mod tests {
                 assert_eq!(gray.pixel(Pixel { x: 3, y: 6 }), Some(13), "the mean");
                 let filtered =
                     [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| bayer.pixel(Pixel { x: 100 + x, y: 50 + y }));
-                // Green, blue; red, green.
+                // First row green and blue, second row red and green.
                 assert_eq!(filtered, [Some(50), Some(30), Some(100), Some(51)]);
                 assert_eq!(camera.depth()?.distance(Pixel { x: 1, y: 1 }), Some(Length::metres(1.5)));
                 assert_eq!(camera.labels()?.seen(Pixel { x: 1, y: 1 }), Some(Seen::Floor));

@@ -13,7 +13,7 @@ macro_rules! names {
                 #[doc = concat!("`", stringify!($CONSTANT), "`")]
                 $Variant,
             )*
-            /// Device named only in the robi file: its number there.
+            /// Device that has a name only in the robi file, identified by its number there.
             Other(DeviceSemantics),
         }
 

@@ -13,9 +13,9 @@ use crate::{Error, Result, Robot};
 /// Position and heading on the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
-    /// Forward at heading 0.
+    /// Coordinate along the direction of heading 0.
     pub x: Length,
-    /// Left at heading 0.
+    /// Coordinate to the left of the direction of heading 0.
     pub y: Length,
     /// Heading, counter-clockwise.
     pub phi: Angle,
@@ -42,7 +42,7 @@ pub struct Velocity {
     pub turn: TurnRate,
 }
 
-/// Remainder of a drive.
+/// Remaining length or angle of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remaining {
     /// Remaining length of a straight drive or a curve.
@@ -150,7 +150,7 @@ impl Drive {
 
     /// Starts the PI controllers of speed and rate of turn; without them speeds are open loop.
     ///
-    /// Typical are gains of 7 and 10 with reset times of 0.3 s and 0.1 s.
+    /// Typical are a gain of 7 with a reset time of 0.3 s for `speed`, and a gain of 10 with 0.1 s for `turn`.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the gains.
@@ -201,8 +201,8 @@ impl Drive {
 
     /// Starts to drive along a circular arc, and does not wait; replaces a drive in progress.
     ///
-    /// `length` is the arc's, negative for backwards; `angle` the change of heading, positive for counter-clockwise;
-    /// `speed` above 0.
+    /// `length` is the length of the arc, negative for backwards. `angle` is the change of heading, positive for
+    /// counter-clockwise. `speed` is above 0.
     ///
     /// # Errors
     /// [`Error::Refused`] for a speed that RoBIOS does not take.
@@ -214,7 +214,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// Remainder of the drive in progress; 0 when done.
+    /// Remaining length or angle of the drive in progress; 0 when it is done.
     #[track_caller]
     pub fn remaining(&self) -> Remaining {
         let remaining: f32 = robios!(&self.robot, VWDriveRemain(self.handle));

@@ -11,7 +11,7 @@ pub(crate) fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>> {
     postcard::to_stdvec(value).map_err(unsuitable)
 }
 
-/// Encodes a value as bytes none of which is 0 (COBS).
+/// Encodes a value as bytes other than 0 (consistent overhead byte stuffing, COBS).
 pub(crate) fn encoded_without_zero<T: Serialize>(value: &T) -> Result<Vec<u8>> {
     let mut bytes = postcard::to_stdvec_cobs(value).map_err(unsuitable)?;
     // The last byte is the 0 that terminates a COBS frame.
@@ -32,7 +32,7 @@ pub(crate) fn decoded_without_zero<T: DeserializeOwned>(message: &Message) -> Re
     len.and_then(|len| whole(&bytes[..len])).ok_or_else(|| garbled(message))
 }
 
-/// Decodes a value that takes up all of the bytes.
+/// Decodes a value; `None` unless the value takes up all of the bytes.
 fn whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::take_from_bytes(bytes).ok().filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
 }

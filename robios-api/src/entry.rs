@@ -14,15 +14,15 @@ use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED, Status};
 use crate::robot::Stopped;
 use crate::{Robot, call_site};
 
-/// Exit code of a program whose `main` returned an error, as of any Rust program.
+/// Exit code of a program whose `main` returned an error; the same as for any Rust program.
 const EXIT_FAILED: c_int = 1;
 
 /// Exports a function as the robot program of this library, under the symbol that the simulator looks up.
 ///
 /// The function takes `&Robot` and returns nothing or a [`Result`](crate::Result) with any error type (`anyhow`'s
-/// included). The type of its robot selects the generation: [`robios_api::Robot`](crate::Robot) is RoBIOS 6,
-/// [`robios_api::robios7::Robot`](crate::robios7::Robot) is RoBIOS-7. Use it once in a library whose `Cargo.toml` has
-/// `crate-type = ["cdylib"]`. The panic strategy must be `unwind`, which is the default.
+/// included). The type of the argument selects the generation: [`robios_api::Robot`](crate::Robot) is RoBIOS 6,
+/// [`robios_api::robios7::Robot`](crate::robios7::Robot) is RoBIOS-7. Use the macro once, in a library whose
+/// `Cargo.toml` has `crate-type = ["cdylib"]`. The panic strategy must be `unwind`, which is the default.
 ///
 /// ```standalone_crate
 /// # mod program {
@@ -103,7 +103,7 @@ impl Outcome for Never {
     }
 }
 
-/// The type `!`, named through a trait because stable Rust has no other way.
+/// The type `!`, named through a trait because stable Rust cannot name it directly.
 type Never = <fn() -> ! as sealed::Function>::Output;
 
 /// Robot of one generation of RoBIOS: the argument of a program's function.
@@ -172,7 +172,7 @@ pub unsafe fn run<M: Machine, O: Outcome>(
     unsafe { run_for(call_site::Recorder::Host, host, context, argc, argv, main) }
 }
 
-/// As [`run`], with a given reader of call sites.
+/// As [`run`], with a given recorder of call sites.
 ///
 /// # Safety
 /// As for [`run`].
@@ -227,7 +227,8 @@ pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>)
     }
 }
 
-/// Reports the panic of a timer's function; the enclosing call then ends the program. [`Stopped`] is not reported.
+/// Reports the panic of a timer's function; the enclosing call then ends the program. A panic with [`Stopped`] is not
+/// reported.
 pub(crate) fn report_callback_panic(robot: &Robot, payload: Box<dyn Any + Send>) {
     if !payload.is::<Stopped>() {
         report(robot, failure::PANIC, &panic_text(payload));
@@ -266,7 +267,7 @@ thread_local! {
     static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Guard during whose lifetime panics of this thread belong to the program.
+/// Guard: while it lives, panics of this thread belong to the program.
 struct Inside;
 
 impl Inside {

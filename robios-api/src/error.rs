@@ -1,4 +1,4 @@
-//! Errors of calls, and the devices that they concern.
+//! Errors of RoBIOS calls, with the devices that they concern.
 
 use crate::device::Device;
 use crate::os::RobotNumber;
@@ -10,7 +10,7 @@ pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The robot has no such device, or the device is in use: the driving interface takes motors and encoders.
+    /// The robot has no such device, or the device is in use, for example a motor by the driving interface.
     #[error("the robot has no {0}, or it is in use already (the robi file lists what there is)")]
     Unavailable(Device),
     /// RoBIOS refused the call.

@@ -48,7 +48,7 @@ pub struct Gait(pub u8);
 pub enum LegJoint {
     /// Hip joint about the vertical axis: positive to the left.
     Yaw = 1,
-    /// Hip joint about the forward axis.
+    /// Hip joint about the forward axis: positive with the leg to the left.
     Roll = 2,
     /// Hip joint: positive with the thigh forward.
     Pitch = 3,
@@ -79,7 +79,7 @@ pub struct LinkPose {
     pub y: Length,
     /// Up.
     pub z: Length,
-    /// Rotation about the link's x.
+    /// Rotation about the link's x axis, positive with the left side up.
     pub roll: Angle,
     /// Pitch, positive upwards. The frame is rotated by yaw, then by pitch, then by roll.
     pub pitch: Angle,
@@ -223,8 +223,8 @@ impl Legs {
         }
     }
 
-    /// Corrects the steps of a leg until the next correction: offset of the foothold from the gait's, forward and to the left, and
-    /// additional lift, each rounded to 1 mm.
+    /// Corrects the steps of a leg until the next correction. `forward` and `left` shift the foothold relative to that
+    /// of the gait, and `higher` is additional lift; each is rounded to 1 mm.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such leg or the foothold is out of its reach.

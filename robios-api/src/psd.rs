@@ -162,8 +162,8 @@ impl Psd {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RawDistance(pub u8);
 
-/// Signal from which a range sensor derives the distance: that of a reflectance sensor, in 1/m; the echo energy of a sonar, 1 for
-/// a perfect reflector 1 m ahead; for other sensors 1 with an echo and 0 without.
+/// Signal from which a range sensor derives the distance. Reflectance sensor: its signal in 1/m. Sonar: the energy of
+/// the echo, 1 for a perfect reflector 1 m ahead. Other sensors: 1 with an echo and 0 without.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Signal(pub f64);
 
@@ -175,8 +175,8 @@ impl Signal {
 }
 
 impl Robot {
-    /// Scans once with the laser scanner: distances of all points set in the robi file, from left to right, the middle one straight
-    /// ahead; `None` if out of range. An extension of this simulator.
+    /// Scans once with the laser scanner and returns the distances of all points set in the robi file, `None` if out of
+    /// range. The points go from left to right; the middle one is straight ahead. An extension of this simulator.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no scanner.

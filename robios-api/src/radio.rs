@@ -31,7 +31,7 @@ pub struct Radio {
 /// Settings of the radio, applied before it is switched on; `None` leaves a setting unchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RadioSettings {
-    /// Bit rate of sending and receiving; a receiver at another rate hears nothing. Initially that of the scene.
+    /// Bit rate of sending and receiving; a receiver with another rate receives nothing. Initially that of the scene.
     pub speed: Option<Baud>,
     /// Address of the radio. Initially the robot's number.
     pub id: Option<RobotNumber>,
@@ -286,8 +286,9 @@ impl Radio {
     /// Waits for a value and returns it with the address of its sender.
     ///
     /// # Errors
-    /// [`Error::Garbled`] for a message that does not decode to such a value to its last byte. Inverted bits cause this error or a
-    /// wrong value; a checksum detects the latter. Otherwise as for [`receive`](Self::receive).
+    /// [`Error::Garbled`] if the bytes of the message are not exactly one encoded value. Inverted bits cause this error
+    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise as for
+    /// [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;

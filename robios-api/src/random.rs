@@ -50,7 +50,7 @@ impl<'r> Random<'r> {
     /// A uniformly chosen element of a slice; `None` if the slice is empty.
     #[track_caller]
     pub fn choice<'a, T>(&self, of: &'a [T]) -> Option<&'a T> {
-        // 2^64 is no multiple of the length: the error in probability is below 2^-40 for all real slices.
+        // 2^64 is not a multiple of the length; the resulting error in probability is below 2^-40 for all real slices.
         let index = (u128::from(self.bits()) * of.len() as u128) >> 64;
         of.get(index as usize)
     }

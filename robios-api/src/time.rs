@@ -1,4 +1,4 @@
-//! The robot's virtual time, in place of `std::time::Instant` and `std::thread::sleep`, which know only the host's.
+//! The robot's virtual time, in place of `std::time::Instant` and `std::thread::sleep`, which use the time of the host.
 
 use std::any::Any;
 use std::cell::RefCell;

@@ -102,7 +102,7 @@ impl Robot {
 }
 
 impl TvRemote {
-    /// The code that is being received, without waiting.
+    /// The code of the key that is held down, without waiting.
     #[track_caller]
     pub fn pressed(&self) -> Option<TvCode> {
         code_of(robios!(&self.robot, IRTVPressed()))
@@ -114,7 +114,7 @@ impl TvRemote {
         code_of(robios!(&self.robot, IRTVRead()))
     }
 
-    /// Waits for the next code; `None` at once if nothing is being received.
+    /// Waits for the next code; `None` at once if the receiver is off.
     #[track_caller]
     pub fn wait(&self) -> Option<TvCode> {
         code_of(robios!(&self.robot, IRTVGet()))

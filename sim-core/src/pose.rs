@@ -59,7 +59,7 @@ impl Heading {
             heading.remainder += TAU;
             heading.turns = heading.turns.saturating_sub(1);
         }
-        // Adding a full turn may have rounded onto the open end.
+        // Adding a full turn may have rounded the remainder up to pi, the excluded end of its interval.
         if heading.remainder >= PI {
             heading.remainder = -PI;
             heading.turns = heading.turns.saturating_add(1);
@@ -74,8 +74,8 @@ impl Heading {
     }
 }
 
-/// Position in metres and heading of one frame in another: a pose named `world_from_robot` takes coordinates of the
-/// robot's frame to the world's.
+/// Position in metres and heading of one frame in another. A pose named `world_from_robot` transforms coordinates in
+/// the robot's frame into coordinates in the world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Pose {
     /// Origin of the inner frame in the outer one, in metres.
@@ -106,7 +106,8 @@ impl Pose {
         DVec2::new(direction.x, -direction.y).rotate(point - self.position)
     }
 
-    /// `outer_from_inner * inner_from_point`.
+    /// Pose of the innermost frame in the outer one: `outer_from_inner.compose(&inner_from_point)` is
+    /// `outer_from_point`.
     pub fn compose(&self, inner: &Pose) -> Pose {
         let turned = self.heading.turned(inner.heading.remainder);
         Pose {
@@ -141,7 +142,8 @@ impl Pose {
 #[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
 pub struct PlacementError;
 
-/// Pose in space of one frame in another: `world_from_sensor` takes coordinates of the sensor's frame to the world's.
+/// Pose in space of one frame in another: `world_from_sensor` transforms coordinates in the sensor's frame into
+/// coordinates in the world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose3 {
     /// Origin of the inner frame in the outer one, m.
@@ -221,7 +223,7 @@ impl Pose3 {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
         let level = math::hypot(x.x, x.y);
         let pitch = math::atan2(x.z, level);
-        // A millionth of the resolution of a joint.
+        // The tolerance is a millionth of the resolution of a joint.
         if level < 1e-12 {
             return [math::atan2(-z.y, y.y), pitch, 0.0];
         }
@@ -234,7 +236,7 @@ impl Pose3 {
     }
 }
 
-/// A planar velocity in the moving frame, or its product with a time: a displacement along a path of constant twist.
+/// A planar velocity in the moving frame. Multiplied by a time, it is a displacement along a path of constant twist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Twist {
     /// Forward speed, m/s (as a displacement: arc length, m).

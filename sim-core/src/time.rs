@@ -29,12 +29,12 @@ impl Time {
         self.0 as f64 / 1e6
     }
 
-    /// The first instant not before `seconds`; [`Time::NEVER`] for an instant out of range, 0 for NaN.
+    /// The first whole microsecond not before `seconds`; [`Time::NEVER`] for an instant out of range, 0 for NaN.
     pub fn from_seconds_ceil(seconds: f64) -> Self {
         // `as` saturates and maps NaN to 0.
         let micros = (seconds * 1e6).ceil() as i64;
         let mut time = Self(micros);
-        // The product may have rounded to just below the true value.
+        // By rounding, the product may be just below the true value.
         while time < Self::NEVER && time.seconds() < seconds {
             time.0 += 1;
         }

@@ -40,7 +40,7 @@ use track::Track;
 /// A contact that began in a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// First microsecond not before the contact.
+    /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
     /// Robot whose body was stopped.
     pub robot: RobotId,
@@ -102,8 +102,8 @@ struct PublishedStance {
     parts: Vec<Pose3>,
 }
 
-/// Time up to which the only robot of a world follows its plan of this revision with no contact to resolve and nothing
-/// to publish.
+/// Time up to which the only robot of a world follows its plan without a contact to resolve or a change to publish.
+/// Valid while the revision of the plan is the same.
 #[derive(Clone, Copy, Debug, Default)]
 struct Quiescence {
     revision: u64,
@@ -180,9 +180,9 @@ impl World {
         &mut self.radio
     }
 
-    /// Robots that cannot hear a message sent by `robot` from `position` at `at`, each with the reason, in the order of
-    /// their ids: robots beyond the channel's range, and, if it needs a line of sight, robots behind a wall of any
-    /// height. Bodies block no message: our choice.
+    /// Robots that cannot receive a message sent by `robot` from `position` at `at`, each with the reason, in the order
+    /// of their ids. They are beyond the channel's range or, if the channel needs a line of sight, behind a wall of any
+    /// height. Bodies do not block messages: our choice.
     pub fn unreachable_robots(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
         let RadioModel { range, line_of_sight, .. } = *self.radio.model();
         if range.is_none() && !line_of_sight {
@@ -236,8 +236,8 @@ impl World {
         objects.publish(now, end);
     }
 
-    /// Puts a movable object at `world_from_object`, at rest and awake, at the end of the present slot; to be called
-    /// before [`World::advance`]. Of several calls for one object, the last one counts.
+    /// Places a movable object at `world_from_object`, at rest and awake, at the end of the present slot. Must be
+    /// called before [`World::advance`]. Of several calls for one object, the last one counts.
     ///
     /// Any place is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
     ///
@@ -252,7 +252,7 @@ impl World {
         Ok(())
     }
 
-    /// Puts a movable object at `world_from_object` now, at the start of the slot, at rest and awake; the pose is
+    /// Places a movable object at `world_from_object` now, at the start of the slot, at rest and awake; the pose is
     /// published at once.
     ///
     /// Any place is allowed: an object inside a wall or a body is pushed out.
@@ -323,7 +323,7 @@ impl World {
     /// covers the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
         let passages = self.tracks[robot.index()].passages();
-        // A passage without an end is the last one.
+        // The last passage has no end.
         let first = passages.iter().position(|passage| passage.until > self.now).unwrap_or(passages.len() - 1);
         let in_slot = passages[first..]
             .iter()
@@ -335,8 +335,8 @@ impl World {
         })
     }
 
-    /// The bodies of other robots in contact with the body of `motion` at `at`, from their published motion and its
-    /// exact own pose, in the order of their ids: the argument of [`Motion::command`].
+    /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids: the argument of
+    /// [`Motion::command`]. Their poses are published ones; the pose of `motion` is its own exact one.
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -357,7 +357,7 @@ impl World {
     }
 
     /// Ends the present slot: resolves the contacts between bodies within it, releases bodies whose path has become
-    /// free, publishes the changes, and goes on to the next slot.
+    /// free, publishes the changes, and advances to the next slot.
     ///
     /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; others may be omitted.
     /// Returns the contacts that began in the slot, in the order of (time, robot).
@@ -430,15 +430,14 @@ impl World {
         self.stances.insert(motion.id(), PublishedStance { lift: stance.lift, parts });
     }
 
-    /// Pose of a robot's body in space at `at`, raised by its legs as in the published stance of the present slot's
-    /// start.
+    /// Pose of a robot's body in space at `at`. Its height is that of the published stance at the start of the present
+    /// slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.stances.get(&robot).map_or(0.0, |stances| stances.lift))
     }
 
-    /// Pose in the world at `at` of a part of a robot's legs, indexed as in
-    /// [`Legs::parts`](crate::drive::legged::Legs::parts), with the stance at the start of the present slot; `None` if
-    /// there is no such part.
+    /// Pose in the world at `at` of a part of a robot's legs, with the stance at the start of the present slot. Parts
+    /// are indexed as in [`Legs::parts`](crate::drive::legged::Legs::parts); `None` if there is no such part.
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
         let robot_from_part = self.stances.get(&robot)?.parts.get(part)?;
         Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
@@ -449,7 +448,7 @@ impl World {
         self.tracks.len() == 1 && self.objects.is_none()
     }
 
-    /// Returns true if nothing is to be resolved or published before `until`: the common case for a single robot.
+    /// Returns true if nothing needs to be resolved or published before `until`, the usual case for a single robot.
     fn is_quiescent(&self, motion: &Motion, until: Time) -> bool {
         until <= self.quiescence.until
             && motion.revision() == self.quiescence.revision
@@ -477,7 +476,7 @@ impl World {
         self.refresh_index();
     }
 
-    /// Enters the bounds of the published motion into the indices; bodies at rest cost nothing.
+    /// Enters the bounds of the published motion into the indices. Bodies that stay at rest are not entered again.
     fn refresh_index(&mut self) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
         let mut has_rest_changed = false;
@@ -518,7 +517,7 @@ impl World {
     }
 }
 
-/// The passage in force at `at`: the last one started by then, else the first one.
+/// The passage in force at `at`: the last passage started by then, else the first.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
     let started = passages.iter().rposition(|passage| passage.since() <= at);
     &passages[started.unwrap_or(0)]

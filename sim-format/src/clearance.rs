@@ -16,11 +16,11 @@ const SKIN: f64 = 1e-6;
 struct Body {
     what: String,
     is_robot: bool,
-    /// Nothing can push the body: it may stand in a wall.
+    /// The body is fixed; it may overlap a wall.
     is_fixed: bool,
     centre: DVec2,
     radius: f64,
-    /// Span of its line, and true if that line belongs to the sim file.
+    /// Span of the line that places the body. `is_of_sim` is true if that line belongs to the sim file.
     span: Span,
     is_of_sim: bool,
 }
@@ -90,7 +90,7 @@ fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
     bodies
 }
 
-/// Centre and radius, in the object's frame, of the largest disc on the floor within one of its colliders.
+/// Centre and radius, in the object's frame, of the largest disc, seen from above, that fits into one collider.
 fn inner_disc(kind: &ObjectType) -> Option<(DVec2, f64)> {
     let discs = kind.colliders.iter().map(|collider| match *collider {
         Collider::Box { centre, size } => (centre, 0.5 * size.x.min(size.y)),
@@ -102,7 +102,7 @@ fn inner_disc(kind: &ObjectType) -> Option<(DVec2, f64)> {
     largest.map(|(centre, radius)| (centre.truncate(), radius))
 }
 
-/// For each body, true if its centre lies outside of floor and walls.
+/// For each body, true if its centre lies outside of the bounds of floor and walls.
 fn outside(world: &WorldSpec, bodies: &[Body]) -> Vec<bool> {
     let (low, high) = world.bounds();
     let is_outside = |body: &Body| body.centre.cmplt(low - SKIN).any() || body.centre.cmpgt(high + SKIN).any();

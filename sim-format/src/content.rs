@@ -17,7 +17,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.program.iter_mut().for_each(forget);
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
-        // A hint at the generation of a program, which no other format has.
+        // Only one format has this hint at a program's generation, so it is not compared.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {

@@ -45,8 +45,10 @@ pub struct LiveEntity {
     pub pose: Pose,
 }
 
-/// Text of the scene `from` in our own form with the current state of a run: robots and movable objects at their current poses,
-/// without removed ones, with spawned ones (whose robots have no program). Robots are renumbered.
+/// Text of the scene `from` in our own form, with the state of a run.
+///
+/// Robots and movable objects stand at their current poses; spawned ones are included, removed ones left out. A spawned
+/// robot has no program. Robots are renumbered without gaps.
 ///
 /// References are relative to the scene's own folder. Objects placed by the world's file stay at their original poses.
 ///
@@ -97,7 +99,8 @@ fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotL
 fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
     let of_scene = number;
-    // The world's objects come before those of the scene's lines, whose spans are of another file.
+    // The world's objects come first. Their spans refer to another file and may equal those of lines, so matching
+    // starts at the end.
     let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
     let mut gone = Vec::new();
     for spec in scene.objects.iter().rev() {
@@ -293,7 +296,7 @@ impl Conversion<'_> {
                 Ok(text) => Printed { text, lost: print::beside_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
-                    self.lost.error(Code::ConvertMaze, Span::default(), why, expected);
+                    self.lost.error(Code::ConvertMaze, Span::default(), why.to_string(), expected);
                     return;
                 }
             },

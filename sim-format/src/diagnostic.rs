@@ -10,9 +10,9 @@ use super::{Code, Span};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The line is skipped or read in part, as EyeSim does silently.
+    /// The line is skipped or read in part; EyeSim does the same without a message.
     Warning,
-    /// The file or a robot is unusable: such a scene is not run.
+    /// The file or a robot is unusable, so the scene is not run.
     Error,
 }
 
@@ -175,7 +175,7 @@ fn printable(character: char) -> String {
 const MAX_WORD: usize = 300;
 const MAX_MESSAGE: usize = 3000;
 
-/// Cuts the middle out of long words, then of the whole message: a file may consist of one word.
+/// Cuts the middle out of long words, then out of the whole message, since a file may consist of a single word.
 fn shorten(text: &mut String) {
     if text.len() > MAX_WORD {
         *text = text.split_inclusive(' ').map(|word| cut(word, MAX_WORD)).collect();

@@ -1,7 +1,8 @@
 //! Object types: `.esObj` files of EyeSim VR.
 //!
-//! All lengths, multiplied by the factor of `scale`, are millimetres (those of the mesh file, multiplied by the same factor, are
-//! metres). They are in the frame of EyeSim VR's graphics library (X right, Y up, Z forward).
+//! Lengths in the file, multiplied by the factor of `scale`, are millimetres; lengths in the mesh file, multiplied by
+//! the same factor, are metres. Coordinates are in the frame of EyeSim VR's graphics library (X right, Y up, Z
+//! forward).
 
 use glam::DVec3;
 
@@ -55,7 +56,7 @@ pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
 
 struct Reader {
     sink: Sink,
-    /// The object under construction: lengths in units of the file and axes of the object, until `finish`.
+    /// The object under construction. Until `finish`, its lengths are in units of the file, in the object's axes.
     object: ObjectType,
     /// Spans of the colliders.
     places: Vec<Span>,
@@ -222,7 +223,7 @@ impl Reader {
                 return None;
             }
         };
-        // As in the graphics library of EyeSim VR: a height below the diameter leaves the two half spheres.
+        // As in EyeSim VR's graphics library, a height below the diameter leaves only the two half spheres.
         let height = height.max(2.0 * radius);
         Some(Collider::Capsule { centre: from_graphics(x, y, z), radius, height, axis })
     }

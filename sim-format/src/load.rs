@@ -19,7 +19,8 @@ use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
 use sim_core::unit::mm_from_metres;
 
-/// Deviation of the ground from the floor's height, in metres, up to which it counts as level for wheels. Source: our choice.
+/// Deviation of the ground from the floor's height, in metres, up to which the ground counts as level for wheels.
+/// Source: our choice.
 const LEVEL: f64 = 1e-3;
 
 /// File system interface of the readers; paths have slashes.
@@ -125,7 +126,7 @@ pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
     load_scene_with(path, None, files)
 }
 
-/// Loads a scene as [`load_scene`], with a seed that overrides the scene's own: random layouts depend on it.
+/// Loads a scene as [`load_scene`], with a seed that overrides the scene's own. Random layouts depend on the seed.
 pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {

@@ -15,9 +15,10 @@ const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 /// Paths at which the file named `text` is searched, in order.
 ///
 /// `folder` is that of the referring file, `home` the installation's folder. Back slashes are read as slashes.
-/// `%sim%` at the beginning stands for the installation; no other folder is searched then. A relative path is searched in `folder`,
-/// in the working folder, in the installation and in its folders `worlds` and `robis`; an absolute one unchanged and, since old
-/// files use this form, below the installation.
+/// - A path that begins with `%sim%` is searched only in the installation.
+/// - Any other relative path is searched in `folder`, in the working folder, in the installation and in its folders
+///   `worlds` and `robis`.
+/// - An absolute path is tried unchanged, then below the installation, since old files use this form.
 ///
 /// Source: reference section 4.0. Our choice: `folder` precedes the working folder, so that a scene does not depend on the
 /// directory it is run from; `..` removes the part before it, even if that part is a link.
@@ -45,8 +46,10 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
-/// Candidates for an absolute path `text` from another machine: each of its suffixes, the longest first, below `folder`, the two
-/// folders above it, and the installation; the file name alone is not searched in the folders above. Empty for a relative path.
+/// Candidates for an absolute path `text` from another machine; empty for a relative path.
+///
+/// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
+/// below the installation. The file name alone is not searched in the folders above.
 pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {

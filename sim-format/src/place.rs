@@ -224,7 +224,7 @@ impl Placer<'_> {
                 None
             }
             None => {
-                // Without a program the line may have meant an object, and EyeSim skips it.
+                // A line without a program may mean an object, which EyeSim skips, so it gives only a warning.
                 let is_robot = self.sim.form == SceneForm::Toml
                     || line.program.is_some()
                     || !matches!(line.start, StartRef::Pose(_));
@@ -332,7 +332,7 @@ impl Placer<'_> {
 
     fn next(&mut self, span: Span) -> Option<Pose> {
         let start = self.starts.next();
-        // A missing world is already reported; only that needs to be fixed.
+        // A missing world is already reported; only the world needs to be fixed.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
             let expected = match self.sim.form {

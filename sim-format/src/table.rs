@@ -299,7 +299,8 @@ impl Reader {
         Some(items)
     }
 
-    /// Reports those of `keys` that a table has although `other` excludes them; returns true if it has none.
+    /// Reports those of `keys` that a table has although `other` excludes them; returns true if the table has none of
+    /// them.
     pub(super) fn exclude(&mut self, section: &mut Section<'_, '_>, other: &str, keys: &[&'static str]) -> bool {
         let mut is_clean = true;
         for key in keys {

@@ -37,7 +37,8 @@ pub(super) struct Types {
     by_name: BTreeMap<String, Known>,
     /// Names by their lower-case form.
     by_lower_case: BTreeMap<String, Vec<String>>,
-    /// Types in nearby files that are not loaded, by name the line that would load each; filled when the first unknown type is found.
+    /// For each type in a nearby file that is not loaded, by its name, the line that would load it; filled at the first
+    /// unknown type.
     nearby: Option<BTreeMap<String, String>>,
     form: SceneForm,
 }
@@ -174,8 +175,8 @@ impl Types {
     }
 }
 
-/// Folders of an EyeSim tree that are searched for types, above the folder of the sim file. Other folders may hold anything, such as
-/// a million files.
+/// Folders of an EyeSim tree, above the folder of the sim file, that are searched for types. Other folders are not
+/// searched, since they may hold anything, such as a million files.
 const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
 /// Number of folder levels above the sim file's folder at which the search begins.
 const ABOVE: usize = 2;
@@ -185,7 +186,7 @@ const BELOW: usize = 2;
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 
-/// Types in files near `folder`: by name the line that loads each.
+/// The lines that would load the types in files near `folder`, by the name of the type.
 fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);

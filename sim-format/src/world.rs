@@ -99,7 +99,7 @@ impl Reader {
     fn texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
         self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
-        // In worlds saved by EyeSim VR, walls lie on the lines of the image only so.
+        // Only with the image turned do the walls of worlds saved by EyeSim VR lie on the lines of the image.
         self.world.texture_is_turned = self.world.texture.is_some();
     }
 
@@ -120,7 +120,7 @@ impl Reader {
     fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`push X Y PHI` in mm and degrees clockwise";
         let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
-            // Clockwise, unlike all other angles: only this makes the data files consistent.
+            // Clockwise, unlike all other angles: only with this sign are the data files consistent.
             Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
             // Opens a frame nevertheless, so that the matching `pop` does not close another one.
             None => self.frame(),

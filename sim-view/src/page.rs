@@ -16,9 +16,14 @@ pub struct Page {
     files: Result<BTreeMap<String, Bytes>, String>,
 }
 
+/// Reason why there is no page.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoPage(String);
+
 impl Page {
-    /// Loads the page: the embedded one or, in a checkout, the one built there. If that has to be built first, which takes some
-    /// seconds to a minute, `say` is told.
+    /// Loads the page: the embedded one or, in a checkout, the one built there. Calls `say` if the page has to be built
+    /// first, which takes some seconds to a minute.
     #[must_use]
     pub fn load(mut say: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {
@@ -61,16 +66,16 @@ impl Page {
     /// The page as one HTML text with scripts and style sheets inlined.
     ///
     /// # Errors
-    /// The reason why there is no page.
-    pub fn inlined(&self) -> Result<String, String> {
+    /// [`NoPage`] with the reason.
+    pub fn inlined(&self) -> Result<String, NoPage> {
         let text = |path: &str| {
             let (content, _) = self.file(path)?;
             Some(String::from_utf8_lossy(&content).into_owned())
         };
         if let Some(why) = self.why_missing() {
-            return Err(why.into());
+            return Err(NoPage(why.to_owned()));
         }
-        let html = text("index.html").ok_or("the page has no `index.html`")?;
+        let html = text("index.html").ok_or_else(|| NoPage("the page has no `index.html`".to_owned()))?;
         let mut inlined = String::with_capacity(html.len());
         let mut rest = html.as_str();
         while let Some(start) = rest.find("<script").into_iter().chain(rest.find("<link")).min() {
@@ -97,13 +102,13 @@ impl Page {
     /// The page as one HTML text that replays `recording`, the JSON text of a [`Recording`](crate::protocol::Recording).
     ///
     /// # Errors
-    /// The reason why there is no page.
-    pub fn with_recording(&self, recording: &str) -> Result<String, String> {
+    /// [`NoPage`] with the reason.
+    pub fn with_recording(&self, recording: &str) -> Result<String, NoPage> {
         let page = self.inlined()?;
         // JSON has `<` only within strings.
         let recording = recording.replace('<', "\\u003c");
         let element = format!("<script type=\"application/json\" id=\"recording\">{recording}</script>\n");
-        let place = page.rfind("</body>").ok_or("the page has no `</body>`")?;
+        let place = page.rfind("</body>").ok_or_else(|| NoPage("the page has no `</body>`".to_owned()))?;
         Ok(format!("{}{element}{}", &page[..place], &page[place..]))
     }
 }
@@ -229,6 +234,6 @@ mod tests {
                 "</body></html>"
             )
         );
-        assert_eq!(Page::missing("why").inlined(), Err("why".into()));
+        assert_eq!(Page::missing("why").inlined(), Err(NoPage("why".into())));
     }
 }

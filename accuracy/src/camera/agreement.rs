@@ -36,8 +36,8 @@ pub struct Agreement {
     /// Pixels that differ from the reference at the pixel's centre: another label, a depth error above [`DEPTH`], or a colour
     /// error of more than one grey level.
     pub differing: usize,
-    /// Differing pixels that the reference cannot explain: their values lie outside those it finds within [`NEAR`] of the
-    /// centre, surfaces that coincide with the nearest one included.
+    /// Differing pixels that the reference cannot explain: their values lie outside the range of the reference's values
+    /// within [`NEAR`] of the pixel's centre. That range includes surfaces that coincide with the nearest one.
     pub wrong: Vec<Wrong>,
 }
 
@@ -56,7 +56,7 @@ pub struct Wrong {
 pub const NEAR: f64 = 0.01;
 /// Tolerance of depths, relative.
 pub const DEPTH: f64 = 1e-5;
-/// Relative difference of depths up to which rounding decides the nearer surface.
+/// Relative difference of depths up to which rounding decides which surface is nearer.
 const RIVAL: f64 = 1e-6;
 
 impl Agreement {

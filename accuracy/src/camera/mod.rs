@@ -1,4 +1,5 @@
-//! Slow reference for cameras: one ray per image point, each face tested in doubles, formulas other than the core's.
+//! Slow reference for cameras: one ray per image point, each face tested in doubles, with formulas other than the
+//! core's.
 //!
 //! Written from the documentation of [`sim_core::camera`] on pictures, colours and filters; shares only the scenery with the
 //! core.
@@ -129,8 +130,8 @@ impl<'s> Reference<'s> {
         self.sights(view, at, 0.0)[0]
     }
 
-    /// Sights at a point of the image: the nearest, and all behind it whose distance is greater by at most the share `slack`.
-    /// Rounding decides which of several coincident surfaces is the nearest.
+    /// Sights at a point of the image: the nearest surface, and all surfaces whose distance exceeds the nearest
+    /// distance by at most the share `slack`. Rounding decides which of several coincident surfaces is the nearest.
     pub fn sights(&self, view: &View, at: DVec2, slack: f64) -> Vec<Sight> {
         let Some(ray) = ray(view, at, true) else {
             let nothing = (Shown::Nothing, Label::Sky, f64::INFINITY);
@@ -303,7 +304,8 @@ const WIDER: f64 = 1e-9;
 const EDGE_ON: f64 = 1e-9;
 /// Number of consecutive faces of a mesh that share a bounding sphere.
 const IN_A_BALL: usize = 12;
-/// Distance from a surface, m, within which nothing casts a shadow on it: faces that share an edge with the surface.
+/// Distance from a surface, m, within which nothing casts a shadow on it, so that faces sharing an edge with the
+/// surface do not.
 const NO_SHADOW: f64 = 1e-6;
 /// Longest footprint in an image, in probes.
 const PROBES: f64 = 2.0;
@@ -340,8 +342,8 @@ fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
     Some(view.world_from_camera().rotation * local)
 }
 
-/// Rays through points around a pixel's centre. Of a fisheye they are interpolated linearly between the neighbouring pixels, which
-/// is the definition of its footprints.
+/// Rays through points around a pixel's centre. For a fisheye, rays are interpolated linearly between the neighbouring
+/// pixels; its footprints are defined in this way.
 fn rays_around(view: &View, middle: DVec2) -> impl Fn(DVec2) -> DVec3 {
     let ray = move |at| ray(view, at, false).unwrap_or_default();
     let change = move |step: DVec2| 0.5 * (ray(middle + step) - ray(middle - step));

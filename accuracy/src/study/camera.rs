@@ -1,4 +1,4 @@
-//! `camera`: pictures of a furnished room, compared with pixels that average exactly over their squares.
+//! `camera`: pictures of a furnished room, compared with a reference that averages many samples over each pixel.
 
 use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
 use sim_core::time::Time;

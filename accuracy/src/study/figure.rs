@@ -70,7 +70,7 @@ impl Figure {
             }
         }
         for Series { mark, points, .. } in &mut series {
-            // Tolerates a fifth for errors of the clock.
+            // Tolerates a fifth for errors of measured times.
             let goes = |by: f64| points.windows(2).all(|pair| by * (pair[1].0 / pair[0].0).log2() > -0.25);
             let times = || points.iter().map(|point| point.0);
             let is_wide = times().fold(0.0, f64::max) > 1.5 * times().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! The three sensors of the France paper on one sweep of a walking robot's leg over a floor and a step.
+//! The three sensors of France et al. (1999) on one sweep of a walking robot's leg over a floor and a step.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

@@ -1,8 +1,9 @@
-//! `moving-target`: a sensor at rest measures the distance to a robot that its program accelerates and decelerates.
+//! `moving-target`: a sensor at rest measures the distance to a robot whose program changes its speed.
 //!
-//! The sensor sees the motion published at the start of the slot, so a command shows only at the slot's end: the error is at most the
-//! change of speed times the slot's length, and zero in a slot without a command. For comparison, a simulator that freezes the others
-//! at their poses at the slot's start: there the full speed counts, in every slot. Errors are root mean squares.
+//! The sensor sees the motion published at the start of the slot, so a command shows only at the slot's end. The error
+//! is at most the change of speed times the slot's length, and zero in a slot without a command. The other method is
+//! that of a simulator that freezes other robots at their poses of the slot's start: its error grows with the speed
+//! itself, in every slot. Errors are root mean squares.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! `range-sensors`: readings of the three sensors of the France paper on one walk over a floor towards a step.
+//! `range-sensors`: readings of the three sensors of France et al. (1999) on one walk over a floor towards a step.
 
 use super::france::{Sample, WALK, walk};
 use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};

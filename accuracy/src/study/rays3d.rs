@@ -10,7 +10,7 @@ use crate::world::{self, Random};
 pub const STUDY: Study =
     Study { name: "rays-3d", title: "Distance along a ray among triangles, against their number", run };
 
-/// Numbers of squares along an edge of each of the six faces of the room: 12 triangles per square of that number.
+/// Numbers n of squares along an edge of each of the six faces of the room, which has 12 n^2 triangles.
 const SQUARES: [u32; 4] = [3, 9, 29, 91];
 /// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
 const BOXES: [usize; 4] = [4, 24, 249, 2_499];

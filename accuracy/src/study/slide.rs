@@ -23,10 +23,10 @@ pub const STUDY: Study =
 const RADIUS: f64 = 0.1;
 /// Steps of the integrator, s.
 const STEPS: [f64; 4] = [0.05, 0.01, 1e-3, 1e-4];
-/// Steps of which the reference is extrapolated.
+/// Number of steps from which the reference is extrapolated.
 const REFERENCE_STEPS: u64 = 40_000;
 
-/// A case, its name and how long it takes, s.
+/// A case with its name and its duration in s.
 struct Named {
     name: &'static str,
     case: Case,
@@ -35,7 +35,7 @@ struct Named {
 
 fn cases() -> Vec<Named> {
     let wall = |ax: f64, ay: f64, bx: f64, by: f64| Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by));
-    // Below a wall along x, in contact.
+    // The disc starts below a wall along x, in contact with it.
     let touching = |angle: f64| Pose::new(0.0, -RADIUS - SKIN, angle);
     let named = |name, walls: Vec<Segment>, start, twist, seconds| {
         let case = Case { walls, radius: RADIUS, friction: 0.3, start, twist };
@@ -111,7 +111,7 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![paths(&cases)] }
 }
 
-/// Walls of a corner and the ways of discs in it.
+/// Walls of a corner, and the paths of discs in it.
 fn paths(cases: &[Named]) -> Figure {
     let corner = &cases[3].case;
     let line = |name: &str, points| Series { name: name.to_owned(), mark: Mark::Line, points };
@@ -152,7 +152,7 @@ mod tests {
     fn the_closed_forms_agree_with_the_reference_and_steps_fall_behind() {
         let rows = run(Effort::Quick).rows;
         let of = |method: &str| rows.iter().filter(|row| row.method == method).map(|row| row.error).collect::<Vec<_>>();
-        // The bound of the issue.
+        // The closed form has to be accurate to a micrometre.
         assert!(of("closed form").iter().all(|error| *error < 1e-6), "{:?}", of("closed form"));
         let steps = of("steps");
         assert!(steps[0] > 1e-4 && steps[3] < 1e-5, "{steps:?}");

@@ -2,8 +2,8 @@
 //!
 //! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one
 //! unknown, solved by bisection. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point
-//! of each wall, by formulas other than the core's. For comparison, a sensor with the same beam that samples rays only, without the
-//! nearest points of the walls.
+//! of each wall, by formulas other than the core's. The study also measures a sensor with the same beam that samples
+//! rays only and ignores the nearest points of the walls.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;

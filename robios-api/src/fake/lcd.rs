@@ -93,7 +93,7 @@ impl LcdBuffer {
         }
     }
 
-    /// Writes the text of one of the four keys.
+    /// Writes the menu text above one of the four keys.
     pub fn menu(&mut self, key: usize, text: &[u8]) {
         let (width, last) = (self.columns() / 4, self.rows() - 1);
         if !text.is_empty() {
@@ -108,7 +108,7 @@ impl LcdBuffer {
         index(x, y).map(|index| self.pixels[index])
     }
 
-    /// 0 clears, 1 sets, 2 inverts; returns true if the pixel is on the display.
+    /// Draws a pixel: `ink` 0 clears, 1 sets, 2 inverts. Returns true if the pixel is on the display.
     pub fn draw(&mut self, x: i32, y: i32, ink: i32) -> bool {
         let Some(index) = index(x, y) else { return false };
         let pixel = &mut self.pixels[index];

@@ -82,7 +82,7 @@ impl Fake {
     }
 }
 
-/// Calls of both generations, carried out at their end.
+/// Calls of both generations; each takes effect at its end.
 impl FakeRobot {
     pub(super) fn leg_count(&self) -> Result<i32, Stop> {
         self.act(|_| self.fake.legs.len() as i32)

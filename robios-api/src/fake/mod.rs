@@ -1,8 +1,9 @@
 //! A fake robot for unit tests of robot programs: no simulator, no files, no world.
 //!
 //! A [`Fake`] describes the robot's devices and scripted events in virtual time; [`Fake::run`] runs a program on it
-//! from start to end and returns a [`Run`], the record of the program's behaviour. Programs without end are stopped at a
-//! limit of virtual time. The robot is ideal: drives take exactly their time, and there are no obstacles.
+//! from start to end and returns a [`Run`], the record of the program's behaviour. A script is a function that gives
+//! the state of a device at a [`Moment`]. Programs without end are stopped at a limit of virtual time. The robot is
+//! ideal: drives take exactly their time, and there are no obstacles.
 //!
 //! ```
 //! use robios_api::fake::Fake;
@@ -128,10 +129,10 @@ impl fmt::Debug for Fake {
 }
 
 impl Fake {
-    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors; limit 60 s.
+    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. Its limit is 60 s.
     ///
-    /// At full power of the motors it drives 0.5 m/s; its wheels are 0.1 m apart; its encoders have 1,000 ticks a
-    /// metre. North is to the left of its start.
+    /// At full power of the motors the robot drives at 0.5 m/s. Its wheels are 0.1 m apart, and its encoders have 1,000
+    /// ticks a metre. At the start north is to its left.
     pub fn new() -> Self {
         Self {
             psds: Vec::new(),
@@ -185,7 +186,7 @@ impl Fake {
         self
     }
 
-    /// Touches the display at a time; RoBIOS-7 alone.
+    /// Touches the display at a time; only in RoBIOS-7.
     pub fn touch(mut self, time: Duration, at: Pixel) -> Self {
         self.touches.push((time, at));
         self.touches.sort_by_key(|(time, _)| *time);
@@ -360,7 +361,7 @@ impl Run {
     /// Returns the run if the program's function returned without an error.
     ///
     /// # Panics
-    /// Otherwise, with the program's end, console and last calls.
+    /// If the program ended otherwise; the message shows its end, its console and its last calls.
     #[track_caller]
     pub fn expect_finished(self) -> Self {
         assert!(self.end == End::Finished, "the program {}", self.summary());
@@ -370,7 +371,7 @@ impl Run {
     /// Returns the run if the program was stopped at the limit of virtual time, as expected of a program without end.
     ///
     /// # Panics
-    /// Otherwise, with the program's end, console and last calls.
+    /// If the program ended otherwise; the message shows its end, its console and its last calls.
     #[track_caller]
     pub fn expect_time_up(self) -> Self {
         assert!(matches!(self.end, End::TimeUp { .. }), "the program {}", self.summary());
@@ -380,7 +381,7 @@ impl Run {
     /// Reason of the program's failure.
     ///
     /// # Panics
-    /// If the program did not fail, with its end, console and last calls.
+    /// If the program did not fail; the message shows its end, its console and its last calls.
     #[track_caller]
     pub fn expect_failed(&self) -> &str {
         match &self.end {
@@ -405,7 +406,8 @@ impl Run {
         self.position
     }
 
-    /// A line of the display at the end, from 0 at the top, without trailing blanks; empty for any other row.
+    /// Text of a line of the display at the end of the run, without trailing blanks. Row 0 is at the top; other rows
+    /// are empty.
     ///
     /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7 for every font; the last line is the
     /// menu.

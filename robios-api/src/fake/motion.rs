@@ -20,9 +20,9 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose after an arc of a length ahead, a length to the left, and a change of heading.
+    /// The pose after a motion with constant twist: a length ahead, a length to the left, and a change of heading.
     pub fn moved(self, ahead: f64, left: f64, angle: f64) -> Self {
-        // The chord of the arc, which is turned by half of the change of heading.
+        // The chord of the arc differs in direction from the initial heading by half of the change of heading.
         let half = angle / 2.0;
         let share = if half.abs() < 1e-8 { 1.0 } else { libm::sin(half) / half };
         let (sin, cos) = (libm::sin(self.phi + half), libm::cos(self.phi + half));
@@ -66,7 +66,7 @@ struct Piece {
     /// Length to the left, for walking robots.
     left: f64,
     angle: f64,
-    /// Duration in seconds; `None`: lengths and angle are rates per second, without end.
+    /// Duration in seconds. `None` for a motion without end, whose lengths and angle are rates per second.
     span: Option<f64>,
 }
 

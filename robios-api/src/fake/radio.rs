@@ -68,15 +68,15 @@ impl RadioState {
 }
 
 impl Fake {
-    /// Delivers a message at a time; it is lost if the radio is switched on later.
+    /// Delivers a message at a time; the message is lost unless the radio is on by then.
     pub fn message(mut self, time: Duration, from: RobotNumber, bytes: impl Into<Vec<u8>>) -> Self {
         self.messages.push((time.as_micros() as u64, Message { from, bytes: bytes.into() }));
         self.messages.sort_by_key(|(time_us, _)| *time_us);
         self
     }
 
-    /// Sets the script by which the other robots answer the program's messages, with the delay of the answer; `None` is no answer, as
-    /// for a lost message.
+    /// Sets the script by which the other robots answer the program's messages. The script gives an answer with its
+    /// delay, or `None` for no answer, as after the loss of a message.
     ///
     /// ```
     /// use robios_api::fake::Fake;

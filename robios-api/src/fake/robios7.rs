@@ -60,7 +60,8 @@ fn span_s(way: i32, pace: i32) -> f64 {
     if pace > 0 { f64::from(way).abs() / f64::from(pace) } else { f64::INFINITY }
 }
 
-/// Label of a key: an empty text clears it, which takes a blank on the display of RoBIOS 6 that serves both generations.
+/// Label of a key. An empty text becomes a blank, which clears the label on the RoBIOS 6 display that serves both
+/// generations.
 fn name_of_key(text: Option<&[u8]>) -> &[u8] {
     text.filter(|text| !text.is_empty()).unwrap_or(b" ")
 }
@@ -486,7 +487,7 @@ impl Robios7 for FakeRobot {
     }
 
     fn VWDrive(&self, dx: i32, dy: i32, lin_speed: i32) -> Result<i32, Stop> {
-        // The arc that leaves along x and passes through (dx, dy): it turns by twice the direction of that place.
+        // An arc that starts along x and ends at (dx, dy) changes the heading by twice the direction of (dx, dy).
         let direction = Angle::towards(Length::from_robios7(dx), Length::from_robios7(dy));
         let chord = Length::of_vector(Length::from_robios7(dx), Length::from_robios7(dy));
         let is_straight = direction.abs() < Angle::degrees(1e-9);

@@ -17,7 +17,7 @@ use super::{Call, End, Fake, Moment, Run};
 use crate::call_site::LastCallSite;
 use crate::robios7::Color;
 
-/// Virtual time of a call that does not wait, in microseconds: that of a slow processor, so that polling loops end.
+/// Virtual time that a call without waiting takes, in microseconds; as on a slow processor, so that polling loops end.
 const COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
@@ -213,7 +213,7 @@ impl FakeRobot {
         if state.is_over { Err(Stop) } else { Ok(pushed_us) }
     }
 
-    /// Index of the sensor with a handle of one bit.
+    /// Index of the sensor with this handle; a handle has exactly one bit set.
     pub(super) fn index_of(handle: i32, count: usize) -> Option<usize> {
         (0..count.min(31)).find(|index| handle == 1 << index)
     }
@@ -289,7 +289,8 @@ impl State {
         said.compose(true_then.relative(self.motion.pose(self.now_us)))
     }
 
-    /// Callback of the first timer that is due, with the clock set to its time; `None` while timers are held back or one runs.
+    /// Callback of the first timer that is due, with the clock set to its time. `None` while timers are held back or the function of a
+    /// timer runs.
     pub(super) fn due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
         if self.is_over || self.tasks.is_leaving() {
             return Err(Stop);

@@ -107,8 +107,8 @@ impl Psd<'_> {
 }
 
 impl Lidar<'_> {
-    /// Sets the angle covered by a scan, half of it to either side; the upward tilt of the scanner; and the number of points, at most
-    /// 65,535.
+    /// Sets the scan: `range` is the angle covered, half of it to either side of straight ahead; `tilt` is the upward
+    /// tilt of the scanner; `points` is the number of points, at most 65,535.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an angle outside 1 to 360 degrees, or no points.
@@ -169,7 +169,8 @@ impl Scan {
         usize::try_from(index).ok().and_then(|index| self.distances.get(index).copied()).flatten()
     }
 
-    /// Shortest distance between two directions, `right` to `left`; `None` if all points there are out of range.
+    /// Shortest distance of the points in directions from `right` to `left`; `None` if all these points are out of
+    /// range.
     pub fn nearest(&self, right: Angle, left: Angle) -> Option<Length> {
         let inside = self.points().filter(|(direction, _)| (right..=left).contains(direction));
         inside.filter_map(|(_, distance)| distance).reduce(Length::min)

@@ -98,8 +98,8 @@ impl Drive<'_> {
 
     /// Starts to drive along a circular arc, and does not wait; replaces a drive in progress.
     ///
-    /// `length` is the arc's, negative for backwards; `angle` the change of heading, positive for counter-clockwise;
-    /// `speed` above 0.
+    /// `length` is the length of the arc, negative for backwards. `angle` is the change of heading, positive for
+    /// counter-clockwise. `speed` is above 0.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take.
@@ -123,7 +123,7 @@ impl Drive<'_> {
         Ok(self)
     }
 
-    /// Remainder of the drive in progress, to 1 mm or 1 degree; 0 when done.
+    /// Remaining length or angle of the drive in progress, to 1 mm or 1 degree; 0 when it is done.
     #[track_caller]
     pub fn remaining(&self) -> Remaining {
         let remaining: i32 = robios7!(self.0, VWRemain());
@@ -161,9 +161,10 @@ impl Drive<'_> {
         }
     }
 
-    /// Starts the PI controllers of speed and rate of turn; gains are passed in tenths, reset times in hundredths of a second.
+    /// Starts the PI controllers of speed and rate of turn; gains are rounded to tenths, reset times to hundredths of a
+    /// second.
     ///
-    /// Typical are gains of 7 with reset times of 0.3 s and 0.1 s.
+    /// Typical are gains of 7, with a reset time of 0.3 s for `speed` and 0.1 s for `turn`.
     ///
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the gains.

@@ -171,8 +171,9 @@ impl Radio {
     /// Waits for a value and returns it with the address of its sender.
     ///
     /// # Errors
-    /// [`Error::Garbled`] for a message that does not decode to such a value to its last byte. Inverted bits cause this error or a
-    /// wrong value; a checksum detects the latter. Otherwise as for [`receive`](Self::receive).
+    /// [`Error::Garbled`] if the bytes of the message are not exactly one encoded value. Inverted bits cause this error
+    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise as for
+    /// [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;

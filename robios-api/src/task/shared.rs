@@ -9,7 +9,8 @@ use crate::{Result, Robot};
 
 /// A value shared between tasks. Clones refer to the same value; one task at a time can lock it.
 ///
-/// Tasks wait at the semaphore; the mutex inside, which is then uncontended, makes sharing safe for every schedule.
+/// Tasks wait at a semaphore of RoBIOS. The mutex inside is therefore never contended; it makes sharing safe for every
+/// schedule.
 #[derive(Debug)]
 pub struct Shared<T> {
     semaphore: Semaphore,

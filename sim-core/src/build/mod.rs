@@ -40,7 +40,7 @@ pub fn walls(world: &WorldSpec) -> Arc<Walls> {
 pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
     let (mut segments, mut heights) = segments(&scene.world);
     for object in scene.objects.iter().filter(|object| object.kind.is_fixed) {
-        // An object without colliders still has one part.
+        // An object without colliders still has one part, which is infinitely high.
         let tops = object.kind.colliders.iter().map(Collider::top).chain([f64::INFINITY]);
         for (corners, top) in properties(object).outlines(&object.pose).into_iter().zip(tops) {
             let next = corners.iter().cycle().skip(1);
@@ -64,10 +64,10 @@ pub fn ground(world: &WorldSpec) -> Arc<Ground> {
     Arc::new(height_field(world).map_or(Ground::Flat, |field| Ground::Field(Arc::clone(field))))
 }
 
-/// Geometry of a scene that only rays in space distinguish, in addition to its [`obstacles`] and [`movable`] objects:
-/// shapes of bodies and upper faces of walls.
+/// Shapes of bodies and upper faces of walls in space. Only rays in space use them, in addition to the scene's
+/// [`obstacles`] and [`movable`] objects.
 ///
-/// Robots are upright cylinders of their diameter, as high as the highest part of their shape if the file gives one.
+/// A robot is an upright cylinder of its diameter, as high as its highest collider; infinitely high without colliders.
 pub fn space(scene: &SceneSpec) -> Space {
     let world = &scene.world;
     let mut surfaces = Vec::new();
@@ -86,7 +86,7 @@ pub fn space(scene: &SceneSpec) -> Space {
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
     let mut objects = Vec::new();
-    // Objects and robots of one type share their figures; the maps are never iterated.
+    // Objects or robots of one type share one figure. The keys are addresses, so the maps must never be iterated.
     let (mut of_types, mut of_robis) = (BTreeMap::new(), BTreeMap::new());
     for object in &scene.objects {
         let figure = of_types.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
@@ -111,9 +111,9 @@ pub fn space(scene: &SceneSpec) -> Space {
     }
 }
 
-/// Default surface of the ground. Floors, stairs and meshes are smooth: echoes of a rough floor would mask all others
-/// for a low sonar. Hills are rough: a specular surface of facets would return hardly any echo, because no facet need
-/// face the sensor. Our choice.
+/// Default surface of the ground. Floors, stairs and meshes are smooth, because echoes of a rough floor would mask all
+/// other echoes for a low sonar. Hills are rough, because no facet of a smooth hill need face the sensor, so that it
+/// would return hardly any echo. Our choice.
 fn default_ground_surface(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
         Some(TerrainShape::Image(_) | TerrainShape::Relief(_)) => Surface::ROUGH,
@@ -127,7 +127,7 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
     Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
-/// The shape in space of an object's type: its colliders, or its mesh if that is solid; with neither, its
+/// The shape in space of an object's type: its colliders, or its mesh if the mesh is solid; without both, its
 /// footprint.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
@@ -227,7 +227,7 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
         let LinkSpec { mount, turn, .. } = &robi.links[*index];
         let axis = match turn.as_ref().map_or(Axis::Z, |turn| turn.axis) {
             Axis::X => DVec3::X,
-            // A positive angle raises x, as a pitch does.
+            // A positive joint angle raises the link's x axis, as a positive pitch does.
             Axis::Y => DVec3::NEG_Y,
             Axis::Z => DVec3::Z,
         };
@@ -270,7 +270,7 @@ fn parent_link(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option
     on.and_then(|on| places.get(on.text.as_str()).copied())
 }
 
-/// Indices of the links in [`links`] by name; of several with the same name, the first counts.
+/// Indices of the links in [`links`] by name; of several links with the same name, the first counts.
 fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut places = BTreeMap::new();
     let mut first = 0;
@@ -294,7 +294,7 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut is_placed = vec![false; robi.links.len()];
     let mut order = Vec::with_capacity(robi.links.len());
     for index in 0..robi.links.len() {
-        // Up to the first link already in the order, then down again.
+        // Climbs from the link to the first ancestor already in the order, then appends the chain from the top down.
         let mut chain = Vec::new();
         let mut at = Some(index);
         while let Some(link) = at.filter(|link| !is_placed[*link]) {
@@ -386,8 +386,8 @@ pub fn hull_height(robi: &RobiSpec) -> f64 {
     robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
 }
 
-/// The rule by which a robot meets walls with this friction: the lower of two coefficients of friction holds, as among objects. A
-/// hull always slides, since it may rise and sink meanwhile.
+/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects. A hull always
+/// slides, since it may rise and sink meanwhile.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
         ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,

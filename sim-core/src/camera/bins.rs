@@ -14,7 +14,7 @@ pub struct Bins {
     pub faces: Vec<Face>,
     /// By tile, the numbers of its faces in ascending order.
     pub tiles: Vec<Vec<u32>>,
-    /// Corners of a cluster in lens space, with their landmarks.
+    /// Buffer: corners of the cluster in progress in lens space, with their landmarks.
     corners: Vec<(DVec3, DVec3)>,
 }
 

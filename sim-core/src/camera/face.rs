@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3};
 /// A face in lens space (see [`optics`](super::optics)), prepared for ray tests.
 #[derive(Clone, Debug)]
 pub struct Face {
-    /// Cross products of pairs of corners, with the sign that makes all of them positive along rays that hit the face.
-    /// Those of an edge shared by two faces differ only in sign.
+    /// Cross products of pairs of corners, with the sign that makes all three dot products with a ray positive if the
+    /// ray hits the face. The products of an edge shared by two faces differ only in sign.
     pub edges: [DVec3; 3],
     /// Plane of the face: its dot product with a ray is the reciprocal of the ray's parameter at the plane.
     pub plane: DVec3,
@@ -23,8 +23,8 @@ pub struct Face {
 /// Limit of all coefficients of a face, so that nothing overflows in `f32`.
 const GREATEST: f64 = 1e30;
 
-/// Reciprocal of the least distance in metres between camera and plane; a face nearer to edge-on is within rounding of
-/// it. Our choice.
+/// Reciprocal of the least distance in metres between camera and plane. At a smaller distance rounding decides whether
+/// the camera sees the face, so the face counts as edge-on. Our choice.
 const NEAREST: f64 = 1e9;
 
 impl Face {

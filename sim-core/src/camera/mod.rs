@@ -10,29 +10,30 @@
 //! y to the left, z up.
 //!
 //! # Definition of a hit
-//! A ray from the camera hits a face if it lies in the cone over the face's corners, from either side: with the corners
-//! v0, v1, v2 in the camera's frame and e0 = v1 x v2 (and so on), all e . ray have the sign of the determinant v0 . e0
-//! (ray against edges: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997). The test is
-//! the same for every lens, and faces behind the camera or across its plane need no clipping. Edges are widened by 1e-4
-//! pixels (2e-6 rad for a fisheye), more than all rounding, so that nothing shows through between faces that share an
-//! edge or a corner. Of coplanar faces the first is seen: the lower part number, then the lower triangle number. A
-//! camera less than 1 nm from a face's plane sees the face edge-on: not at all. Below everything lies the ground, the
-//! plane z = 0, visible only from above, and behind everything the sky; neither is a face, both are computed. Our
-//! choices.
+//! A ray from the camera hits a face if it lies in the cone over the face's corners, from either side. With the corners
+//! v0, v1, v2 in the camera's frame and e0 = v1 x v2 (and so on), all dot products e . ray then have the sign of the
+//! determinant v0 . e0 (ray against edges: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates,
+//! 1997). The test is the same for every lens, and faces behind the camera or across its plane need no clipping. Edges
+//! are widened by 1e-4 pixels (2e-6 rad for a fisheye), which exceeds all rounding, so that nothing shows through
+//! between faces that share an edge or a corner. Of coplanar faces the one with the lower part number is seen, then the
+//! one with the lower triangle number. A face is invisible to a camera less than 1 nm from the face's plane. The ground
+//! is the plane z = 0, visible only from above; behind all faces and the ground is the sky. Ground and sky are computed
+//! without faces. Our choices.
 //!
 //! # Colour
 //! The colour of a surface is that of its material times its texture, times the light: `ambient`, `fill` times (1 + n .
 //! f) / 2, where f points to the side opposite to the sun, and `diffuse` times n . l if the sun reaches the surface. On
 //! faces with normals at the corners, n is interpolated between them; it is flipped to the side from which the face is
-//! seen. With `shadows`, the sun reaches a place if no other face, more than 1e-6 m away, covers the sun: hard shadows,
-//! exact, cast by everything visible, a camera's own robot too; the ground casts none. Textures are filtered: see
-//! [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255, without gamma correction.
+//! seen. With `shadows`, the sun reaches a place if no other face, more than 1e-6 m away, covers the sun. Shadows are
+//! hard and exact. Every visible face casts them, also faces of the camera's own robot; the ground casts none. Textures
+//! are filtered: see [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255, without gamma
+//! correction.
 //!
 //! # Implementation
 //! Faces are binned into tiles of 8 x 8 pixels (`bins`); for each tile, `tile` finds the nearest face of each pixel
 //! with SIMD instructions, and `shade` then colours the pixels, face by face. Linear forms on rays are set up in `f64`
-//! and evaluated relative to a tile's middle in `f32`. The bits are the same on every processor: no operations are
-//! fused, and no sum runs over lanes.
+//! and evaluated relative to a tile's middle in `f32`. The bits of an image are the same on every processor, because no
+//! operations are fused and no sum runs over lanes.
 
 mod bins;
 mod face;

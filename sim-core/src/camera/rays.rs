@@ -18,7 +18,7 @@ pub struct RayTable {
     made_for: Option<(Lens, [u32; 2])>,
     /// Ray components by axis, row by row, with a border of one ray around the pixels of the tiles.
     axes: [Vec<f32>; 3],
-    /// Flags of the rays that are in the image; the others serve the differences between pixels.
+    /// Flags of the rays that are in the image; the others only serve to compute differences between pixels.
     is_shown: Vec<bool>,
     stride: usize,
     cones: Vec<Cone>,
@@ -127,8 +127,8 @@ impl Window {
         (middle, size * self.radius)
     }
 
-    /// Tolerance below 0 for an edge of a face that a ray hits: 1e-4 pixels, or 2e-6 rad for a fisheye. Above
-    /// the rounding of `f32`, so that nothing shows through between faces that share an edge or a corner.
+    /// Tolerance below 0 for an edge of a face that a ray hits: 1e-4 pixels, or 2e-6 rad for a fisheye. The tolerance
+    /// exceeds the rounding of `f32`, so that nothing shows through between faces that share an edge or a corner.
     #[inline(always)]
     pub fn slack<const FLAT: bool>(&self, edge: DVec3) -> f64 {
         if FLAT { 1e-4 * (edge.x.abs() + edge.y.abs()) } else { 2e-6 * edge.length() }

@@ -18,8 +18,8 @@ pub struct RenderMesh {
     /// Corners by cluster, each once per cluster.
     pub corners: Vec<DVec3>,
     pub faces: Vec<ShapeFace>,
-    /// By triangle of the mesh, its unit normal on the side from which the corners are counter-clockwise; 0 without
-    /// area.
+    /// By triangle of the mesh, its unit normal on the side from which the corners are counter-clockwise; 0 for a
+    /// triangle without area.
     pub normals: Vec<DVec3>,
 }
 

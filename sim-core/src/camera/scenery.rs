@@ -14,7 +14,7 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// Class and id of the object that a pixel shows.
+/// Class and id of the surface that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Label {
     /// The sky: no surface.
@@ -63,8 +63,8 @@ pub struct Light {
     pub towards: DVec3,
     /// Share of light that reaches every surface equally.
     pub ambient: f64,
-    /// Share that comes, without shadows, from the side opposite to the sun, so that surfaces in the shade differ as
-    /// well.
+    /// Share that comes, without shadows, from the side opposite to the sun, so that faces in the shade differ in
+    /// brightness too.
     pub fill: f64,
     /// Share of the sun on a surface that faces it directly.
     pub diffuse: f64,

@@ -1,8 +1,8 @@
 //! Shadows: a grid across the sun's direction with the faces that cast shadows.
 //!
-//! The shadows are hard and exact, without a shadow map: a place is in the shade if, seen from it, the sun is covered
-//! by a face other than its own and farther than [`AWAY`]. Everything visible casts shadows, a camera's own robot too;
-//! the ground casts none. Our choice.
+//! The shadows are hard and exact, without a shadow map: a place is in the shade if a face other than its own, farther
+//! away than [`AWAY`], covers the sun as seen from the place. Everything visible casts shadows, a camera's own robot
+//! too; the ground casts none. Our choice.
 
 use glam::{DVec2, DVec3};
 
@@ -14,7 +14,7 @@ pub const AWAY: f64 = 1e-6;
 /// Enlargement of a face on all sides, in metres, so that no light passes between two faces.
 const SLACK: f64 = 1e-9;
 
-/// Axes of a frame in which the sun is at infinity on the third.
+/// Axes of a frame in which the sun is infinitely far away along the third axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([DVec3; 3]);
 
@@ -37,7 +37,7 @@ struct Caster {
     /// By edge, distance from it in metres, positive inside, as a linear function of the position across the sun's
     /// direction.
     edges: [[f64; 3]; 3],
-    /// Coordinate of the face towards the sun, as such a function.
+    /// Coordinate of the face towards the sun, m, also a linear function of the position across the sun's direction.
     height: [f64; 3],
     /// Greatest coordinate towards the sun.
     highest: f64,
@@ -71,8 +71,8 @@ impl Axes {
 }
 
 impl Caster {
-    /// `None` for a face edge-on to the sun, and for one of a closed surface that points away from the sun: others cast
-    /// its shadow.
+    /// `None` for a face edge-on to the sun. Also `None` for a face of a closed surface that points away from the sun,
+    /// because faces that point to the sun cast the same shadow.
     fn new((part, triangle): (u32, u32), corners: [DVec3; 3], is_closed: bool) -> Option<Self> {
         let [a, b, c] = corners.map(DVec3::truncate);
         let area = (b - a).perp_dot(c - a);

@@ -8,8 +8,8 @@ use super::shadow::{Axes, ShadowGrid};
 use super::texture::MipMap;
 use super::{Ground, Light, PosedScenery, Scenery, View};
 
-/// A value that varies over a surface: `base` plus the ratio of the dot product of `form` with the ray to that of the
-/// surface's plane.
+/// A value that varies over a surface. At a ray it is `base` plus the quotient of two dot products with the ray, that
+/// of `form` over that of the surface's plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Attribute {
     pub base: f64,
@@ -18,11 +18,11 @@ pub struct Attribute {
 
 /// Properties of a surface, common to all pixels that show it.
 pub struct ShadedSurface<'a> {
-    /// Its dot product with a ray is the reciprocal of the ray's parameter at the surface.
+    /// Plane of the surface: its dot product with a ray is the reciprocal of the ray's parameter at the surface.
     pub plane: DVec3,
     /// Red, green, blue, 0 to 255, without an image.
     pub colour: [f32; 3],
-    /// Factors on the image's colours.
+    /// Factors on the image's colours: red, green, blue.
     pub tint: [f32; 3],
     pub image: Option<Image<'a>>,
     pub light: Lighting,
@@ -41,8 +41,8 @@ pub struct Image<'a> {
 /// Light on a surface: indirect light, and light of the sun.
 pub enum Lighting {
     Flat(Shares),
-    /// Varies with the normal, whose components (world frame, on the visible side, not normalised) these forms give;
-    /// the shares of the flat face serve where the normal vanishes.
+    /// Varies with the normal. The forms give the components of the normal (world frame, on the visible side, not
+    /// normalised); the shares are those of the flat face and are used where the normal vanishes.
     Smooth([DVec3; 3], Shares),
 }
 
@@ -69,7 +69,8 @@ pub struct Sun<'a> {
 }
 
 impl Sun<'_> {
-    /// Subset in the sun of the bit mask `pixels`, which show the face `own`; `ray_of` gives their rays in lens space.
+    /// Returns the pixels of the bit mask `pixels` that are in the sun. The pixels show the face `own`; `ray_of` gives
+    /// their rays in lens space.
     pub fn reaches(&self, plane: DVec3, own: (u32, u32), pixels: u64, ray_of: &dyn Fn(usize) -> DVec3) -> u64 {
         let mut lit = pixels;
         let mut last = [usize::MAX; 2];

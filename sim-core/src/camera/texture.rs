@@ -17,16 +17,16 @@ pub enum Wrap {
 /// A mip map: an image in all its levels, each half as wide and high as the one before (Williams, Pyramidal
 /// parametrics, 1983).
 ///
-/// A texel of a level is the mean of the two by two below it, or of the one or two that exist, rounded half up; a last
-/// odd row or column is left out.
+/// A texel of a level is the mean of the two by two texels of the level before, or of the one or two that exist,
+/// rounded half up. A last odd row or column is left out.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
 /// the derivatives of u and v at the pixel's middle (for a fisheye, half the difference of the rays of the neighbouring
-/// pixels). The footprint counts as long as the longer axis, L, and as wide as the shorter, S. It is sampled with n =
-/// |L| / max(3 |S|, 1) probes, limited to 1 to 2, each L / n long: a footprint up to three times as long as wide takes
-/// one probe, and no probe is shorter than a texel. Two probes lie at the distances (1 - 1/n) / 2 of L on either side
-/// of the middle. The colour is the mean of the probes, and changes continuously with the footprint.
+/// pixels). The footprint is taken to be as long as the longer axis, L, and as wide as the shorter, S. It is sampled
+/// with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each L / n long. So a footprint up to three times as long as
+/// wide takes one probe, and no probe is shorter than a texel. Two probes lie at the distances (1 - 1/n) / 2 of L on
+/// either side of the middle. The colour is the mean of the probes, and changes continuously with the footprint.
 ///
 /// A probe of level = log2(|L| / n) samples the level of the nearest integer, in which it blends the four nearest
 /// texels linearly; in the quarter of a level around the middle between two levels it blends both, linearly in level.

@@ -27,9 +27,9 @@ impl Tile {
     }
 }
 
-/// Margin by which a face must be nearer to cover an earlier one, relative to the greatest reciprocal distance of the
-/// face in the tile, so that of coplanar faces the first is seen. It shifts the line where two faces intersect by less
-/// than 1e-5 pixels.
+/// Margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces is seen.
+/// Relative to the greatest reciprocal distance of the face in the tile. The margin shifts the line where two faces
+/// intersect by less than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
 /// Finds the face shown by each pixel of a tile: one of the listed `faces`, or the ground, whose plane is `ground`.
@@ -62,7 +62,7 @@ fn nearest<S: Simd, const FLAT: bool>(
     let lanes = S::f32s::LEN;
     let mut nearest = [0.0_f32; PIXELS];
     *shown = [SKY; PIXELS];
-    // Every pixel's nearest hit has at least this reciprocal distance.
+    // Least reciprocal distance of the nearest hits of all pixels: a face farther away everywhere can be skipped.
     let mut all_nearer = 0.0;
     let (middle, more) = window.range::<FLAT>(ground);
     if middle + more > 0.0 {

@@ -1,7 +1,8 @@
-//! When a moving disc meets something: time of impact with static walls and with other discs; and how it slides along walls.
+//! Contacts of a moving disc: time of impact with static walls and with other discs, and sliding along walls.
 //!
-//! A body keeps a skin of 1 um: it is in contact when the gap to its neighbour is no more, and then it may move in any
-//! way that approaches no contact point. The room knows paths and shapes, not what a robot does about a contact.
+//! A body is in contact when the gap to its neighbour is no larger than the skin of 1 um. In contact the body may still
+//! move in every way that does not approach a contact point. This room computes paths and shapes; what a robot does at
+//! a contact is decided in `drive`.
 
 mod pair;
 mod path;
@@ -17,25 +18,26 @@ pub use wall::{WallContact, first_contact};
 
 use crate::{ObjectId, RobotId, scene::WallId};
 
-/// Gap in metres that is contact. Source: design section 4.
+/// Greatest gap in metres at which two bodies are in contact. Source: design section 4.
 pub const SKIN: f64 = 1e-6;
 
-/// Gap in metres below which a body that sets off counts as in contact: the skin, and 1 nm for the rounding of poses.
+/// Greatest gap in metres at which a body that starts to move counts as in contact: the skin, plus 1 nm for the
+/// rounding of poses.
 pub const TOUCH: f64 = SKIN + 1e-9;
 
-/// Speed along the normal in m/s above which a body approaches another one: far above rounding, and a creep of less than
-/// 0.1 mm a day.
+/// Speed along the normal in m/s above which a body counts as approaching another one. The speed is far above rounding,
+/// and moves a body by less than 0.1 mm a day.
 pub const APPROACH: f64 = 1e-9;
 
-/// What a body, a leg or a ray meets.
+/// What a body, a leg or a ray can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Thing {
-    /// A static wall; for rays of a thick one, one of its sides, also for its upper face.
+    /// A static wall. A thick wall consists of its four sides; a ray that hits its upper face reports one of the sides.
     Wall(WallId),
-    /// The floor, or for legs the ground: met by rays and legs alone.
+    /// The floor, or for legs the ground. Only rays and legs can meet it.
     Floor,
-    /// A body that never moves, by its place in [`Space::fixed`](crate::world::Space::fixed): met by rays and legs alone; in the plane
-    /// its outlines are walls.
+    /// A body that never moves, by its index in [`Space::fixed`](crate::world::Space::fixed). Only rays and legs can
+    /// meet it; in the plane its outlines are walls.
     Fixed(u32),
     /// The body of a robot.
     Robot(RobotId),
@@ -43,19 +45,19 @@ pub enum Thing {
     Object(ObjectId),
 }
 
-/// A thing in contact with a body, and where.
+/// An obstacle in contact with a body, and the touched point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    /// What is touched.
+    /// The touched obstacle.
     pub thing: Thing,
-    /// The touched point, in the world.
+    /// The touched point in the world frame, m.
     pub point: DVec2,
 }
 
 /// The body of a robot at an instant: a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Whose body.
+    /// The robot.
     pub robot: RobotId,
     /// Centre in the world, m.
     pub centre: DVec2,

@@ -1,8 +1,8 @@
-//! First contact of two moving discs, by steps that are safe by a bound on the second derivative of their gap.
+//! First contact of two moving discs, found in steps that a bound on the second derivative of their gap makes safe.
 
 use super::{APPROACH, Path, TOUCH};
 
-/// A disc on its way: its centre's path, how long it has been on it, and its radius.
+/// A moving disc: the path of its centre, the time since the path's start, and its radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rolling {
     /// Path of the centre.
@@ -13,14 +13,14 @@ pub struct Rolling {
     pub radius: f64,
 }
 
-/// Seconds until two discs are in contact and approach each other, if before `span` seconds.
+/// Seconds until two discs are in contact and approach each other; `None` if that takes `span` seconds or longer.
 ///
-/// The gap's second derivative is at least minus the sum A of both accelerations, so that from gap g with rate g' no
-/// contact comes before the root of g + g' h - A h^2 / 2: stepping there again and again comes to the contact from before
-/// and passes none.
+/// The second derivative of the gap is at least -A, where A is the sum of the accelerations of both discs. From a gap g
+/// with rate g', the discs cannot meet before the root h of g + g' h - A h^2 / 2. Repeated steps to this root therefore
+/// converge to the contact from before and never pass one.
 pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
-    // Discs that roll along each other in contact are looked at anew this often.
+    // Least step in seconds for discs that roll along each other in contact.
     let patience = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
     while t < span {
@@ -33,7 +33,7 @@ pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
             let excess = gap - TOUCH;
             let root = (rate * rate + 2.0 * acceleration * excess).sqrt();
             let step = if rate < 0.0 { 2.0 * excess / (root - rate) } else { (rate + root) / acceleration };
-            // Half a picosecond ends the approach to the contact; the gap is then a rounding error.
+            // The least step of half a picosecond ends the iteration; the remaining gap is then a rounding error.
             t += step.max(5e-13);
             if !step.is_finite() {
                 return None;
@@ -41,7 +41,7 @@ pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
         } else if rate < -APPROACH {
             return Some(t);
         } else if acceleration == 0.0 {
-            // Two straight lines part for ever once they do.
+            // Two discs on straight lines that do not approach each other now never will.
             return None;
         } else {
             t += ((rate + APPROACH) / acceleration).max(patience);

@@ -10,51 +10,54 @@ use crate::{
     scene::Bounds,
 };
 
-/// The way of a point that moves at constant twist: a straight line, a circle, or rest; or that slides along such a track. Times
-/// are seconds since its start.
+/// The path of a point that moves at constant twist (a straight line, a circle, or rest), or that slides along such a
+/// line or circle, its track. Times are seconds since the path's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
-    /// Where it starts, in the world, m.
+    /// Position at the start, in the world frame, m.
     pub origin: DVec2,
-    /// Unit vector of the moving frame's x axis at the start.
+    /// Unit vector of the moving frame's x axis at the start, in the world frame.
     pub direction: DVec2,
-    /// Twist of the moving frame; of a track the twist at 1 m/s along it.
+    /// Twist of the moving frame. For a sliding point, the twist at which the track would be followed at 1 m/s.
     pub twist: Twist,
-    /// How fast the point moves.
+    /// Speed of the point along the path.
     pub pace: Pace,
 }
 
-/// How fast a point moves on its path.
+/// Speed of a point along its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// With the path's twist, which the body's heading follows.
+    /// The point moves with the path's twist, and the body's heading follows the path.
     Even,
-    /// Along the path's track by a law of its own, while the body's heading turns at `omega` rad/s.
+    /// The point slides along the path's track as `law` states, while the body's heading turns at `omega` rad/s.
     Led {
         /// Turning speed of the body, rad/s.
         omega: f64,
-        /// The length covered as a function of time.
+        /// The length covered, as a function of time.
         law: Law,
     },
 }
 
-/// The length that a sliding point has covered as a function of time: a closed form, that grows for as long as the path holds.
+/// The length that a sliding point has covered as a function of time, in closed form. It grows as long as the path is
+/// valid.
 ///
-/// The rates are those of the angle beta of docs/motion.md, the direction of the push against the contact's tangent.
+/// Beta is the angle of docs/motion.md, section Sliding: the angle of the push from the contact's normal, plus the
+/// angle of friction where the rim slides to the left of the normal, minus that angle where it slides to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// Constant speed, m/s.
     Steady(f64),
-    /// Along a straight wall, of a body that turns: speed `speed` sin(`phase` + `rate` t).
+    /// A turning body slides along a straight wall at the speed `speed` sin(`phase` + `rate` t).
     Wave {
-        /// Greatest speed, m/s; negative where the track leads against the contact's tangent.
+        /// Greatest speed, m/s; negative where the track points against the contact's tangent.
         speed: f64,
         /// Beta at the start, rad.
         phase: f64,
         /// Rate of beta, rad/s.
         rate: f64,
     },
-    /// Around a point: speed `speed` sin(beta), with the rate of beta `rate` - `speed` / `radius` sin(beta).
+    /// A body slides around a point, such as a wall's end, at the speed `speed` sin(beta); beta changes at the rate
+    /// `rate` - `speed` / `radius` sin(beta).
     Round {
         /// Distance of the track from the point, m.
         radius: f64,
@@ -62,9 +65,9 @@ pub enum Law {
         speed: f64,
         /// Beta at the start, rad.
         phase: f64,
-        /// Turning speed of the push, rad/s.
+        /// Rate at which the direction of the push turns, rad/s.
         rate: f64,
-        /// 1, or -1 where the track leads against the contact's tangent.
+        /// 1 where the track points along the contact's tangent, -1 where it points against it.
         sense: f64,
     },
 }
@@ -91,7 +94,7 @@ impl Law {
         }
     }
 
-    /// A bound of the acceleration of a point on a track of this curvature (1/m), m/s^2.
+    /// Upper bound of the acceleration, m/s^2, of a point on a track of this curvature (1/m).
     fn acceleration(&self, curvature: f64) -> f64 {
         match *self {
             Self::Steady(speed) => speed * speed * curvature.abs(),
@@ -100,17 +103,19 @@ impl Law {
         }
     }
 
-    /// What beta has gained after `seconds`, rad.
+    /// Change of beta after `seconds`, rad; 0 for other laws than [`Law::Round`].
     fn turned(&self, seconds: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return 0.0 };
         let pull = speed / radius;
         let (sin, cos) = math::sin_cos(phase);
-        // z = tan(beta / 2) obeys a Riccati equation; as a quotient of two solutions of a linear one it has no pole.
+        // z = tan(beta / 2) obeys a Riccati equation. As a quotient of two solutions of a linear equation, z has no
+        // pole.
         let (even, odd) = growth(pull, rate, seconds);
         2.0 * math::atan2(0.5 * odd * (rate - pull * sin), even + 0.5 * odd * pull * cos)
     }
 
-    /// Seconds after which beta, of [`Law::Round`], has gained `angle`, up to half a turn; infinite where it never does.
+    /// Seconds after which the beta of [`Law::Round`] has changed by `angle`, up to half a turn; infinite if it never
+    /// does.
     pub(super) fn seconds_to_turn(&self, angle: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return f64::INFINITY };
         let pull = speed / radius;
@@ -132,7 +137,8 @@ impl Law {
     }
 }
 
-/// Even and odd part of the solution of the linear equation: cosh(q t) and sinh(q t) / q up to a common factor, or cos and sin.
+/// Even and odd solution of the linear equation y'' = s y, with s = (`pull`^2 - `rate`^2) / 4 and q = sqrt |s|. For
+/// s > 0 these are cosh(q t) and sinh(q t) / q, up to a common factor; for s < 0 they are cos(q t) and sin(q t) / q.
 fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
     let square = 0.25 * (pull - rate) * (pull + rate);
     let q = square.abs().sqrt();
@@ -154,17 +160,17 @@ impl Path {
         Self { origin: pose.position, direction: pose.heading.direction(), twist, pace: Pace::Even }
     }
 
-    /// A point that stays.
+    /// The path of a point at rest.
     pub fn resting(origin: DVec2) -> Self {
         Self { origin, direction: DVec2::X, twist: Twist::ZERO, pace: Pace::Even }
     }
 
-    /// True when the point stays where it is, though its frame may turn.
+    /// Returns true if the point is at rest; its frame may still turn.
     pub fn is_resting(&self) -> bool {
         self.twist.vx == 0.0 && self.twist.vy == 0.0
     }
 
-    /// Speed along the path, m/s; along a track 1.
+    /// Speed of the twist, m/s: for constant twist the speed of the point, for a sliding point 1.
     pub fn speed(&self) -> f64 {
         self.twist.speed()
     }
@@ -177,7 +183,7 @@ impl Path {
         }
     }
 
-    /// A bound of the acceleration, m/s^2.
+    /// Upper bound of the acceleration, m/s^2.
     pub fn acceleration(&self) -> f64 {
         match self.pace {
             Pace::Even => self.speed() * self.twist.omega.abs(),
@@ -185,7 +191,7 @@ impl Path {
         }
     }
 
-    /// Seconds at the path's twist that lead to where the point is after `seconds`.
+    /// Time in seconds at which the path's twist alone reaches the point's position after `seconds`.
     fn even_seconds(&self, seconds: f64) -> f64 {
         match self.pace {
             Pace::Even => seconds,
@@ -213,26 +219,26 @@ impl Path {
         }
     }
 
-    /// Seconds after which a curved path of even pace repeats itself; infinite for a straight one.
+    /// Seconds after which a circle of constant twist repeats itself; infinite for a straight line.
     pub fn period(&self) -> f64 {
-        // 0 turns into infinity.
+        // Without turning, the quotient is infinite.
         TAU / self.twist.omega.abs()
     }
 
-    /// A rectangle that holds the path from `from` to `to` seconds.
+    /// A rectangle that contains the path from `from` to `to` seconds.
     pub fn bounds(&self, from: f64, to: f64) -> Bounds {
         let (middle, reach) = self.surrounding_disc(from, to);
         Bounds::of_disc(middle, reach)
     }
 
-    /// Centre and radius of a disc that holds the path from `from` to `to` seconds.
+    /// Centre and radius of a disc that contains the path from `from` to `to` seconds.
     pub fn surrounding_disc(&self, from: f64, to: f64) -> (DVec2, f64) {
         if self.is_resting() {
             return (self.origin, 0.0);
         }
         let (from, to) = (self.even_seconds(from), self.even_seconds(to));
         let speed = self.speed();
-        // No point is farther from the middle than half the way, or than the circle is wide.
+        // No point is farther from the middle than half the length of the way, or than the diameter of the circle.
         let half_way = 0.5 * speed * (to - from);
         let middle = Self { pace: Pace::Even, ..*self }.position(0.5 * (from + to));
         (middle, half_way.min(2.0 * speed / self.twist.omega.abs()))

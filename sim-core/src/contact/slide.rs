@@ -1,7 +1,9 @@
-//! A disc that its wheels push against walls: the quasi-static contact problem, and the stretch of motion that comes of it.
+//! Sliding of a disc whose wheels push it against walls: the quasi-static contact problem, and the stretches of motion
+//! that solve it.
 //!
-//! Formulas, frames and why the solution is unique: docs/motion.md, section Sliding. A stretch is a closed form, and ends where
-//! another one begins: at an angle at which what holds the body changes, at an end of a wall, at another wall.
+//! docs/motion.md, section Sliding, gives the formulas and frames and shows that the solution is unique. Each stretch
+//! of motion has a closed form. A stretch ends where the kind of contact changes, where a wall ends, or where the disc
+//! meets another wall.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -14,13 +16,13 @@ use crate::{
     scene::{Bounds, Segment, WallId, Walls},
 };
 
-/// Angles in rad that are nearer than this count as equal.
+/// Difference in rad up to which two angles count as equal.
 const SAME_ANGLE: f64 = 1e-12;
 
-/// A disc under a push.
+/// A disc that is pushed along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// Where the centre would go without contacts: a path of even pace.
+    /// Path of the centre without contacts, at constant twist.
     pub free: Path,
     /// Radius of the disc, m.
     pub radius: f64,
@@ -33,17 +35,17 @@ pub struct Push {
 pub struct Slide {
     /// Path of the centre.
     pub path: Path,
-    /// Seconds until something changes; of a free stretch infinite, whatever it meets.
+    /// Duration in seconds. Infinite for a free stretch, because its end at the next wall is found elsewhere.
     pub after: f64,
-    /// What the disc is pressed against; `None` for a free stretch.
+    /// Wall against which the disc is pressed, and the touched point; `None` for a free stretch.
     pub against: Option<(WallId, DVec2)>,
-    /// What ends the stretch, if it is a wall that was not touched before.
+    /// Wall at which the stretch ends, if the disc did not touch that wall before.
     pub meets: Option<WallId>,
 }
 
 impl Push {
-    /// How the disc goes on from the start of its free path, with the walls that it touches there, `met` among them, for at most
-    /// `duration` seconds.
+    /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are found
+    /// at the start; `met` counts as touched in any case.
     pub fn slide(&self, walls: &Walls, met: Option<WallId>, duration: f64) -> Slide {
         let touched = self.touched(walls, met);
         if !touched.iter().any(|contact| self.is_approached(&self.free, contact, duration)) {
@@ -51,7 +53,7 @@ impl Push {
         }
         let tracks: Vec<_> =
             touched.iter().filter_map(|contact| Some((contact, self.track_along(contact, false)?))).collect();
-        // What is approached by a rounding error alone is pressed by nothing.
+        // A wall that the disc approaches only by a rounding error exerts no pressure.
         let grazed =
             touched.iter().filter(|contact| tracks.is_empty() && self.is_approached(&self.free, contact, duration));
         let grazing: Vec<_> = grazed.filter_map(|contact| Some((contact, self.track_along(contact, true)?))).collect();
@@ -67,13 +69,13 @@ impl Push {
         best.map_or_else(|| self.rest(&touched), |(_, slide)| slide)
     }
 
-    /// The disc stays where it is, though it turns, for `seconds`.
+    /// The centre rests for `seconds`, while the body may turn.
     pub fn resting(&self, seconds: f64, against: Option<(WallId, DVec2)>) -> Slide {
         let twist = Twist { vx: 0.0, vy: 0.0, omega: self.omega() };
         Slide { path: Path { twist, ..self.free }, after: seconds, against, meets: None }
     }
 
-    /// Speed that is pushed for, m/s.
+    /// Speed of the push, m/s.
     fn speed(&self) -> f64 {
         self.free.speed()
     }
@@ -92,7 +94,7 @@ impl Push {
             let point = segment.nearest_point(centre);
             let offset = centre - point;
             let distance = math::hypot(offset.x, offset.y);
-            // Of a wall through the centre both sides are equal: it may go to either.
+            // A wall through the centre has no side on which the disc is, so the disc may leave it to either side.
             if (distance - self.radius <= TOUCH || met == Some(wall)) && distance > 0.0 {
                 let normal = offset / distance;
                 let alpha = wrapped(push_angle - math::atan2(normal.y, normal.x));
@@ -102,23 +104,26 @@ impl Push {
         touched
     }
 
-    /// Whether a path that starts at the centre, of even pace, comes nearer to a touched wall from its start on.
+    /// Returns true if `path`, which starts at the centre with constant twist, approaches a touched wall from its
+    /// start.
     fn is_approached(&self, path: &Path, contact: &Contact, duration: f64) -> bool {
         if contact.distance - self.radius > TOUCH {
-            // So far from the origin of the world that positions have lost the digits of the skin.
+            // The disc is so far from the world's origin that rounding of positions exceeds the skin.
             return path.velocity(0.0).dot(contact.normal) < 0.0;
         }
         first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.after == 0.0)
     }
 
-    /// How the contact alone would let the disc go: speed of its slip over the floor, and its track.
-    /// `is_grazed`: it is pressed by nothing, but in the way.
+    /// Motion that this contact alone allows: the slip speed of the wheels over the floor, m/s, and the track of the
+    /// centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the way without
+    /// pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
         let is_end = |share: f64| share <= 0.0 || share >= 1.0;
         let mut round = is_end(contact.share());
         let mut motion = self.motion_at(contact, round, is_grazed)?;
         let scale = 16.0 * f64::EPSILON * (self.free.origin.abs().max_element() + self.radius);
-        // A face of which nothing is left is an end, and an end whose face begins here is a face.
+        // If the face ends here, within rounding, the disc turns around the end; if a face begins here, the disc moves
+        // along it.
         let is_over = |round: bool, sense: f64| match round {
             false => contact.left_of_face(sense) <= scale,
             true => contact.angle_to_face(sense) * contact.distance <= scale,
@@ -139,7 +144,7 @@ impl Push {
         Some((slip, Track { sense, round, regime, length, seconds: motion.seconds }))
     }
 
-    /// What holds the disc at a contact from now on: against a face, or around a point.
+    /// Motion at a contact from now on: along a face, or with `round` around an end of the wall.
     fn motion_at(&self, contact: &Contact, round: bool, is_grazed: bool) -> Option<Motion> {
         let alpha = contact.alpha;
         let rate = match (round, self.regime(contact, alpha)) {
@@ -170,7 +175,8 @@ impl Push {
         Some(Motion { regime, sense, seconds })
     }
 
-    /// Pressing and tangential part of the push where it makes the angle `alpha` with the contact's normal, m/s.
+    /// Components of the push in m/s, into the wall and along the contact's tangent, for the angle `alpha` from the
+    /// contact's normal to the push.
     fn components(&self, alpha: f64) -> (f64, f64) {
         let (sin, cos) = math::sin_cos(alpha);
         (-self.speed() * cos, self.speed() * sin)
@@ -190,13 +196,13 @@ impl Push {
         }
     }
 
-    /// Greatest speed along a contact's tangent, m/s, and the angle of friction.
+    /// Greatest speed along a contact's tangent, m/s, and the angle of friction, rad.
     fn edge(&self) -> (f64, f64) {
         (self.speed() * math::hypot(1.0, self.friction), math::atan(self.friction))
     }
 
-    /// The angle by which alpha has to change in the direction of `sense` until what holds the disc, or the sense in which it goes,
-    /// may change.
+    /// Signed angle by which alpha changes, in the direction of `sense`, until the regime or the direction of the
+    /// motion along the wall may change.
     fn next_angle(&self, contact: &Contact, sense: f64) -> Option<f64> {
         let (most, edge) = self.edge();
         let ratio = self.omega() * contact.distance / most;
@@ -206,7 +212,7 @@ impl Push {
             let turned = if ratio.abs() <= 1.0 { math::asin(ratio) } else { f64::NAN };
             marks[2 + 4 * index..6 + 4 * index].copy_from_slice(&[turned - edge, PI - turned - edge, -edge, PI - edge]);
         }
-        // The disc is not pressed at an angle of less than a quarter turn: what would change there changes nothing.
+        // Within a quarter turn of the normal the push leads away from the wall, so a mark there has no effect.
         let counts = |mark: &f64| math::cos(*mark) < 1e-9;
         let ahead = marks.into_iter().filter(counts).map(|mark| {
             let angle = (sense * (mark - contact.alpha)).rem_euclid(TAU);
@@ -215,7 +221,7 @@ impl Push {
         ahead.reduce(f64::min).map(|angle| sense * angle)
     }
 
-    /// The length along the track, as a function of time.
+    /// Length covered along the track as a function of time.
     fn law(&self, contact: &Contact, round: bool, regime: Regime, sense: f64) -> Law {
         let (speed, edge) = self.edge();
         let omega = self.omega();
@@ -235,7 +241,7 @@ impl Push {
         }
     }
 
-    /// The slide along a contact's track; `None` if another touched wall is in the way from the start.
+    /// The stretch along a contact's track; `None` if the track approaches another touched wall from the start.
     fn follow(
         &self,
         walls: &Walls,
@@ -276,8 +282,8 @@ impl Push {
         Some(Slide { path, after: seconds, against, meets })
     }
 
-    /// The first wall other than `but` that a disc meets on its `way`, at 1 m/s, within `length` metres: where, which, and
-    /// whether it is touched anew.
+    /// The first wall other than `but` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length
+    /// up to the contact, the wall, and whether the disc did not touch that wall at the start.
     fn first_on(&self, walls: &Walls, way: &Path, but: WallId, length: f64) -> Option<(f64, WallId, bool)> {
         let mut from = 0.0;
         let mut stretch = 4.0 * self.radius;
@@ -301,7 +307,7 @@ impl Push {
         None
     }
 
-    /// The disc rests among its contacts, until the push has turned so far that it may not.
+    /// The disc rests at its contacts until the push has turned so far that a regime may change.
     fn rest(&self, touched: &[Contact]) -> Slide {
         let mut seconds = f64::INFINITY;
         let mut against: Option<(f64, &Contact)> = None;
@@ -318,23 +324,23 @@ impl Push {
     }
 }
 
-/// A touched wall.
+/// Contact of the disc with a wall.
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     wall: WallId,
     segment: Segment,
-    /// The wall's point that is nearest to the centre.
+    /// The point of the wall that is nearest to the centre.
     point: DVec2,
-    /// Unit vector from there to the centre.
+    /// Unit vector from `point` to the centre.
     normal: DVec2,
-    /// Distance of the centre from there, m.
+    /// Distance of the centre from `point`, m.
     distance: f64,
-    /// Angle of the push from the normal, rad.
+    /// Angle from the normal to the push, rad counter-clockwise.
     alpha: f64,
 }
 
 impl Contact {
-    /// Where along the wall the point is: 0 at one end, 1 at the other.
+    /// Position of the point on the wall: 0 and 1 at its ends, 0.5 in between.
     fn share(&self) -> f64 {
         if self.point == self.segment.a {
             0.0
@@ -345,18 +351,19 @@ impl Contact {
         }
     }
 
-    /// Length of the face from the point on, m, along the contact's tangent (`sense` 1: left of the normal) or against it.
+    /// Length in metres from the point to the end of the face, along the contact's tangent (`sense` 1: to the left of
+    /// the normal) or against it (-1).
     fn left_of_face(&self, sense: f64) -> f64 {
         let tangent = self.normal.perp() * sense;
         let ahead = |end: DVec2| (end - self.point).dot(tangent);
         ahead(self.segment.a).max(ahead(self.segment.b)).max(0.0)
     }
 
-    /// Angle by which the normal has to turn around the wall's end, to the left (`sense` 1) or right, until it is upright on the
-    /// wall; infinite for a wall without length.
+    /// Angle in rad by which the normal has to turn around the wall's end, to the left (`sense` 1) or to the right
+    /// (-1), until it is perpendicular to the wall; infinite for a wall without length.
     fn angle_to_face(&self, sense: f64) -> f64 {
         let Segment { a, b } = self.segment;
-        // The point may be off the end by rounding.
+        // By rounding, the point may differ from the wall's end.
         let is_at_a = self.point.distance_squared(a) <= self.point.distance_squared(b);
         let other = if is_at_a { b } else { a };
         let along = other - self.point;
@@ -364,24 +371,24 @@ impl Contact {
             return f64::INFINITY;
         }
         let angle = sense * math::atan2(self.normal.perp_dot(along), self.normal.dot(along));
-        // From a quarter turn to the wall's direction on, either way round.
+        // The normal is perpendicular to the wall a quarter turn before the wall's direction, for either sense.
         (if angle >= 0.0 { angle } else { angle + TAU } - FRAC_PI_2).max(0.0)
     }
 }
 
-/// What holds a disc at a contact.
+/// Kind of contact between disc and wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Regime {
-    /// It is not pressed.
+    /// The disc is not pressed against the wall.
     Off,
-    /// Its touching point slides along the wall, to the left of the normal (1) or to the right (-1).
+    /// The disc's touching point slides along the wall: to the left of the normal (1) or to the right (-1).
     Sliding(f64),
-    /// Its touching point stays: the disc rolls along the wall, or rests.
+    /// The disc's touching point does not slide: the disc rolls along the wall, or rests.
     Rolling,
 }
 
 impl Regime {
-    /// Speed of the centre along the tangent where the push makes the angle `alpha` with the normal, m/s.
+    /// Speed of the centre along the tangent, m/s, for the angle `alpha` from the normal to the push.
     fn speed(self, push: &Push, contact: &Contact, alpha: f64) -> f64 {
         let (pressed, along) = push.components(alpha);
         match self {
@@ -392,35 +399,35 @@ impl Regime {
     }
 }
 
-/// How a contact lets a disc go for some time.
+/// Motion that a contact allows for some time.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
     regime: Regime,
-    /// Along the tangent 1, against it -1, at rest 0.
+    /// Direction of the motion: 1 along the tangent, -1 against it, 0 at rest.
     sense: f64,
     seconds: f64,
 }
 
-/// Where a contact leads a disc.
+/// Track of the centre at a contact.
 #[derive(Clone, Copy, Debug)]
 struct Track {
     sense: f64,
-    /// Around the wall's end, not along its face.
+    /// True for a track around the wall's end, false for a track along its face.
     round: bool,
     regime: Regime,
-    /// Length until the face ends or begins, m.
+    /// Length until the face ends, or until it begins for a track around the wall's end, m.
     length: f64,
     /// Seconds for which the regime holds.
     seconds: f64,
 }
 
-/// `angle` less whole turns, in (-pi, pi].
+/// `angle` in rad minus whole turns, in (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
     let angle = angle.rem_euclid(TAU);
     if angle > PI { angle - TAU } else { angle }
 }
 
-/// The seconds, up to `most`, after which a law has covered `length`; `most` where it does not.
+/// Seconds, at most `most`, after which a law has covered `length` metres; `most` if the law never covers them.
 fn seconds_of(law: &Law, length: f64, most: f64) -> f64 {
     if let Law::Steady(speed) = law {
         return (length / speed).min(most);
@@ -433,7 +440,7 @@ fn seconds_of(law: &Law, length: f64, most: f64) -> f64 {
         high = 1e-3;
         while law.length(high) < length {
             high *= 2.0;
-            // A law that comes to its end only after years has none.
+            // A length that is not covered within 1e9 s, about 30 years, counts as never covered.
             if high > 1e9 {
                 return most;
             }

@@ -1,8 +1,9 @@
-//! First contact of a moving disc with a wall, in closed form up to the last bisection.
+//! First contact of a moving disc with a wall: closed forms bracket the instant, and an iteration finds it.
 //!
-//! Along a path of constant twist the distance from the centre to a wall has critical points only where the path is
-//! parallel to the wall and where it is nearest to, or farthest from, one of the wall's ends. All of these have closed
-//! forms; between two neighbours the distance is monotone, so that a contact is bracketed and cannot be missed.
+//! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points: where the path
+//! is parallel to the wall, and where the centre is nearest to or farthest from one of the wall's ends. All of these
+//! have closed forms. Between two neighbouring critical points the distance is monotone, so every contact is bracketed
+//! and none is missed.
 
 use std::f64::consts::PI;
 
@@ -16,16 +17,16 @@ use crate::{math, scene::Segment};
 pub struct WallContact {
     /// Seconds since the start of the path.
     pub after: f64,
-    /// False when the disc was in contact with this wall already at the start.
+    /// False if the disc was in contact with this wall already at the start.
     pub fresh: bool,
 }
 
-/// When a disc of `radius` whose centre follows `path` for `duration` seconds (may be infinite) first is in contact with
-/// `wall` and approaches it.
+/// First instant at which a disc of `radius` is in contact with `wall` and approaches it. The centre follows `path` for
+/// `duration` seconds, which may be infinite. `None` if the disc does not meet the wall.
 ///
-/// A disc that starts in contact, or inside, may leave, slide along and turn: only coming nearer is a contact, at the
-/// instant from which it comes nearer. Coming nearer by less than a thousandth of the gap is none, so that a drive along a
-/// wall is not stopped by the rounding of its heading.
+/// A disc that starts in contact, or overlaps the wall, may leave, slide along the wall and turn. Only an approach
+/// counts as a contact, from the instant at which the disc begins to approach. An approach by less than a thousandth of
+/// the gap does not count, so that the rounding of the heading does not stop a drive along a wall.
 pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) -> Option<WallContact> {
     if path.is_resting() {
         return None;
@@ -40,7 +41,7 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
     let tolerance = 8.0 * f64::EPSILON * (path.origin.abs().max_element() + radius);
     for &time in marks.as_slice() {
         let end = Mark { time, gap: gap(time), side: side(time) };
-        // Where the centre passes the wall's line the distance may have a kink: the stretch is cut in two there.
+        // The distance may have a kink where the centre crosses the wall's line, so the stretch is divided there.
         let passage = (from.side * end.side < 0.0).then(|| {
             let time = root(side, (from.time, from.side), (end.time, end.side));
             Mark { time, gap: gap(time), side: 0.0 }
@@ -61,22 +62,22 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
     None
 }
 
-/// The disc at an end of a stretch of the path.
+/// State of the disc at an end of a stretch of the path.
 struct Mark {
     time: f64,
     gap: f64,
-    /// On which side of the wall's line the centre is, by its sign.
+    /// Sign: the side of the wall's line on which the centre is.
     side: f64,
 }
 
-/// The instant between two, with their values, at which `f` changes its sign: a double at which it has done so, no more
-/// than a rounding error after one at which it has not.
+/// Root of `f` between two instants, each given with its value. At the returned instant `f` has changed its sign; the
+/// instant is at most a rounding error after one at which it has not.
 fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     let (mut low, mut low_value) = from;
     let (mut high, mut high_value) = to;
     let sign = low_value.signum();
-    // Illinois: regula falsi that halves the weight of an end that stays. Each third step bisects, so that the bracket
-    // shrinks to neighbouring doubles whatever the shape.
+    // The Illinois method: regula falsi that halves the value at an end that is kept. Every third step bisects, so that
+    // the bracket shrinks to neighbouring doubles for every shape of `f`.
     for step in 0..200 {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high || high_value == 0.0 {
@@ -96,7 +97,8 @@ fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     high
 }
 
-/// The ends of the stretches in which the distance to a wall is monotone, in ascending order, the last the path's own end.
+/// Ends of the stretches in which the distance to a wall is monotone, in ascending order; the last is the path's own
+/// end.
 struct CriticalTimes {
     times: [f64; 10],
     len: usize,
@@ -112,10 +114,10 @@ impl CriticalTimes {
         for point in [wall.a, wall.b] {
             let offset = point - path.origin;
             let (ahead, aside) = (offset.dot(tangent), offset.dot(normal));
-            // Nearest or farthest where the angle turned, theta, has tan(theta) = a / b.
+            // The centre is nearest or farthest where the path has turned by an angle theta with tan(theta) = a / b.
             let (a, b) = (omega / speed * ahead, 1.0 - omega / speed * aside);
             if b > 0.0 && (a / b).abs() < 1e-4 {
-                // The series of the arc tangent, so that a straight path is the limit of a curved one.
+                // The series of the arc tangent makes a straight path the limit of a curved path.
                 let ratio = a / b;
                 all.push_turning(ahead / (speed * b) * (1.0 - ratio * ratio / 3.0), omega, end);
             } else {
@@ -133,7 +135,8 @@ impl CriticalTimes {
         all
     }
 
-    /// Takes those of the instants `time`, within a half turn of the start, and half turns later that lie on the path.
+    /// Adds the instant `time`, within half a turn of the start, and the instants one and two half turns later, if they
+    /// lie on the path.
     fn push_turning(&mut self, time: f64, omega: f64, end: f64) {
         let half_turn = PI / omega.abs();
         for time in [time, time + half_turn, time + 2.0 * half_turn] {

@@ -1,7 +1,8 @@
 //! Camera of a robot: settings, instant and pose of each exposure, errors of lens and sensor.
 //!
-//! An image is exposed [`READ_OUT`] before it is available, at the pose that the robot and the camera's servos have at that instant;
-//! other bodies have their published poses of that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure is our choice.
+//! An image is exposed [`READ_OUT`] before it is available. The camera has the pose that the robot and its servos had
+//! at the exposure; other bodies have their published poses of that instant. Source: Koestler & Bräunl, section 4.1;
+//! the time of exposure is our choice.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -18,8 +19,8 @@ use crate::pose::Pose3;
 use crate::spec::{CameraSpec, JointSpec, RobiSpec};
 use crate::time::Time;
 
-/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. Shorter than the history that world and
-/// servos keep.
+/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. It must be shorter than the
+/// history that world and servos keep.
 pub const READ_OUT: Time = Time(16_667);
 
 /// Default width and height of images, in pixels.
@@ -93,7 +94,7 @@ pub enum CameraError {
     View(#[from] ViewError),
 }
 
-/// Buffers of the renderer. They are no part of the state: a clone starts without them.
+/// Buffers of the renderer. They do not belong to the state, so a clone starts without them.
 #[derive(Debug, Default)]
 struct Workspace(Option<Box<Renderer>>);
 
@@ -210,7 +211,7 @@ fn angle(joint: &JointSpec, spec: &RobiSpec, servos: &Servos, at: Time) -> f64 {
     }
 }
 
-/// Lens of the same kind that magnifies `zoom` times as much.
+/// Lens of the same kind with `zoom` times the magnification.
 pub(crate) fn zoomed(lens: Lens, zoom: f64) -> Lens {
     match lens {
         Lens::Pinhole { fov } if zoom != 1.0 => Lens::Pinhole { fov: 2.0 * math::atan(math::tan(0.5 * fov) / zoom) },

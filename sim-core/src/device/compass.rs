@@ -1,7 +1,7 @@
 //! The compass: the direction clockwise from north, measured in cycles of 100 ms.
 //!
-//! Source: RoBIOS 6 library, compass; the length of a cycle and the default direction of north (the world's y axis, if the
-//! robi's companion file does not give one) are our choice, the sense of rotation is that of every compass.
+//! Source: RoBIOS 6 library, compass. The length of a cycle is our choice, and so is the default direction of north:
+//! the world's y axis, if the robi's companion file gives none.
 
 use super::cycle::Cycle;
 use crate::drive::Motion;
@@ -57,12 +57,12 @@ impl Compass {
         Some(*self.angle.get_or_insert_with(|| measure(taken)))
     }
 
-    /// End of a measurement that is not continuous, see [`super::psd::Psds::due`]; else [`Time::NEVER`].
+    /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]; see [`super::psd::Psds::due`].
     pub fn due(&self) -> Time {
         self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
     }
 
-    /// Discards measurements and values and keeps the errors.
+    /// Discards measurements and values; keeps the noise model.
     pub fn reset(&mut self) {
         *self = Self { errors: self.errors.take(), ..Self::default() };
     }
@@ -86,7 +86,7 @@ pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, err
     errors.map_or(exact, |errors| errors.reading(Events::index(at, CYCLE), exact))
 }
 
-/// Angle of a robot of this heading clockwise from `north` (a world direction in radians, counter-clockwise from x).
+/// Clockwise angle in rad from `north` to the heading; `north` is a world direction, rad counter-clockwise from x.
 fn angle_from_heading(heading: Heading, north: f64) -> f64 {
     Heading::new(north).remainder() - heading.remainder()
 }

@@ -5,15 +5,16 @@ use std::f64::consts::TAU;
 use crate::drive::Motion;
 use crate::time::Time;
 
-/// Part of a tick that may be missing for the tick to count: far more than rounding errors, far less than any commanded motion.
+/// Largest missing part of a tick at which the tick still counts: far above rounding errors, far below any commanded
+/// motion.
 const EDGE: f64 = 1e-9;
 
 /// Encoders of a robot, by wheel. Each has two counters, one for ticks and one for distance.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encoders {
-    /// Wheel angles at the last reset of the counts, rad.
+    /// Wheel angles at the last reset of the tick counters, rad.
     count_start: [f64; 4],
-    /// Wheel angles at the last reset of the distances, rad.
+    /// Wheel angles at the last reset of the distance counters, rad.
     distance_start: [f64; 4],
     /// Frozen wheel angles of encoders that are switched off, rad.
     held: [Option<f64>; 4],

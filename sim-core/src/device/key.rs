@@ -1,6 +1,7 @@
 //! Keys: those below the display, touches of the display, and keys of a TV remote control.
 //!
-//! Presses are queued in order until the program reads them: our choice, so that input does not depend on when a program polls.
+//! Presses are queued in order until the program reads them, so that input does not depend on when a program polls: our
+//! choice.
 
 use std::collections::VecDeque;
 use std::str::FromStr;
@@ -37,7 +38,8 @@ pub const REMOTE_KEYS: [&str; 20] = [
 /// Greatest coordinate of a touch, in pixels: more than any display has.
 const MAX_PIXEL: i32 = 65_535;
 
-/// A press of a key or a touch of the display. Its text is `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsed without regard to case.
+/// A press of a key or a touch of the display. Its text is, for example, `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsing
+/// ignores case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UserInput {
     /// Press of this key below the display: 1 to [`KEYS`], from the left.
@@ -83,9 +85,10 @@ fn place(text: &str) -> Option<[i32; 2]> {
     word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
 
-/// Queue of presses that are to come or not yet read, ordered by time; equal times keep the order of insertion.
+/// Queue of presses that lie ahead or have not been read, ordered by time; equal times keep the order of insertion.
 ///
-/// Readers pass `key_of`, which maps a touch to their key; touches for which it gives `None` stay in the queue.
+/// A reader passes `key_of`, which maps a touch to a key of the reader. Touches for which `key_of` returns `None` stay
+/// in the queue.
 #[derive(Clone, Debug, Default)]
 pub struct InputQueue {
     presses: VecDeque<(Time, UserInput)>,

@@ -59,8 +59,8 @@ impl Levels {
         }
     }
 
-    /// Adapts an automatic brightness after an image whose mean level was `mean`: moves it half of the way to the value that gives a
-    /// mean of 128, within 1 to 255.
+    /// Adapts an automatic brightness after an image with the mean level `mean`: moves the brightness half of the way
+    /// to the value that gives a mean of 128, within 1 to 255.
     pub fn follow(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(colour([64, 128, 128], [10, 100, 200]), [5, 50, 100], "half as bright");
         assert_eq!(colour([255, 128, 128], [200, 0, 0]), [255, 0, 0], "limited");
         assert_eq!(colour([128, 128, 0], [30, 60, 90]), [60, 60, 60], "without colour");
-        // A third of a turn is 2/3 of half a turn: red becomes green, green blue.
+        // 85 / 128, about 2/3, of half a turn is a third of a turn: red becomes green, and green becomes blue.
         let third = 128 + 85;
         assert_eq!(colour([128, third, 128], [240, 0, 0]).map(|level| level / 10), [0, 24, 0]);
         assert_eq!(colour([128, third, 128], [90; 3]), [90; 3], "grey stays grey");

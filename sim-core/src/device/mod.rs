@@ -1,9 +1,9 @@
 //! Device models of a robot, apart from the drive: sensors, servos, camera, keys.
 //!
-//! A device is state that can be copied, and changes only itself. It reads the published world, queries its robot's motion and
-//! servos at an instant (`&mut` only because a query may compute), and adds the errors of its noise model. It records nothing:
-//! [`Robot`](crate::simulation::Robot) does.
-//! How a program addresses a device (handles, numbers, units) is not known here.
+//! A device is state that can be copied, and changes only itself. It reads the published world, queries its robot's
+//! motion and servos at an instant, and adds the errors of its noise model. (Queries take `&mut` because they may
+//! compute more of the motion.) A device records nothing; [`Robot`](crate::simulation::Robot) does. It does not know
+//! how a program addresses it (handles, numbers, units).
 
 pub mod camera;
 pub mod compass;
@@ -24,11 +24,12 @@ use crate::time::Time;
 /// The devices of one robot.
 #[derive(Clone, Debug, Default)]
 pub struct Devices {
-    /// Geometry and errors of range sensors and scanner.
+    /// Geometry and noise models of the range sensors and the scanner.
     pub ranges: range::Ranges,
     /// The driver that measures with range sensors in cycles.
     pub psds: psd::Psds,
-    /// The scanner, once a program has set its fan; until then it is as the robi describes it.
+    /// The scanner, once a program has set its fan of rays; `None` until then, while the scanner is as the robi
+    /// describes it.
     pub scanner: Option<range::Scanner>,
     /// Motor commands, in percent of the motors' greatest rate.
     pub motor_percent: [i32; 4],
@@ -49,7 +50,7 @@ pub struct Devices {
 }
 
 impl Devices {
-    /// The devices of a robot of this type, without errors.
+    /// The devices of a robot of this type, without noise models.
     pub fn new(spec: &RobiSpec) -> Self {
         Self { ranges: range::Ranges::new(spec), ..Self::default() }
     }

@@ -1,7 +1,8 @@
 //! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only at the end of a complete cycle. It is a function of the world at that instant and computed lazily;
-//! [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6 library, position sensing devices.
+//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant and is
+//! computed lazily: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
+//! library, position sensing devices.
 
 use super::cycle::Cycle;
 use crate::sensor::Reading;
@@ -46,10 +47,10 @@ pub struct Measured {
 }
 
 impl Psds {
-    /// Starts measuring with `sensors` at `now`, for one cycle or continuously. Returns false if a measurement is in progress; that
-    /// measurement goes on.
+    /// Starts measuring with `sensors` at `now`, for one cycle or continuously. Returns false, without effect, if a
+    /// measurement is in progress.
     ///
-    /// No value counts as valid before the first cycle is complete; until then the sensors keep their older values.
+    /// Until the first cycle is complete, no value counts as valid and the sensors keep their older values.
     pub fn start(&mut self, sensors: SensorSet, is_continuous: bool, now: Time) -> bool {
         self.advance(now);
         if self.measurement.is_some() {
@@ -88,8 +89,8 @@ impl Psds {
         Some(Measured { taken, reading })
     }
 
-    /// End of a measurement that is not continuous; [`Time::NEVER`] if there is none. [`settle`](Self::settle) must be called then,
-    /// because the world keeps only a short history.
+    /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]. [`settle`](Self::settle) must
+    /// be called at that time, because the world keeps only a short history.
     pub fn due(&self) -> Time {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
     }
@@ -131,7 +132,7 @@ fn members(sensors: SensorSet) -> impl Iterator<Item = usize> {
 mod tests {
     use super::*;
 
-    /// A world in which sensor i sees i metres plus the seconds of the instant.
+    /// A world in which sensor i measures i metres plus one metre per second of virtual time.
     fn seen(index: usize, at: Time) -> Reading {
         Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
     }

@@ -16,7 +16,7 @@ use crate::world::World;
 use super::psd::CYCLE;
 use super::servo::Servos;
 
-/// Range sensors of a robot and the links that carry them: those of its legs first, then the links of the robi.
+/// Range sensors of a robot and the links that carry them: first the links of its legs, then the links of the robi.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     sensors: Vec<RangeSensor>,
@@ -30,7 +30,7 @@ pub struct Ranges {
 /// Errors of the range sensors of a robot.
 #[derive(Clone, Debug)]
 struct Errors {
-    /// By sensor; with sigma and mean of the noise of the sensor's type.
+    /// By sensor: its errors, and sigma and mean of the noise of the sensor's type.
     sensors: Vec<(RangeErrors, [f64; 2])>,
     lidar: RangeErrors,
 }
@@ -95,7 +95,7 @@ impl Ranges {
         self.sensors.get(index).map_or(NO_RETURN, |sensor| sensor.model.no_return())
     }
 
-    /// Reading of sensor `index` at `at`, with the servo angles just before; no return if there is no such sensor.
+    /// Reading of sensor `index` at `at`, with the servo angles just before `at`; no return if there is no such sensor.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
         let world_from_robot = motion.pose(at);
         let event = Events::index(at, CYCLE);
@@ -152,8 +152,8 @@ impl Ranges {
         }
     }
 
-    /// Pose of the scanner in the world at `at`, and the readings of its rays in metres from left to right; `None` for a ray without
-    /// a return within range.
+    /// Pose of the scanner in the world at `at`, and the readings of its rays in metres from left to right; `None` for
+    /// a ray without return within the range.
     pub fn scan(
         &self,
         scanner: &Scanner,
@@ -168,7 +168,8 @@ impl Ranges {
         (world_from_scanner, exact.into_iter().map(|point| erring.point(point)).collect())
     }
 
-    /// Angles of all joints at `at`, rad, empty for a sensor on the body; and the height of the robot's frame, m.
+    /// Angles of all joints at `at`, rad, or an empty list for a sensor on the body; and the height of the robot's
+    /// frame, m.
     fn angles(&self, link: Option<usize>, servos: &Servos, motion: &mut Motion, at: Time) -> (Vec<f64>, f64) {
         let Stance { joints, lift, .. } = motion.stance(at);
         (if link.is_some() { self.all_angles(servos, &joints, at) } else { Vec::new() }, lift)
@@ -186,7 +187,7 @@ impl Scanner {
     pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
         let LidarSpec { mount, range, .. } = lidar;
         let fan = Fan { sweep, points, tilt, height: mount.position.z, range: *range };
-        // A walking body moves up and down.
+        // A walking body moves up and down, so the height of its scanner varies.
         if mount.is_level() && spec.legs.is_none() {
             return Self::Level(Scan::new(Mount::new(mount.position.x, mount.position.y, mount.yaw), fan));
         }

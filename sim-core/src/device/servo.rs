@@ -46,7 +46,7 @@ impl Servos {
     /// Turns servo `index` at `now`.
     pub fn turn(&mut self, index: usize, position: u8, now: Time) {
         let change = Change { at: now, servo: index, from: self.position(index) };
-        // Sensors on servos may be read as late as the world's history reaches.
+        // Sensors on servos may be read at instants as old as the world's history.
         while self.changes.front().is_some_and(|oldest| oldest.at + HISTORY < now) {
             self.changes.pop_front();
         }
@@ -56,7 +56,7 @@ impl Servos {
     }
 }
 
-/// Steering position as a part of the greatest steering angle, left positive: 0 gives 1, 127 and 128 give 0, 255 gives -1.
+/// Steering angle as a share of the greatest one, left positive: position 0 gives 1, 127 and 128 give 0, 255 gives -1.
 ///
 /// Source: straight is 127 in RoBIOS 6 and 128 in EyeSim VR; here both are straight, so that left and right are symmetric.
 pub fn steering_from_position(position: u8) -> f64 {

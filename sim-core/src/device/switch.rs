@@ -1,6 +1,6 @@
 //! Switches of the sensors: a sensor that a user has switched off sees nothing until it is switched on again.
 //!
-//! The value that each sensor then returns to its program is listed in `docs/window.md`; our choice.
+//! `docs/window.md` lists the value that each switched-off sensor returns to its program; these values are our choice.
 
 use std::collections::BTreeSet;
 

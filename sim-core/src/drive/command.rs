@@ -1,4 +1,4 @@
-//! What a robot is told to do, and what it makes of it.
+//! Commands to a drive, and the orders that the motion follows after a command.
 
 use glam::DVec2;
 
@@ -8,67 +8,69 @@ use super::{
 };
 use crate::{math, pose::Twist, unit};
 
-/// What a robot's program tells its drive.
+/// A command of a robot's program to its drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    /// Rates of the motors in the order of the [`DriveKind`], rad/s, each cut to the limit of the wheels.
+    /// Rates of the motors in the order of the [`DriveKind`], rad/s, each clamped to the limit of the wheels.
     Wheels(Wheels),
-    /// Rate of one motor, cut to the limit of the wheels; the other motors go on at the rates that they are to have.
+    /// Rate of one motor, clamped to the limit of the wheels; the other motors keep their commanded rates.
     Wheel {
-        /// Which one, in the order of the [`DriveKind`].
+        /// Index of the wheel in the order of the [`DriveKind`].
         wheel: usize,
         /// Its rate, rad/s.
         rate: f64,
     },
-    /// As [`Command::Wheel`], but the wheel's own controller sees to it, if it has one:
+    /// As [`Command::Wheel`], but the wheel's own controller regulates the rate, if the wheel has one: see
     /// [`Motion::start_wheel_control`](super::Motion::start_wheel_control).
     WheelSpeed {
-        /// Which one, in the order of the [`DriveKind`].
+        /// Index of the wheel in the order of the [`DriveKind`].
         wheel: usize,
         /// Its rate, rad/s.
         rate: f64,
     },
-    /// Steering angle of an Ackermann drive, rad, left positive, cut to its limit.
+    /// Steering angle of an Ackermann drive, rad, left positive, clamped to the limit of the steering.
     Steer(f64),
     /// Speed and turning speed until the next command, within the limits of the robi and the wheels.
     Twist(Twist),
-    /// A straight line, an arc or a turn on the spot: `displacement` in `duration` seconds, or as fast as the limits allow.
+    /// A straight line, an arc or a turn on the spot: covers `displacement` in `duration` seconds, or as fast as the
+    /// limits allow if `duration` is too short.
     Drive {
         /// Arc length (m) and angle (rad) to cover; the drive ends exactly there.
         displacement: Twist,
-        /// Seconds to take, from 0 to 10^12.
+        /// Duration in seconds, from 0 to 10^12.
         duration: f64,
     },
-    /// All wheels to rest.
+    /// Stop of all wheels.
     Halt,
 }
 
-/// The displacement of a drive along the arc that starts ahead and ends at `point`, in the robot's frame (x ahead, y left,
-/// m): its length and its angle.
+/// Displacement (arc length and angle) of a drive along the arc that starts straight ahead and ends at `point`, given
+/// in the robot's frame (x ahead, y left, m).
 ///
-/// There is one circle through the point that the robot is on: of curvature 2 y / (x² + y²). A point ahead is reached
-/// forwards and one behind backwards (negative length), each on at most half of the circle; one right beside is half a
-/// circle forwards (our choice), and one on the x axis is a straight line. The point itself gives no displacement.
+/// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is
+/// 2 y / (x² + y²). The robot reaches a point ahead forwards and a point behind backwards (negative length),
+/// on at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), and a point on
+/// the x axis a straight line. The robot's own position gives no displacement.
 ///
 /// Source: `VWDrive` of RoBIOS-7, which asks for x > |y|; the rest is our choice.
 pub fn arc_to(point: DVec2) -> Twist {
     let chord = math::hypot(point.x, point.y);
-    // The angle between the chord and the heading is half of the arc's angle.
+    // The angle between the heading and the chord is half of the arc's angle.
     let half = math::atan2(point.y, point.x.abs());
     let sense = if point.x < 0.0 { -1.0 } else { 1.0 };
     Twist::new(sense * chord / math::sinc(half), sense * 2.0 * half)
 }
 
-/// Why a command was refused; the robot goes on as before.
+/// Reason why a command was refused; the motion of the robot does not change then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommandError {
-    /// A number is NaN, infinite, negative where it may not be, or beyond 10^12.
+    /// A number is NaN, infinite, greater than 10^12, or negative where it must not be.
     #[error("a value of the command is not a number that can be driven, accepted: finite values up to 1e12")]
     NotFinite,
     /// An Ackermann drive cannot turn without driving.
     #[error("an Ackermann drive cannot turn on the spot, accepted: curves with a length")]
     TurnOnSpot,
-    /// The curve is tighter than the steering allows.
+    /// The steering cannot make a curve as tight as the commanded one.
     #[error("the curve is too tight for the steering, accepted: a radius of at least {min_radius_mm} mm")]
     TooTight {
         /// Radius of the tightest curve of the rear axle, mm.
@@ -77,7 +79,7 @@ pub enum CommandError {
     /// Only an Ackermann drive steers.
     #[error("this drive has no steering, accepted: Ackermann drives")]
     NoSteering,
-    /// There is no wheel of this number.
+    /// No wheel has this number.
     #[error("the drive has no such wheel, accepted: less than {wheels}")]
     NoWheel {
         /// Number of wheels with a motor.
@@ -86,7 +88,7 @@ pub enum CommandError {
     /// Thrusters take forces, no speeds and no places to go to.
     #[error("thrusters are driven by their motors alone, accepted: rates of single motors")]
     Thrusters,
-    /// Only an omni drive and legs move to the side.
+    /// Only an omni drive and legs can move sideways.
     #[error("this drive cannot move sideways, accepted: omni drives and legs")]
     Sideways,
 }
@@ -97,21 +99,22 @@ pub(super) enum Pending {
     Idle,
     Wheels {
         rates: Wheels,
-        /// Which of them are kept by the wheel's own controller, if it has one.
+        /// Wheels whose own controllers, if running, regulate the rate.
         held: [bool; 4],
     },
     Twist(Twist),
     Drive {
-        /// The displacement commanded, as far as it counts as progress.
+        /// The commanded displacement; a component that is too slow to count as progress is 0.
         whole: Twist,
-        /// What the robot believes to be left of it.
+        /// The part of the commanded displacement that is left according to the wheels.
         remaining: Twist,
         rate: Twist,
     },
 }
 
 impl Pending {
-    /// Arc length of a displacement along `whole`, m, or its angle, rad, for a turn on the spot.
+    /// Progress of a drive towards `whole` when `covered` has been covered: arc length along `whole`, m, or the angle,
+    /// rad, for a turn on the spot.
     pub fn progress(whole: Twist, covered: Twist) -> f64 {
         let length = whole.speed();
         if length > 0.0 {
@@ -123,7 +126,7 @@ impl Pending {
         }
     }
 
-    /// What the wheels are to follow.
+    /// Set points of the wheels.
     pub fn target(&self) -> Target {
         match *self {
             Self::Idle => Target::Wheels { rates: [0.0; 4], held: [false; 4] },
@@ -133,11 +136,11 @@ impl Pending {
     }
 }
 
-/// What a robot's motion obeys from some instant on, besides its state.
+/// All that determines a robot's motion from an instant on, in addition to its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Orders {
     pub pending: Pending,
-    /// Steering angle of an Ackermann drive.
+    /// Steering angle of an Ackermann drive, rad, left positive.
     pub steering: f64,
     pub controllers: Controllers,
 }
@@ -187,9 +190,9 @@ impl Orders {
         }
         let steering = angle.clamp(-model.max_steering, model.max_steering);
         let pending = match self.pending {
-            // The speed stays; the servo now has the last word about the curve.
+            // The speed stays; from now on the steering servo, not the commanded twist, determines the curve.
             Pending::Twist(twist) => Pending::Wheels { rates: model.wheels_from_twist(twist), held: [false; 4] },
-            // A drive keeps its curve to its end.
+            // A drive keeps its curve until it ends.
             Pending::Drive { .. } => return Ok(self),
             other => other,
         };
@@ -218,7 +221,7 @@ impl Orders {
         let mut steering = self.steering;
         if model.kind == DriveKind::Ackermann && !displacement.is_zero() {
             steering = model.steering(displacement).ok_or(CommandError::TurnOnSpot)?;
-            // Some rounding beyond the limit is let pass, so that the tightest curve itself can be driven.
+            // The tolerance for rounding lets the tightest curve itself be driven.
             if steering.abs() > model.max_steering + 1e-6 {
                 let min_radius = model.wheelbase / math::tan(model.max_steering);
                 return Err(CommandError::TooTight {
@@ -229,7 +232,8 @@ impl Orders {
         let duration = duration.max(model.shortest_duration(displacement));
         let rate = if duration > 0.0 { displacement.scaled(1.0 / duration) } else { Twist::ZERO };
         let rate = if rate.is_finite() { rate } else { Twist::ZERO };
-        // Progress is not counted by what is so slow that it has lost its digits; without any, the drive is done at once.
+        // A component whose rate is below 1e-290 has lost its digits and does not count as progress. If no component
+        // counts, the drive ends at once.
         let counts = |rate: f64, value: f64| if rate >= 1e-290 { value } else { 0.0 };
         let speed = rate.speed();
         let whole = Twist {
@@ -242,7 +246,7 @@ impl Orders {
     }
 }
 
-/// Whether the drive has a wheel of this number.
+/// Checks that the drive has a wheel of this number.
 pub(super) fn check_wheel(model: &Model, wheel: usize) -> Result<(), CommandError> {
     let wheels = model.wheel_count();
     if wheel < wheels { Ok(()) } else { Err(CommandError::NoWheel { wheels }) }

@@ -1,5 +1,5 @@
-//! Wheels that follow their command with a lag, and the controllers that drive them: two PI controllers for the speed and
-//! the turning speed, or a PID controller a wheel.
+//! Lag of the wheels behind their command, and the controllers that drive the wheels: two PI controllers for speed and
+//! turning speed, or one PID controller per wheel.
 
 use super::{
     hull::Afloat,
@@ -7,7 +7,8 @@ use super::{
 };
 use crate::{math, pose::Twist, time::TICK};
 
-/// Parameters of the two PI controllers: out = V (e + 1/T integral e), for the speed (v) and the turning speed (w).
+/// Parameters of the two PI controllers, for the speed (v) and the turning speed (w). The output is V (e + I / T), with
+/// the error e, its integral I, the factor V and the integral time T.
 ///
 /// Source: `VWStartControl` of RoBIOS 6.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +24,8 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// True for factors from 0 to 10^12 and times from 10^-12 to 10^12 s: beyond, an output may be no number.
+    /// Returns true for factors from 0 to 10^12 and times from 10^-12 to 10^12 s; other values may give an output that
+    /// is not a number.
     pub fn is_valid(&self) -> bool {
         let factor = |v: f64| (0.0..=1e12).contains(&v);
         let time = |t: f64| (1e-12..=1e12).contains(&t);
@@ -31,11 +33,12 @@ impl Gains {
     }
 }
 
-/// Parameters of a wheel's PID controller: out = p e + i integral e dt + d de/dt, with the error e of the wheel's rate; the
-/// output is the rate that the motor is set to.
+/// Parameters of a wheel's PID controller: output = p e + i integral of e + d de/dt, with the error e of the wheel's
+/// rate. The output is the rate to which the motor is set.
 ///
-/// The derivative is that of the wheel's rate alone, so that a new command gives no kick. Without i an error stays: the
-/// wheel reaches p / (1 + p) of its rate. Source: `MOTORPID` of RoBIOS-7; form and units are our choice.
+/// The derivative part uses only the measured rate of the wheel, so that a new command causes no jump. Without the
+/// integral part an error remains: the wheel reaches p / (1 + p) of the commanded rate. Source: `MOTORPID` of RoBIOS-7;
+/// form and units are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid {
     /// Proportional factor.
@@ -47,22 +50,22 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// True for factors from 0 to 10^12.
+    /// Returns true for factors from 0 to 10^12.
     pub fn is_valid(&self) -> bool {
         [self.p, self.i, self.d].iter().all(|factor| (0.0..=1e12).contains(factor))
     }
 }
 
-/// The controllers that run.
+/// The controllers in operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Controllers {
-    /// Of speed and turning speed.
+    /// The PI controllers of speed and turning speed.
     pub body: Option<Gains>,
-    /// Of each wheel.
+    /// The PID controller of each wheel.
     pub wheels: [Option<Pid>; 4],
 }
 
-/// What the wheels turn at, and what the controllers have summed up.
+/// State of wheels and controllers: present rates, and integrals of errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Actuation {
     /// Rates of the wheels, rad/s.
@@ -71,20 +74,20 @@ pub(super) struct Actuation {
     pub sum_v: f64,
     /// Integral of the error of the turning speed, rad.
     pub sum_w: f64,
-    /// For each wheel whose own controller runs the integral of the error of its rate, rad.
+    /// For each wheel whose own controller is active, the integral of the error of its rate, rad.
     pub sums: Wheels,
-    /// For each wheel whose own controller runs its rate a tick before, rad/s.
+    /// For each wheel whose own controller is active, its rate one tick before, rad/s.
     pub last: Wheels,
     /// Of a hull under water, whose velocity stands in the place of the rates of wheels.
     pub afloat: Afloat,
 }
 
-/// What the wheels are to follow.
+/// Set points of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Target {
-    /// Rates of the motors: open loop, but for those `held` by a controller of their own.
+    /// Rates of the motors, rad/s: open loop, except for wheels in `held` whose own controllers run.
     Wheels { rates: Wheels, held: [bool; 4] },
-    /// Twist of the body: through the controllers if they run.
+    /// Twist of the body, regulated by the PI controllers if they run.
     Twist(Twist),
 }
 
@@ -98,9 +101,9 @@ impl Target {
     }
 }
 
-/// One tick of the controllers and of the lag: the rates that are then held until the next tick.
+/// Computes one tick of controllers and lag: the rates that hold until the next tick.
 ///
-/// An output beyond what the wheels can do is scaled down, and no sum grows meanwhile (anti-windup).
+/// An output beyond the limits of the wheels is scaled down. Integrals do not grow during saturation (anti-windup).
 pub(super) fn step(
     model: &Model,
     controllers: &Controllers,
@@ -125,7 +128,8 @@ pub(super) fn step(
     let share = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
     let close = 1e-9 * model.max_wheel_rate;
     let is_close = |a: &Wheels, b: &Wheels| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= close);
-    // Settled within a billionth of the range: from here on nothing changes, and no more pieces are opened.
+    // Within a billionth of the range the wheels count as settled: the rates stay constant, and no more pieces are
+    // opened.
     if is_close(&actuation.rates, &settled) && is_close(&wheels, &settled) {
         actuation.rates = settled;
     } else {
@@ -134,7 +138,8 @@ pub(super) fn step(
     actuation
 }
 
-/// The rate that is asked of wheel `i`, to be `set`; sums up the error if a controller of its own runs.
+/// Rate to which the motor of wheel `i` is set, for the commanded rate `set`; integrates the error if the wheel's own
+/// controller is active.
 fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
     let Some(pid) = pid else {
         (actuation.sums[i], actuation.last[i]) = (0.0, 0.0);
@@ -142,12 +147,12 @@ fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Act
     };
     let limit = model.max_wheel_rate;
     let is = actuation.rates[i];
-    // Finer than what counts as settled, so that the error rests at 0 then.
+    // Finer than the tolerance for settled wheels, so that the error is 0 once they are settled.
     let error = if (set - is).abs() <= 1e-10 * limit { 0.0 } else { set - is };
-    // Without an integral part nothing is summed up, or the sum would never rest.
+    // Without an integral part the sum stays 0; otherwise it would never become constant.
     let sum = if pid.i > 0.0 { actuation.sums[i] + error * TICK.seconds() } else { 0.0 };
     let out = pid.p * error + pid.i * sum - pid.d * (is - actuation.last[i]) / TICK.seconds();
-    // Once saturated a sum may only fall, or it would have to be worked off later.
+    // During saturation the sum may only shrink, because a grown sum would cause overshoot later.
     if out.abs() <= limit || error * out <= 0.0 {
         actuation.sums[i] = sum;
     }
@@ -155,10 +160,10 @@ fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Act
     out.clamp(-limit, limit)
 }
 
-/// The rates that the controllers ask of the wheels; sums up the errors.
+/// Rates to which the PI controllers set the wheels; integrates the errors.
 fn control(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
     let is = model.twist_from_wheels(&actuation.rates, steering);
-    // Finer than what counts as settled, so that all errors rest at 0 then.
+    // Finer than the tolerance for settled wheels, so that all errors are 0 once they are settled.
     let close = 1e-10 * model.max_wheel_rate * model.wheel_diameter;
     let error = |set: f64, is: f64, close: f64| if (set - is).abs() <= close { 0.0 } else { set - is };
     let (error_v, error_w) =
@@ -174,7 +179,7 @@ fn control(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &
     let wheels = model.wheels_from_twist(out);
     let excess = model.wheel_excess(&wheels);
     let saturated = excess > 1.0;
-    // Once saturated a sum may only fall, or it would have to be worked off later.
+    // During saturation a sum may only shrink, because a grown sum would cause overshoot later.
     if !saturated || error_v * out.vx <= 0.0 {
         actuation.sum_v = sum_v;
     }
@@ -253,7 +258,7 @@ mod tests {
             assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
             ticks
         };
-        // The parameters of the ROM's demo, of the book, and slow ones.
+        // The parameters of the ROM's demonstration program, those of the book, and slow ones.
         let demo = reached(&Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 });
         let slow = reached(&Gains { vv: 0.5, tv: 0.3, vw: 0.5, tw: 0.3 });
         reached(&Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 });

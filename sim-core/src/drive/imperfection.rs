@@ -1,7 +1,8 @@
-//! Imperfect motion: what lies between wheels and ground, and between wheels and odometry.
+//! Imperfect motion: errors between the wheels and the ground, and between the wheels and odometry.
 //!
-//! Systematic errors keep a motion's closed form. Random ones are drawn anew at each tick of 10 ms of the global grid and
-//! held until the next, by the index of the tick: so they do not depend on who asks for what.
+//! Systematic errors keep the closed form of a motion. Random errors are drawn at each tick of the global 10 ms grid
+//! and hold until the next tick. They depend only on the index of the tick, not on the times at which the motion is
+//! queried.
 
 use std::sync::Arc;
 
@@ -20,37 +21,38 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// How a robot's motion differs from what its wheels are told, and its odometry from what they do. All 0: not at all.
+/// Differences between a robot's motion and the motion of its wheels, and between its odometry and its wheels. If all
+/// values are 0, there are none.
 ///
 /// Source: Koestler & Bräunl, section 5 (additive Gaussian noise on the v-omega interface); slip, diameters and
 /// resolution are our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Imperfection {
-    /// By what share each wheel's true diameter exceeds the nominal one, in the order of the
-    /// [`DriveKind`]; above -1, up to 1.
+    /// Relative excess of each wheel's true diameter over the nominal one, in the order of the [`DriveKind`]; above -1,
+    /// up to 1.
     pub diameters: Wheels,
-    /// Share of a wheel's way that it slips, the ground's speed being 1 - slip of the wheel's; -1 to 1.
+    /// Slip ratio: the wheel moves over the ground at 1 - slip times the speed of its rim; -1 to 1.
     pub slip: f64,
-    /// Standard deviation of that share, drawn for each wheel and tick; the sum is cut to -1 to 1.
+    /// Standard deviation of the slip ratio, drawn for each wheel and tick; the sum is clamped to -1 to 1.
     pub slip_deviation: f64,
-    /// Noise on speed and turning speed (`VWSetSpeed`, drives) between wheels and ground; none while the robot is told to
-    /// stand, or its motors are told one by one.
+    /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). None while the
+    /// robot is commanded to stand, or while its motors are commanded one by one.
     pub command: TwistNoise,
-    /// Noise on the twist that odometry takes from the wheels; none while they stand.
+    /// Noise on the twist that odometry computes from the wheels; none while the wheels stand.
     pub odometry: TwistNoise,
-    /// Steps in which odometry is read.
+    /// Resolution of odometry readings.
     pub resolution: Resolution,
 }
 
-/// Smallest true diameter of a wheel, as a share of the nominal one.
+/// Smallest true diameter of a wheel, as a fraction of the nominal one.
 const SMALLEST: f64 = 0.1;
 
 impl noise::MotionNoise {
     /// The imperfection of the drive of `robot`, of this kind, in a run with `seed`.
     ///
-    /// Each wheel's diameter is the nominal one times 1 + `left` or `right` + `diameter_sigma` G, G standard normal and
-    /// drawn once for each wheel; at least a tenth of the nominal one, at most twice. The one motor of a car drives what is
-    /// on the left.
+    /// Each wheel's diameter is the nominal one times 1 + `left` or `right` + `diameter_sigma` G, where G is standard
+    /// normal and drawn once for each wheel; at least a tenth of the nominal diameter, at most twice. The only motor of
+    /// a car uses `left`.
     pub fn imperfection(&self, kind: DriveKind, seed: u64, robot: RobotId) -> Imperfection {
         let sides = match kind {
             DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
@@ -74,10 +76,10 @@ impl noise::MotionNoise {
 }
 
 impl Imperfection {
-    /// Checks that all shares and deviations make sense.
+    /// Checks that all numbers are within their ranges.
     ///
     /// # Errors
-    /// The first field that does not, with the values accepted.
+    /// The first number that is out of range, with the accepted values.
     pub fn check(&self) -> Result<(), ModelError> {
         let check = |field, value: f64, accepted, ok: bool| {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
@@ -111,7 +113,7 @@ impl TwistNoise {
         *self == Self::default()
     }
 
-    /// The noise on `twist`, from standard normal numbers.
+    /// The noise on `twist`, computed from standard normal numbers.
     fn on(&self, twist: Twist, kind: DriveKind, [ahead, aside, turn]: [f64; 3]) -> Twist {
         let deviation = |absolute: f64, share: f64, value: f64| {
             let part = share * value;
@@ -129,7 +131,7 @@ impl TwistNoise {
 }
 
 impl Resolution {
-    /// `pose` as it is read.
+    /// `pose` rounded to the resolution.
     pub(super) fn read(&self, pose: Pose) -> Pose {
         let nearest = |value: f64, step: f64| if step > 0.0 { (value / step).round() * step } else { value };
         let heading = pose.heading;
@@ -141,33 +143,33 @@ impl Resolution {
     }
 }
 
-/// What a robot does that is pushed against a wall.
+/// Behaviour of a robot that is pushed against a wall.
 ///
 /// Source: design, section 4; docs/motion.md, section Sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ContactRule {
-    /// The body rests, its wheels stall, the command stays pending.
+    /// The body rests, its wheels stall, and the command stays in force.
     #[default]
     Stall,
-    /// The body slides outside the friction cone, while its wheels slip over the floor.
+    /// The body slides if the push is outside the friction cone, while its wheels slip over the floor.
     Slide {
         /// Coefficient of friction between the body and walls.
         friction: f64,
     },
 }
 
-/// What is constant about one robot's motion: its model, and how far the robot falls short of it.
+/// Constant properties of one robot's motion: its model, its errors and its behaviour at walls.
 #[derive(Clone, Debug)]
 pub(super) struct Vehicle {
     pub model: Arc<Model>,
-    /// `None` for a perfect one.
+    /// `None` for perfect motion.
     pub errors: Option<Box<Errors>>,
     pub contact: ContactRule,
     /// Of a robot under water.
     pub hull: Option<Hull>,
 }
 
-/// An imperfection with its random numbers.
+/// An imperfection with its random streams.
 #[derive(Clone, Debug)]
 pub(super) struct Errors {
     pub imperfection: Imperfection,
@@ -176,17 +178,18 @@ pub(super) struct Errors {
     odometry: Events,
 }
 
-/// The twists of the axle that come of wheels with errors.
+/// Twists of the axle that result from wheels with errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Erring {
     pub truth: Twist,
     pub odometry: Twist,
-    /// They hold until the next tick only.
+    /// Random errors contribute, so the twists hold only until the next tick.
     pub is_drawn: bool,
 }
 
 impl Vehicle {
-    /// What comes of wheels that turn at `during` and tell the twist `belief`, from `start` on.
+    /// Twists that result from wheels with the rates `during`, from `start` on; `belief` is the twist of error-free
+    /// wheels at these rates.
     pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
         match &self.errors {
             // The errors are those of wheels and legs.
@@ -197,7 +200,7 @@ impl Vehicle {
 }
 
 impl Errors {
-    /// The errors of `robot` in a run with `seed`, if there are any.
+    /// The errors of `robot` in a run with `seed`; `None` for perfect motion.
     pub fn unless_perfect(imperfection: Imperfection, seed: u64, robot: RobotId) -> Option<Box<Self>> {
         (imperfection != Imperfection::default()).then(|| Box::new(Self::new(imperfection, seed, robot)))
     }
@@ -217,7 +220,7 @@ impl Errors {
         let tick = Events::index(start, TICK);
         let mut erring = Erring { truth: belief, odometry: belief, is_drawn: false };
         let mut slips = [slip; 4];
-        // Feet stand where they are.
+        // Standing feet do not slip.
         let slips_at_all = model.kind != DriveKind::Legged;
         if slip_deviation > 0.0 && slips_at_all {
             erring.is_drawn = true;
@@ -244,7 +247,7 @@ impl Errors {
     }
 }
 
-/// Standard normal numbers of one tick.
+/// Standard normal numbers for one tick.
 fn normals<const N: usize>(mut stream: Stream) -> [f64; N] {
     std::array::from_fn(|_| stream.normal())
 }

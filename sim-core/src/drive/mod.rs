@@ -1,7 +1,8 @@
-//! How a robot moves: wheel kinematics, pieces of closed-form motion, and the chain of pieces that is a robot's motion.
+//! Motion of a robot: kinematics of wheels, pieces of closed-form motion, and the chain of pieces that follows a
+//! robot's commands.
 //!
-//! Everything is a function of virtual time in whole microseconds: no step, no slot length. Contact with static walls
-//! belongs to the plan of a motion; contact with other robots is the world's business ([`crate::world`]).
+//! Everything is a function of virtual time in whole microseconds; there are no integration steps, and the slot length
+//! has no influence. Contacts with static walls are found here, contacts with other robots in [`crate::world`].
 
 mod command;
 mod control;
@@ -24,5 +25,5 @@ pub use piece::{Cause, Piece, Rates, State};
 
 use crate::time::Time;
 
-/// How far back a motion and the world remember.
+/// Length of the past for which motions and the world can be queried.
 pub const HISTORY: Time = Time::from_millis(100);

@@ -1,17 +1,18 @@
-//! What is constant about a robot's drive and body, and the kinematics between wheels and body.
+//! Constant properties of a robot's drive and body, and the kinematics between wheels and body.
 
 use crate::{math, pose::Twist};
 
-/// How wheels move the body.
+/// Arrangement of wheels or legs that moves the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveKind {
     /// Two driven wheels on one axle, in the order left, right.
     Differential,
-    /// One motor drives the rear axle, a servo steers the front wheels: the bicycle model.
+    /// One motor drives the rear axle and a servo steers the front wheels; modelled as a bicycle.
     Ackermann,
     /// Four Mecanum wheels in the order front left, front right, back left, back right.
     Omni,
-    /// Legs: no wheels. In the place of rates of wheels stands the twist itself: m/s ahead, m/s to the left, rad/s.
+    /// Legs without wheels. Where other drives have rates of wheels, legs have the twist itself: m/s ahead, m/s to the
+    /// left, rad/s.
     Legged,
     /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set their rates;
     /// in the place of rates of wheels stands the velocity: m/s ahead, m/s to the left, rad/s, m/s up.
@@ -21,7 +22,7 @@ pub enum DriveKind {
 /// Rates or angles of up to four wheels in the order of the [`DriveKind`]; unused places are 0.
 pub type Wheels = [f64; 4];
 
-/// The constant facts of a drive and its body.
+/// Constant properties of a drive and its body.
 ///
 /// Source: Koestler & Bräunl, section 2, and the `.robi` format.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +39,7 @@ pub struct Model {
     pub track: f64,
     /// Distance of the front and back axles, m (Ackermann and omni).
     pub wheelbase: f64,
-    /// From the robot's centre to the axle along x, m; the axle's midpoint is the reference of the drive and of odometry.
+    /// Position of the axle along x from the robot's centre, m; drive and odometry refer to the axle's midpoint.
     pub axis_offset: f64,
     /// Greatest speed that the VW interface commands, m/s; infinite for no limit.
     pub max_speed: f64,
@@ -46,17 +47,18 @@ pub struct Model {
     pub max_turn: f64,
     /// Radius of the body, a disc around the robot's centre, m.
     pub body_radius: f64,
-    /// Time constant with which the wheels follow their command, s; 0: at once.
+    /// Time constant with which the wheels follow their command, s; 0 for wheels that follow at once.
     pub wheel_lag: f64,
-    /// Greatest steering angle to either side, rad (Ackermann); 45 degrees on the classic servo.
+    /// Greatest steering angle to either side, rad (Ackermann); 45 degrees for the classic servo.
     pub max_steering: f64,
-    /// Mass of the robot, kg; matters among movable objects only.
+    /// Mass of the robot, kg; it has an effect only among movable objects.
     pub mass: f64,
-    /// Coefficient of friction between wheels and floor: what the wheels can push with, over the robot's weight.
+    /// Coefficient of friction between wheels and floor: the greatest force of the wheels divided by the robot's
+    /// weight.
     pub traction: f64,
 }
 
-/// A value of a [`Model`] with which nothing can be computed.
+/// A value of a [`Model`] that is out of range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{field}` is {value}, accepted: {accepted}")]
 pub struct ModelError {
@@ -64,7 +66,7 @@ pub struct ModelError {
     pub field: &'static str,
     /// Its value, in SI units.
     pub value: f64,
-    /// What it must be.
+    /// The accepted values.
     pub accepted: &'static str,
 }
 
@@ -79,10 +81,10 @@ impl Model {
         }
     }
 
-    /// Checks that all that the kinematics divide by, and all limits, make sense.
+    /// Checks that all numbers by which the kinematics divide, and all limits, are within their ranges.
     ///
     /// # Errors
-    /// The first field that does not, with the values accepted.
+    /// The first field that is out of range, with the accepted values.
     pub fn check(&self) -> Result<(), ModelError> {
         let check = |field, value: f64, accepted, ok: bool| {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
@@ -107,8 +109,8 @@ impl Model {
 
     /// Twist of the axle's midpoint for these wheel rates (rad/s) and this steering angle (rad, left positive).
     ///
-    /// Mecanum turn row (-, +, -, +) c / (2 (W + L)): the matrix printed in the paper repeats the signs of the row above
-    /// and is singular. Source: Koestler & Bräunl, section 2.
+    /// The row of the matrix for turning with Mecanum wheels is (-, +, -, +) c / (2 (W + L)). The matrix printed in the
+    /// paper repeats the signs of the row above and is singular. Source: Koestler & Bräunl, section 2.
     pub fn twist_from_wheels(&self, wheels: &Wheels, steering: f64) -> Twist {
         let radius = 0.5 * self.wheel_diameter;
         match self.kind {
@@ -137,7 +139,7 @@ impl Model {
 
     /// Wheel rates (rad/s) that give this twist of the axle's midpoint, or wheel angles that give this displacement.
     ///
-    /// For an Ackermann drive the rate of its motor; the steering angle is [`Model::steering`].
+    /// For an Ackermann drive, the rate of its motor; [`Model::steering`] gives the steering angle.
     pub fn wheels_from_twist(&self, twist: Twist) -> Wheels {
         let per_metre = 2.0 / self.wheel_diameter;
         let Twist { vx, vy, omega } = twist;
@@ -155,8 +157,8 @@ impl Model {
         }
     }
 
-    /// Steering angle of an Ackermann drive for this twist, not yet limited; `None` when the wheels cannot give it because
-    /// it turns without driving.
+    /// Steering angle of an Ackermann drive for this twist, not yet limited, rad; `None` for a twist that turns without
+    /// driving, which the wheels cannot give.
     pub fn steering(&self, twist: Twist) -> Option<f64> {
         if twist.omega == 0.0 {
             return Some(0.0);
@@ -164,18 +166,18 @@ impl Model {
         (twist.vx != 0.0).then(|| math::atan(twist.omega * self.wheelbase / twist.vx))
     }
 
-    /// Whether it goes to the side as well as ahead.
+    /// Returns true if the drive can move sideways as well as ahead.
     pub fn is_holonomic(&self) -> bool {
         matches!(self.kind, DriveKind::Omni | DriveKind::Legged)
     }
 
-    /// `wheels` with each rate within its limit.
+    /// `wheels` with each rate clamped to its limit.
     pub fn clamp_wheels(&self, wheels: &Wheels) -> Wheels {
         wheels.map(|rate| rate.clamp(-self.max_wheel_rate, self.max_wheel_rate))
     }
 
-    /// `twist` with speed and turning speed each within the robi's limits, then scaled as a whole to what the wheels can
-    /// do, so that the curve keeps its shape.
+    /// `twist` with speed and turning speed each clamped to the robi's limits, then scaled as a whole to the limit of
+    /// the wheels. The scaling preserves the shape of the curve.
     pub fn clamp_twist(&self, twist: Twist) -> Twist {
         let speed = twist.speed();
         let slow = if speed > self.max_speed { self.max_speed / speed } else { 1.0 };
@@ -185,34 +187,35 @@ impl Model {
         if excess > 1.0 { twist.scaled(1.0 / excess) } else { twist }
     }
 
-    /// Shortest time in seconds in which the limits allow this displacement along its curve.
+    /// Shortest time in seconds in which the limits allow the robot to cover this displacement along its curve.
     pub fn shortest_duration(&self, displacement: Twist) -> f64 {
         let wheels = self.wheel_excess(&self.wheels_from_twist(displacement));
         (displacement.speed() / self.max_speed).max(displacement.omega.abs() / self.max_turn).max(wheels)
     }
 
-    /// Moment of inertia about the centre, kg m²: that of an even disc.
+    /// Moment of inertia about the centre, kg m²: that of a uniform disc.
     pub fn inertia(&self) -> f64 {
         0.5 * self.mass * self.body_radius * self.body_radius
     }
 
-    /// Speed of the robot's mass at a twist of its centre, m/s: that of a straight drive of the same energy.
+    /// Speed that a straight drive would have at the kinetic energy of this twist of the centre, m/s.
     pub fn speed(&self, twist: Twist) -> f64 {
         (twist.vx * twist.vx + twist.vy * twist.vy + self.inertia() / self.mass * twist.omega * twist.omega).sqrt()
     }
 
-    /// Share of the twist `onto` in the twist `of`, both of one frame: what is left of it when the wheels allow no other
-    /// motion and the momentum along the path is kept; 0 for `onto` zero.
+    /// Projection coefficient of the twist `of` onto the twist `onto`, both in one frame, in the inner product of
+    /// kinetic energy. It is the factor of `onto` that remains of `of` when the wheels allow no other motion and the
+    /// momentum along the path is kept; 0 if `onto` is zero.
     pub fn overlap(&self, of: Twist, onto: Twist) -> f64 {
         let product = |a: Twist, b: Twist| self.mass * (a.vx * b.vx + a.vy * b.vy) + self.inertia() * a.omega * b.omega;
         let whole = product(onto, onto);
         if whole > 0.0 { product(of, onto) / whole } else { 0.0 }
     }
 
-    /// Greatest of the wheels' rates, as a multiple of the limit.
+    /// Greatest rate among the wheels, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         if self.kind == DriveKind::Legged {
-            // A foot beside the body goes by both, so the shares of both limits add up.
+            // Speed and turning speed both move a foot beside the body, so their shares of the limits add up.
             return math::hypot(wheels[0], wheels[1]) / self.max_speed + wheels[2].abs() / self.max_turn;
         }
         wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
@@ -285,7 +288,7 @@ mod tests {
         let model = model(DriveKind::Differential);
         assert_close(model.clamp_twist(Twist::new(-0.9, 0.0)), Twist::new(-0.3, 0.0));
         assert_close(model.clamp_twist(Twist::new(0.0, 9.0)), Twist::new(0.0, 2.0));
-        // Cut to 0.5 m/s and 2 rad/s, the outer wheel would turn at 14 rad/s: all by 6 / 14.
+        // Clamped to 0.5 m/s and 2 rad/s, the outer wheel would turn at 14 rad/s, so all rates are scaled by 6 / 14.
         assert_close(model.clamp_twist(Twist::new(3.0, 2.5)), Twist::new(0.5, 2.0).scaled(6.0 / 14.0));
         let within = Twist::new(0.1, 0.2);
         assert_eq!(model.clamp_twist(within), within);

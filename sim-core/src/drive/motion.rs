@@ -1,4 +1,4 @@
-//! A robot's motion: the chain of its pieces, from the commands that it is given.
+//! Motion of a robot: a chain of pieces computed from its commands.
 
 mod legs;
 
@@ -26,32 +26,32 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// Number of impacts that a motion remembers.
+/// Number of impacts that a motion keeps from before the present slot.
 const IMPACTS: usize = 32;
 
-/// Ticks that [`Motion::drive_end`] looks ahead at most while wheels with a lag are not settled: 1,000 s.
+/// Greatest number of ticks that [`Motion::drive_end`] looks ahead while ticks still change the motion: 1,000 s.
 const LOOK_AHEAD: usize = 100_000;
 
 /// A body's contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// The first microsecond not before it.
+    /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
-    /// From when on the robot's program can know of it: `time`, or for an impact with a robot the end of its slot, at
-    /// which it was found.
+    /// Instant from which the robot's program can know of the impact: `time` for a wall; for a robot or object the end
+    /// of the slot, where such an impact is found.
     pub known: Time,
-    /// What was met.
+    /// The touched obstacle.
     pub thing: Thing,
-    /// The touched point, in the world.
+    /// The touched point in the world frame, m.
     pub point: DVec2,
-    /// Direction of the touched point from the robot's centre, in the robot's frame, rad counter-clockwise from ahead.
+    /// Direction from the robot's centre to the touched point, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
-    /// False when the contact goes on: the body touched the wall already as it set off, or was stopped by the same robot
-    /// within the last 100 ms.
+    /// False if an earlier contact continues: the body touched the wall already when it began to move, or the same
+    /// robot stopped it within the last 100 ms.
     pub fresh: bool,
 }
 
-/// What the program of a robot does to its motion, in the order of time.
+/// An input to the motion of a robot from its program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Input {
     Command(Command),
@@ -62,7 +62,8 @@ pub(crate) enum Input {
     Place(Pose),
 }
 
-/// A disc on a path from `begin` seconds after `start` on, at rest from `after` seconds after `start` on, until `until`.
+/// Motion of a disc on one path: it moves from `begin` to `after`, both in seconds after `start`, and then rests until
+/// `until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Passage {
     pub start: Time,
@@ -70,28 +71,31 @@ pub(crate) struct Passage {
     pub until: Time,
     pub after: f64,
     pub path: Path,
-    /// Of the robot at the start.
+    /// Heading of the robot at `start`.
     pub heading: Heading,
 }
 
 impl Passage {
-    /// Seconds that the disc has moved at `at`.
+    /// Seconds for which the disc has moved at `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
         ((at - self.start).seconds().min(self.after) - self.begin).max(0.0)
     }
 
-    /// True when the disc has come to rest at `at`.
+    /// Returns true if the disc has come to rest at `at`.
     pub fn has_ended(&self, at: Time) -> bool {
         (at - self.start).seconds() >= self.after
     }
 
-    /// The first microsecond not before its beginning.
+    /// Instant of `begin`, rounded up to a microsecond.
     pub fn since(&self) -> Time {
         if self.begin == 0.0 { self.start } else { self.start + Time::from_seconds_ceil(self.begin) }
     }
 
-    /// A stretch of constant twist: its start, the pose then, the twist and how long it lasts, s. It is the passage from its beginning on;
-    /// where that slides along a wall, what leads between its poses at `from` and `to`.
+    /// A stretch of constant twist for this passage: its start, the pose at the start, the twist, and the duration in
+    /// seconds.
+    ///
+    /// A passage of constant twist is such a stretch itself. A slide along a wall is replaced by the circular arc
+    /// between its poses at `from` and `to`.
     pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
         if self.path.pace == Pace::Even {
             let start = self.since();
@@ -103,7 +107,7 @@ impl Passage {
         let chord = pose.inverse_transform_point(self.centre(to));
         let after = (self.elapsed(to) - self.elapsed(start)).max(1e-6);
         let angle = self.path.omega() * after;
-        // The circle through both places: the inverse of `Pose::moved`.
+        // The arc through both positions: the inverse of `Pose::moved`.
         let (s, c) = (math::sinc(angle), math::cosc(angle));
         let whole = (s * s + c * c) * after;
         let twist = Twist {
@@ -127,23 +131,24 @@ impl Passage {
     }
 }
 
-/// How a robot goes on its own path at an instant.
+/// Drive of a robot along its own path at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Thrust {
-    /// Pose of its centre.
+    /// Pose of the centre in the world.
     pub centre: Pose,
-    /// The twist of its centre that is ordered, in its own frame.
+    /// The ordered twist of the centre, in the robot's frame.
     pub ordered: Twist,
-    /// The share of it with which it goes.
+    /// Share of the ordered twist with which the robot moves, 0 to 1.
     pub share: f64,
-    /// Seconds until it comes to rest by itself; infinite for none.
+    /// Seconds until the robot comes to rest without contacts; infinite if it does not.
     pub left: f64,
 }
 
-/// The motion of one robot in a static world, as a function of virtual time, with what it has been commanded.
+/// The motion of one robot in a static world, as a function of virtual time, with the commands that the robot has
+/// obeyed.
 ///
-/// Instants that are asked for lie at most [`HISTORY`] before the present slot; those ahead are answered by the present
-/// plan.
+/// Queries may refer to instants up to [`HISTORY`] before the present slot, and to the future, which follows the
+/// present plan.
 #[derive(Clone, Debug)]
 pub struct Motion {
     id: RobotId,
@@ -153,23 +158,23 @@ pub struct Motion {
     stages: VecDeque<Stage>,
     /// Inputs since the start of the slot.
     journal: Vec<(Time, Input)>,
-    /// Start of the present slot: impacts before it are in the log.
+    /// Start of the present slot; earlier impacts are in `log`.
     committed: Time,
-    /// Contacts with movable objects since then.
+    /// Contacts with movable objects in the present slot.
     touches: Vec<Impact>,
-    /// When each movable object was touched last, of those of the last 100 ms.
+    /// Last contact with each movable object that the body touched in the last 100 ms.
     touched: Vec<(ObjectId, Time)>,
     log: VecDeque<Impact>,
     contacts: u32,
     revision: u64,
-    /// Revision and answer of the last [`Motion::drive_end`].
+    /// Result of the last [`Motion::drive_end`], with the revision for which it is valid.
     drive_end: Option<(u64, Option<Time>)>,
     /// The feet of a robot with legs.
     walk: Option<Box<Walk>>,
 }
 
 impl Motion {
-    /// A robot at rest at `world_from_robot`, the pose of its centre, at the start of the run; odometry at 0.
+    /// Motion of a robot that rests from the start of the run, with its centre at `world_from_robot`; odometry is 0.
     ///
     /// The model must have passed [`Model::check`].
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
@@ -194,7 +199,7 @@ impl Motion {
         }
     }
 
-    /// This motion, not yet commanded, of a robot that comes into the world at `start`, not at the start of the run.
+    /// This motion, not yet commanded, for a robot that enters the world at `start` instead of the start of the run.
     pub fn starting_at(mut self, start: Time) -> Self {
         self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
         self.committed = start;
@@ -204,14 +209,14 @@ impl Motion {
     /// This motion, not yet commanded, with an imperfection whose random numbers are those of a run with `seed`.
     ///
     /// # Errors
-    /// The first number of the imperfection that makes no sense.
+    /// The first number of the imperfection that is out of range.
     pub fn with_imperfection(mut self, seed: u64, imperfection: Imperfection) -> Result<Self, ModelError> {
         imperfection.check()?;
         self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
         Ok(self)
     }
 
-    /// This motion, not yet commanded, with this rule for what happens at walls; a robot with legs stalls whatever it is.
+    /// This motion, not yet commanded, with this behaviour at walls; a robot with legs stalls whatever the rule says.
     ///
     /// # Errors
     /// A friction that is negative or not finite.
@@ -246,18 +251,19 @@ impl Motion {
         self.vehicle.hull.as_ref()
     }
 
-    /// What happens when the body is pushed against a wall.
+    /// Behaviour of the body when it is pushed against a wall.
     pub fn contact_rule(&self) -> ContactRule {
         self.vehicle.contact
     }
 
-    /// From `at` on, the start of the present slot, it has this imperfection, whose random numbers are those of a run with `seed`.
+    /// Replaces the imperfection from `at` on, the start of the present slot. The random numbers are those of a run
+    /// with `seed`.
     ///
     /// # Errors
-    /// The first number of the imperfection that makes no sense; nothing changes then.
+    /// The first number of the imperfection that is out of range; nothing changes then.
     pub fn set_imperfection(&mut self, at: Time, seed: u64, imperfection: Imperfection) -> Result<(), ModelError> {
         imperfection.check()?;
-        // What has been until now is planned with the errors that there were.
+        // The motion up to now must be computed with the old errors.
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
@@ -268,7 +274,7 @@ impl Motion {
         self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
         let mut next = Stage::open(&self.vehicle, at, state, orders, before, &[], grip);
         if let Some(blocker) = blocker {
-            // Only a command tries to get past.
+            // Only a new command can free the body from its blocker.
             next.stop(0.0, blocker, false);
         }
         next.is_placed = is_placed;
@@ -278,30 +284,30 @@ impl Motion {
         Ok(())
     }
 
-    /// Whose motion it is.
+    /// The robot of this motion.
     pub fn id(&self) -> RobotId {
         self.id
     }
 
-    /// The constant facts of the drive and body.
+    /// Constant properties of drive and body.
     pub fn model(&self) -> &Model {
         &self.vehicle.model
     }
 
-    /// How far the motion is from perfect.
+    /// Errors of motion and odometry.
     pub fn imperfection(&self) -> Imperfection {
         self.vehicle.errors.as_ref().map(|errors| errors.imperfection).unwrap_or_default()
     }
 
-    /// Counts the changes of the plan by commands, and by contacts with other robots when the world advances: as long as
-    /// it stays, so do all answers about the future.
+    /// Number of changes of the plan, by commands and by contacts with robots or objects. While the number is the same,
+    /// answers about the future are the same.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Takes a command at `at`, not before the one before. `touching`: the bodies of the other robots that may be in
-    /// contact, from [`World::touching`](crate::world::World::touching); the command is blocked at once by one that it
-    /// would approach.
+    /// Obeys a command at `at`, which must not precede the last command. `touching` are the bodies of other robots that
+    /// may be in contact, from [`World::touching`](crate::world::World::touching). If the command would approach one of
+    /// these bodies, the robot is blocked at once.
     ///
     /// # Errors
     /// A [`CommandError`] for a command that this drive cannot obey; nothing changes then.
@@ -309,7 +315,7 @@ impl Motion {
         self.input(at, Input::Command(command), touching)
     }
 
-    /// Starts the PI controllers at `at`; they have something to do only with a lag of the wheels.
+    /// Starts the PI controllers at `at`. They have an effect only if the wheels have a lag.
     ///
     /// # Errors
     /// [`CommandError::NotFinite`] for gains that are not [valid](Gains::is_valid).
@@ -320,14 +326,14 @@ impl Motion {
         self.input(at, Input::Control(Some(gains)), &[])
     }
 
-    /// Stops the PI controllers at `at`: the wheels follow what is commanded, open loop.
+    /// Stops the PI controllers at `at`; from then on the wheels follow their command in open loop.
     pub fn stop_control(&mut self, at: Time) {
-        // Nothing to refuse.
+        // This input is never refused.
         let _ = self.input(at, Input::Control(None), &[]);
     }
 
-    /// Starts the PID controller of a wheel at `at`, for [`Command::WheelSpeed`]; it has something to do only with a lag of
-    /// the wheels.
+    /// Starts the PID controller of a wheel at `at`, for [`Command::WheelSpeed`]. It has an effect only if the wheels
+    /// have a lag.
     ///
     /// # Errors
     /// [`CommandError::NoWheel`], or [`CommandError::NotFinite`] for factors that are not [valid](Pid::is_valid).
@@ -339,7 +345,7 @@ impl Motion {
         self.input(at, Input::WheelControl(wheel, Some(pid)), &[])
     }
 
-    /// Stops the PID controller of a wheel at `at`: it follows what is commanded, open loop.
+    /// Stops the PID controller of a wheel at `at`; from then on the wheel follows its command in open loop.
     ///
     /// # Errors
     /// [`CommandError::NoWheel`].
@@ -348,28 +354,29 @@ impl Motion {
         self.input(at, Input::WheelControl(wheel, None), &[])
     }
 
-    /// Puts the robot at `world_from_robot`, the true pose of its centre, at `at`: at rest, its command ended and the sums of
-    /// its controllers at 0. Odometry, wheel angles and path length stay as they are, so do steering and controllers.
+    /// Places the robot at `at` with its centre at `world_from_robot`, in truth, not in odometry. The robot then rests:
+    /// its command ends, and the sums of its controllers are 0. Odometry, wheel angles, path length, steering and the
+    /// choice of controllers stay.
     ///
-    /// Any place will do: in a wall or another body it stands in contact, and may leave. Nothing on the way is touched.
-    /// The others see it there from the next slot on. By another robot than itself it is placed at the end of the slot,
-    /// before [`World::advance`](crate::world::World::advance).
+    /// Any place is accepted. In a wall or another body the robot is in contact, and may leave. Nothing between the old
+    /// and the new place is touched. Other robots see the new place from the next slot on. A placement by anyone but
+    /// the robot's own program happens at the end of the slot, before [`World::advance`](crate::world::World::advance).
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
     pub fn place(&mut self, at: Time, world_from_robot: Pose) -> Result<(), PlacementError> {
         world_from_robot.check_placement()?;
-        // Nothing else to refuse.
+        // After this check the input is never refused.
         let _ = self.input(at, Input::Place(world_from_robot), &[]);
         Ok(())
     }
 
-    /// Sets what the robot believes its pose to be at `at`; the true pose stays.
+    /// Sets the odometry pose at `at`; the true pose stays.
     ///
     /// # Errors
     /// [`CommandError::NotFinite`] for a position that is not finite or beyond 10^12 m.
     pub fn set_odometry(&mut self, at: Time, odometry: Pose) -> Result<(), CommandError> {
-        // Negated, so that NaN is refused as well.
+        // The negation refuses NaN as well.
         if !(odometry.position.abs().max_element() <= 1e12 && odometry.position.is_finite()) {
             return Err(CommandError::NotFinite);
         }
@@ -388,7 +395,7 @@ impl Motion {
         self.stages[index].state(&self.vehicle.model, at)
     }
 
-    /// The pose of the axle's midpoint that the robot believes in at `at`, as it is read: in the steps of its
+    /// Odometry reading at `at`: the pose of the axle's midpoint according to odometry, rounded to its
     /// [`Resolution`](crate::noise::Resolution).
     pub fn odometry(&mut self, at: Time) -> Pose {
         let odometry = self.state(at).odometry;
@@ -408,7 +415,7 @@ impl Motion {
         self.state(at).path
     }
 
-    /// The twist that odometry takes from the wheels at `at`: what `VWGetSpeed` reads.
+    /// Twist of the axle according to odometry at `at`, as `VWGetSpeed` returns it.
     pub fn speed(&mut self, at: Time) -> Twist {
         self.stage_at(at).piece.rates(at).odometry
     }
@@ -418,8 +425,8 @@ impl Motion {
         self.stage_at(at).orders.steering
     }
 
-    /// What the drive in progress still has to cover at `at`: arc length, m, or for a turn on the spot its angle, rad;
-    /// 0 without a drive.
+    /// Remaining part of the drive in progress at `at`: arc length, m, or for a turn on the spot the angle, rad; 0
+    /// without a drive.
     pub fn drive_remaining(&mut self, at: Time) -> f64 {
         match self.stage_at(at).orders_at(at).pending {
             Pending::Drive { whole, remaining, .. } => Pending::progress(whole, remaining).max(0.0),
@@ -427,7 +434,7 @@ impl Motion {
         }
     }
 
-    /// True at `at` while a drive is in progress that turns on the spot.
+    /// Returns true if the drive in progress at `at` turns on the spot.
     pub fn is_drive_turn(&mut self, at: Time) -> bool {
         match self.stage_at(at).orders_at(at).pending {
             Pending::Drive { whole, .. } => whole.speed() == 0.0 && whole.omega != 0.0,
@@ -435,16 +442,17 @@ impl Motion {
         }
     }
 
-    /// True at `at` when no drive is in progress: it has reached its mark, or was replaced, or none was commanded.
+    /// Returns true if no drive is in progress at `at`: the last drive has reached its target or was replaced, or there
+    /// was none.
     pub fn is_drive_done(&mut self, at: Time) -> bool {
         !matches!(self.stage_at(at).orders_at(at).pending, Pending::Drive { .. })
     }
 
-    /// The first microsecond at which the last drive is done, in the past if it is; `None` without one, or when it does not end on the
-    /// present plan because the body is stopped before.
+    /// Instant at which the last drive ends or has ended, rounded up to a microsecond. `None` if there is no drive, or
+    /// if an obstacle stops the body before the target on the present plan.
     ///
-    /// A drive of more than 1,000 s with ticks all the way (errors that are drawn, a controller that oscillates) is answered
-    /// by an earlier instant: ask again then.
+    /// If ticks keep changing a drive for more than 1,000 s (random errors, a controller that oscillates), the result
+    /// is an instant before the end; the caller has to ask again at that instant.
     pub fn drive_end(&mut self) -> Option<Time> {
         if let Some((revision, end)) = self.drive_end
             && revision == self.revision
@@ -461,8 +469,8 @@ impl Motion {
         }
     }
 
-    /// True at `at` when the body is stopped by an obstacle with a command that it cannot obey, or when its wheels slip at a wall
-    /// by more than half of the speed that they are to give it (our choice).
+    /// Returns true if the drive is stalled at `at`: an obstacle stops the body against its command, or the wheels slip
+    /// at a wall by more than half of their speed (our choice).
     pub fn is_stalled(&mut self, at: Time) -> bool {
         let index = self.index_at(at);
         let stage = &self.stages[index];
@@ -470,7 +478,7 @@ impl Motion {
         is_stopped || stage.is_slipping(&self.vehicle.model, at)
     }
 
-    /// The wheels that are to turn at `at` and do not move the body, because of an obstacle.
+    /// The wheels that are commanded to turn at `at` while the drive is stalled.
     pub fn stalled_wheels(&mut self, at: Time) -> [bool; 4] {
         if !self.is_stalled(at) {
             return [false; 4];
@@ -479,7 +487,7 @@ impl Motion {
         target.wheels(&self.vehicle.model).map(|rate| rate != 0.0)
     }
 
-    /// The contact that stops the body at `at`, or that with which the stretch along a wall began that it slides on or rests at.
+    /// The contact that stops the body at `at`, or with which its present slide along a wall began.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
@@ -490,33 +498,33 @@ impl Motion {
         leg_impact(&model, stage, leg)
     }
 
-    /// Share of the speed of its wheels by which they slip over the floor at `at` because of a wall: 0 without one, 1 for a body at
-    /// rest.
+    /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed of the push;
+    /// 0 without contact, 1 for a body at rest.
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
         self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, share)| share)
     }
 
-    /// True when the body or a wheel moves at `at`.
+    /// Returns true if the body or a wheel moves at `at`.
     pub fn is_moving(&mut self, at: Time) -> bool {
         let rates = self.stage_at(at).piece.rates(at);
         !rates.truth.is_zero() || rates.wheels.iter().any(|&rate| rate != 0.0)
     }
 
-    /// Number of contacts until `at`: impacts with what was not touched already.
+    /// Number of contacts until `at`: impacts with obstacles that the body did not touch already.
     pub fn contacts(&mut self, at: Time) -> u32 {
         self.contacts + self.uncommitted(at).iter().filter(|impact| impact.fresh).count() as u32
     }
 
-    /// The impacts that became known from `since` until `until`, both included, in the order of time: of the last 32
-    /// before the present slot, and all within it.
+    /// The impacts that became known from `since` to `until`, both included, in order of time. Before the present slot
+    /// only the last 32 impacts are kept.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted(until);
         let is_asked = |impact: &Impact| impact.known >= since && impact.known <= until;
         self.log.iter().copied().chain(recent).filter(is_asked).collect()
     }
 
-    /// The robot that blocks the body, if one does at the end of the plan made so far.
+    /// The robot that blocks the body at the end of the present plan; `None` if no robot does.
     pub fn blocker(&self) -> Option<RobotId> {
         self.last().blocker().and_then(|obstacle| match obstacle.thing {
             Thing::Robot(id) => Some(id),
@@ -524,8 +532,8 @@ impl Motion {
         })
     }
 
-    /// True when the world has to be given this motion to advance: it has had an input in the present slot, or moves in it,
-    /// or waits for another robot or an object to clear its way.
+    /// Returns true if the world must process this motion to advance: it has an input in the present slot, it moves, or
+    /// it waits for a robot or an object to clear its way.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);
@@ -533,7 +541,7 @@ impl Motion {
         !self.journal.is_empty() || !rests || waits || self.has_ticks()
     }
 
-    // What follows is for the world.
+    // Functions for the world.
 
     pub(crate) fn radius(&self) -> f64 {
         self.vehicle.model.body_radius
@@ -543,11 +551,11 @@ impl Motion {
         &self.journal
     }
 
-    /// The passages of the body's motion that touch the time from `from` to `to`, in order, the last without an end.
+    /// Fills `passages` with the passages of the body from `from` to `to`, in order; the last has no end.
     pub(crate) fn passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
         let mut first = self.index_at(from);
         self.index_at(to);
-        // Exploring the stage at `to` does not reach back; each stage on the way is explored to its successor.
+        // `index_at(to)` explores only the stage at `to`, so each earlier stage is explored here up to its successor.
         passages.clear();
         while first < self.stages.len() && (passages.is_empty() || self.stages[first].piece.start <= to) {
             let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
@@ -558,7 +566,7 @@ impl Motion {
         }
     }
 
-    /// Stops the body at `obstacle` `seconds` after `base`, an instant of the present slot; forgets what was planned after.
+    /// Stops the body at `obstacle`, `seconds` after `base`, an instant of the present slot. Discards the later plan.
     pub(crate) fn block(&mut self, base: Time, seconds: f64, obstacle: Obstacle) {
         while self.stages.len() > 1 && (self.last().piece.start - base).seconds() > seconds {
             self.stages.pop_back();
@@ -566,7 +574,7 @@ impl Motion {
         let stage = self.stages.back_mut().expect("a motion has a stage");
         let after = ((base - stage.piece.start).seconds() + seconds).clamp(0.0, stage.piece.after);
         stage.stop(after, obstacle, true);
-        // A body that tries again and is stopped again by the same robot has been in contact all the time.
+        // If the same robot has stopped the body before, the contact has lasted all the time.
         let earlier = self.stages.len() - 1;
         let is_same = |stage: &Stage| stage.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing);
         let placed = self.stages.iter().rposition(|stage| stage.is_placed).unwrap_or(0);
@@ -576,13 +584,14 @@ impl Motion {
         self.revision += 1;
     }
 
-    /// Obeys an input again that is in the journal already.
+    /// Obeys again an input that is already in the journal.
     pub(crate) fn replay(&mut self, at: Time, input: Input, touching: &[Body]) {
-        // It was accepted before; where the steering made the difference it stays refused.
+        // The input was accepted before. If it is refused now, because the steering differs, it stays refused.
         let _ = self.apply(at, input, touching);
     }
 
-    /// Tries again at `at`, the end of the present slot, to obey what a robot had blocked; false if it still does.
+    /// Resumes at `at`, the end of the present slot, the motion that a robot had blocked; returns false if it is still
+    /// blocked.
     pub(crate) fn resume(&mut self, at: Time, touching: &[Body]) -> bool {
         let index = self.index_at(at);
         let stage = &self.stages[index];
@@ -601,8 +610,7 @@ impl Motion {
         true
     }
 
-    /// Ends the present slot at `end`: what has happened in it stands.
-    /// Returns the impacts.
+    /// Ends the present slot at `end` and returns its impacts; from now on the motion before `end` is final.
     pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
         let mut impacts = self.uncommitted(end);
         impacts.append(&mut self.touches);
@@ -631,18 +639,18 @@ impl Motion {
         impacts
     }
 
-    /// Ends the present slot at `end`, with nothing in it that [`Motion::commit`] would have to see to.
+    /// Ends the present slot at `end` if [`Motion::commit`] would have nothing to do.
     pub(crate) fn pass(&mut self, end: Time) {
         self.committed = end;
     }
 
-    /// True when the present slot has had no input.
+    /// Returns true if the present slot has had no input.
     pub(crate) fn is_uncommanded(&self) -> bool {
         self.journal.is_empty()
     }
 
-    /// Until when, as far as has been looked, the piece of the plan that holds at `from` goes on: no wall, mark or tick ends
-    /// it by then. `from` itself where that is not known.
+    /// Lower bound of the end of the piece in force at `from`: no wall, target or tick ends the piece before. `from`
+    /// itself if no better bound is known.
     pub(crate) fn steady_until(&mut self, from: Time) -> Time {
         let index = self.index_at(from);
         let stage = &self.stages[index];
@@ -650,7 +658,7 @@ impl Motion {
         if is_last && stage.piece.start <= from { stage.steady_until(&self.vehicle).max(from) } else { from }
     }
 
-    /// How the robot goes at `at`, for the movable objects in its way.
+    /// Drive of the robot at `at`, for the computation of movable objects.
     pub(crate) fn thrust(&mut self, at: Time) -> Thrust {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
@@ -667,8 +675,8 @@ impl Motion {
         Thrust { centre, ordered, share, left }
     }
 
-    /// From `at` on, an instant of the present slot, the robot gets along with `share` of what is ordered, 0 to 1; below 1
-    /// because it presses `obstacle`. Forgets what was planned after.
+    /// Slows the robot to `share` (0 to 1) of its ordered twist from `at` on, an instant of the present slot; a share
+    /// below 1 means that the robot presses `obstacle`. Discards the later plan.
     pub(crate) fn slow(&mut self, at: Time, share: f64, obstacle: Obstacle) {
         let index = self.index_at(at);
         let stage = &self.stages[index];
@@ -682,12 +690,12 @@ impl Motion {
         self.revision += 1;
     }
 
-    /// What keeps the robot slow at `at`.
+    /// The obstacle that slows the robot at `at`.
     pub(crate) fn pressed(&mut self, at: Time) -> Option<Obstacle> {
         self.stage_at(at).grip.obstacle
     }
 
-    /// The body touches a movable object at `at`, an instant of the present slot.
+    /// Records that the body touches a movable object at `at`, an instant of the present slot.
     pub(crate) fn touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
         let placed = self.stages.iter().rfind(|stage| stage.is_placed && stage.piece.start <= at);
         let known_since = placed.map_or(at - HISTORY, |stage| stage.piece.start.max(at - HISTORY));
@@ -712,8 +720,8 @@ impl Motion {
 
     // Helpers.
 
-    /// What a command at `at` leaves of the grip of the stage before it: a robot that still presses its obstacle keeps the
-    /// speed that it has, along the new path; another one goes at once.
+    /// Grip of the robot just after a command at `at`. A robot that still presses its obstacle keeps its speed along
+    /// the new path; any other robot moves freely at once.
     fn carried_grip(&self, stage: &Stage, at: Time, next: &Stage) -> Grip {
         let Some(obstacle) = stage.grip.obstacle else { return Grip::FREE };
         let towards = obstacle.point - next.path.origin;
@@ -729,7 +737,7 @@ impl Motion {
         self.stages.back().expect("a motion has a stage")
     }
 
-    /// Wheels with a lag are not settled, or errors go on to change the motion.
+    /// Returns true if a coming tick will change the motion, because of a lag of the wheels or of errors.
     fn has_ticks(&self) -> bool {
         let mut stage = self.last().clone();
         let next_tick = self.committed.max(stage.piece.start) + TICK;
@@ -784,26 +792,26 @@ impl Motion {
         if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
             match &mut next.piece.cause {
                 Cause::Impact { with, fresh } if with.thing == blocker.thing => *fresh = false,
-                // Only a command tries to get past.
+                // Only a command or a placement can free the body from its blocker.
                 _ if !matches!(input, Input::Command(_) | Input::Place(_)) => next.stop(0.0, blocker, false),
                 _ => {}
             }
         }
         next.is_placed = matches!(input, Input::Place(_)) || stage.is_placed && stage.piece.start == at;
-        // A stage without length has been nothing but its orders, which are in the new one.
+        // A stage without duration consists of its orders only, and the new stage contains them.
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
         self.revision += 1;
         Ok(())
     }
 
-    /// The stage in force at `at`, with its contacts known at least until then.
+    /// The stage in force at `at`; its contacts are known at least up to `at`.
     fn stage_at(&mut self, at: Time) -> &Stage {
         let index = self.index_at(at);
         &self.stages[index]
     }
 
-    /// The place of the stage in force at `at`, with its contacts known at least until then.
+    /// Index of the stage in force at `at`; its contacts are known at least up to `at`.
     fn index_at(&mut self, at: Time) -> usize {
         loop {
             let last = self.stages.back_mut().expect("a motion has a stage");
@@ -826,7 +834,7 @@ impl Motion {
         let Some(mut stage) = last.next(&self.vehicle, &self.walls, Time::NEVER) else {
             return DriveEnd::At(last.drive_end(&self.vehicle, &self.walls));
         };
-        // Ticks are run through without keeping them: whoever only waits needs no more than the instant.
+        // The stages at the ticks are not kept, because a caller that waits for the end needs only its instant.
         for _ in 0..LOOK_AHEAD {
             match stage.next(&self.vehicle, &self.walls, Time::NEVER) {
                 Some(next) => stage = next,
@@ -836,12 +844,13 @@ impl Motion {
         DriveEnd::After(stage.piece.start)
     }
 
-    /// Whether the body was pressed against a leg's wall, in stage `index`, within [`HISTORY`] before it.
+    /// Returns true if the body was pressed against the wall of `leg` (a leg of stage `index`) within [`HISTORY`]
+    /// before `leg`.
     fn has_rubbed(&self, index: usize, leg: &Leg) -> bool {
         let wall = leg.against.map(|(wall, _)| wall);
         let start = self.stages[index].piece.start;
         for (place, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
-            // In seconds of this stage: when the leg begins, and when the stage is over.
+            // Start of the leg and end of this stage, both in seconds after the start of this stage.
             let begin = (start - stage.piece.start).seconds() + leg.from;
             let over =
                 if place == index { begin } else { (self.stages[place + 1].piece.start - stage.piece.start).seconds() };
@@ -860,7 +869,7 @@ impl Motion {
         false
     }
 
-    /// The impacts of the present slot until `until`.
+    /// The impacts of the present slot up to `until`.
     fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
         let mut impacts = Vec::new();
@@ -887,11 +896,11 @@ impl Motion {
     }
 }
 
-/// What a motion can say about the end of its drive.
+/// Result of the search for a drive's end.
 enum DriveEnd {
-    /// It ends then, or not at all.
+    /// The drive ends at this instant, or never on the present plan.
     At(Option<Time>),
-    /// It does not end before.
+    /// The drive does not end before this instant.
     After(Time),
 }
 

@@ -7,12 +7,12 @@ use crate::{
     time::Time,
 };
 
-/// Where a robot is and what its wheels have done.
+/// Poses of a robot, and angles and distances covered so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// True pose of the axle's midpoint in the world.
     pub world_from_axle: Pose,
-    /// Pose of the axle that the robot believes in, in the frame of its odometry.
+    /// Pose of the axle's midpoint according to odometry, in the frame of odometry.
     pub odometry: Pose,
     /// Angles of the wheels since the start of the run, rad.
     pub wheels: Wheels,
@@ -20,31 +20,32 @@ pub struct State {
     pub path: f64,
 }
 
-/// How fast a [`State`] changes.
+/// Rates of change of a [`State`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rates {
     /// True twist of the axle.
     pub truth: Twist,
-    /// Twist that the wheels tell, with nominal diameters and no slip: drives end by it.
+    /// Twist computed from the wheels with nominal diameters and no slip; a drive ends when this twist has covered its
+    /// displacement.
     pub belief: Twist,
-    /// Twist that odometry integrates: `belief` with the noise of odometry.
+    /// Twist that odometry integrates: `belief` plus the noise of odometry.
     pub odometry: Twist,
     /// Rates of the wheels, rad/s.
     pub wheels: Wheels,
 }
 
-/// Why a piece ends.
+/// Reason why a piece ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// It does not end by itself.
+    /// The piece does not end by itself.
     Open,
-    /// The drive has reached its mark, having covered this displacement since the start of the piece.
+    /// The drive has reached its target; it has covered this displacement since the start of the piece.
     Arrived(Twist),
-    /// The body has met an obstacle; `fresh` when it did not touch it already as the piece began.
+    /// The body has met an obstacle.
     Impact {
-        /// What it met.
+        /// The obstacle.
         with: Obstacle,
-        /// False for a contact that goes on.
+        /// False if the body touched the obstacle already when the piece began.
         fresh: bool,
     },
 }
@@ -52,7 +53,7 @@ pub enum Cause {
 /// Motion with constant rates from `start` until its end, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// When it was opened.
+    /// Start of the piece.
     pub start: Time,
     /// The state at `start`.
     pub state: State,
@@ -60,7 +61,7 @@ pub struct Piece {
     pub rates: Rates,
     /// Seconds from `start` to the end; may be infinite.
     pub after: f64,
-    /// Why it ends.
+    /// Reason why the piece ends.
     pub cause: Cause,
 }
 
@@ -88,16 +89,16 @@ impl Piece {
         self.state.world_from_axle.moved(self.covered(self.rates.truth, seconds))
     }
 
-    /// The displacement at one of the piece's `rates` in the `seconds` after the start, not beyond the end.
+    /// Displacement at `rate`, one of the piece's twists, in the first `seconds` of the piece, not beyond its end.
     pub(super) fn covered(&self, rate: Twist, seconds: f64) -> Twist {
         match self.cause {
-            // The mark itself, not speed times time.
+            // The target itself is exact; speed times time is not.
             Cause::Arrived(mark) if seconds >= self.after && rate == self.rates.belief => mark,
             _ => rate.scaled(seconds),
         }
     }
 
-    /// True when the piece has come to its end at `at`.
+    /// Returns true if the piece has ended at `at`.
     pub fn has_ended(&self, at: Time) -> bool {
         (at - self.start).seconds() >= self.after
     }
@@ -107,7 +108,7 @@ impl Piece {
         if self.has_ended(at) { Rates::default() } else { self.rates }
     }
 
-    /// The first instant not before the end; [`Time::NEVER`] for a piece without one.
+    /// End of the piece, rounded up to a microsecond; [`Time::NEVER`] for a piece without end.
     pub fn end(&self) -> Time {
         self.start + Time::from_seconds_ceil(self.after)
     }

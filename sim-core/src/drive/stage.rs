@@ -1,4 +1,4 @@
-//! One stage of a plan: a piece of motion, the orders that it follows, and the walls that end it.
+//! One stage of a plan: a piece of motion, the orders that it follows, and the walls that it meets.
 
 use glam::DVec2;
 
@@ -20,100 +20,100 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// A piece, with what is needed to go on from it.
+/// A piece of motion with all that is needed to continue after it.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub piece: Piece,
     pub orders: Orders,
-    /// The wheels and controllers just before the stage, so that a command at the same instant starts from there.
+    /// State of wheels and controllers just before the stage, from which a further command at the same instant starts.
     pub before: Actuation,
-    /// The wheels and controllers during the stage.
+    /// State of wheels and controllers during the stage.
     pub during: Actuation,
-    /// The centre's path.
+    /// Path of the centre, without contacts.
     pub path: Path,
-    /// The true twist of the axle that comes of its orders, which an object may slow.
+    /// True twist of the axle that results from the orders; pressing an object may slow the robot below this twist.
     pub ordered: Twist,
-    /// What movable objects leave of it.
+    /// Share of the ordered twist that movable objects leave.
     pub grip: Grip,
-    /// Walls have been looked for up to here, seconds since the start.
+    /// Seconds after the start up to which walls have been searched.
     pub explored: f64,
-    /// The robot was put here: what it touched before it has left.
+    /// The stage begins with a placement of the robot, which ends all earlier contacts.
     pub is_placed: bool,
-    /// Its errors are drawn for this tick.
+    /// The errors include random ones, which hold for this tick only.
     is_drawn: bool,
-    /// Its errors would press it against what it touches: so it moves as its wheels tell, until then.
+    /// Instant until which the robot moves without errors, because its errors would press it against a contact.
     yields: Option<Time>,
-    /// The next ticks change nothing.
+    /// The coming ticks change nothing.
     steady: bool,
-    /// Where the body goes from its first contact with a wall on, if contacts make it slide: in the order of time.
+    /// Motion of the body from its first contact with a wall, in order of time, if contacts make it slide.
     pub legs: Vec<Leg>,
 }
 
-/// A stretch of a stage that follows a contact with a wall.
+/// A part of a stage that begins at a contact with a wall or where such a part ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leg {
-    /// Seconds from the stage's start to the leg's.
+    /// Seconds from the start of the stage to the start of the leg.
     pub from: f64,
-    /// Seconds that it lasts; infinite while its end is not known.
+    /// Duration in seconds; infinite while the end is not known.
     pub after: f64,
-    /// The centre's path.
+    /// Path of the centre.
     pub path: Path,
-    /// Length of the axle's path from the stage's start to the leg's, m.
+    /// Length of the axle's path from the start of the stage to the start of the leg, m.
     pub covered: f64,
-    /// What the body is pressed against.
+    /// Wall against which the body is pressed, and the touched point.
     pub against: Option<(WallId, DVec2)>,
-    /// The wall was not in contact before.
+    /// The body did not touch the wall before this leg.
     pub is_fresh: bool,
-    /// The wall that ends it, if that was not touched before.
+    /// Wall at which the leg ends, if the body did not touch that wall before.
     pub meets: Option<WallId>,
 }
 
 impl Leg {
-    /// Its passage, where the stage's is `whole`.
+    /// Passage of the leg; `whole` is the passage of its stage.
     fn passage(&self, whole: &Passage) -> Passage {
         Passage { begin: self.from, after: (self.from + self.after).min(whole.after), path: self.path, ..*whole }
     }
 
-    /// Where the centre is `seconds` after the stage's start.
+    /// Position of the centre `seconds` after the start of the stage.
     fn position(&self, seconds: f64) -> DVec2 {
         self.path.position((seconds - self.from).clamp(0.0, self.after))
     }
 
-    /// The centre's velocity then, in the world.
+    /// Velocity of the centre `seconds` after the start of the stage, in the world, m/s.
     fn velocity(&self, seconds: f64) -> DVec2 {
         self.path.velocity((seconds - self.from).clamp(0.0, self.after))
     }
 }
 
-/// Share of the speed of the wheels over the floor by which they slip, from which on they count as stalled: our choice.
+/// Slip ratio above which the wheels count as stalled: slip speed divided by the speed of the push. Our choice.
 const STALL_SLIP: f64 = 0.5;
 
-/// So many legs in less than [`RUSH_SECONDS`] are followed by a rest: our choice.
+/// Number of legs within [`RUSH_SECONDS`] after which the body rests. Our choice.
 const RUSH_LEGS: usize = 16;
 
-/// How soon [`RUSH_LEGS`] legs have to follow each other, and how long the rest is that ends them, s.
+/// Seconds within which [`RUSH_LEGS`] legs cause a rest; also the duration of that rest.
 const RUSH_SECONDS: f64 = 1e-3;
 
-/// How fast a robot gets along its own path among movable objects.
+/// Slow-down of a robot on its own path by movable objects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grip {
-    /// Share of the ordered twist, 0 to 1.
+    /// Share of the ordered twist with which the robot moves, 0 to 1.
     pub share: f64,
-    /// What it presses, for a share below 1.
+    /// The obstacle that the robot presses, for a share below 1.
     pub obstacle: Option<Obstacle>,
 }
 
 impl Grip {
-    /// Nothing is in the way.
+    /// Grip of a robot without obstacle.
     pub const FREE: Self = Self { share: 1.0, obstacle: None };
 }
 
-/// Static contact is looked for this many seconds ahead at first, then twice as far each time.
+/// Seconds after the start up to which walls are searched first; each further search reaches twice as far.
 const FIRST_LOOK: f64 = 0.1;
 
 impl Stage {
-    /// The stage that obeys `orders` from `start` on, from `state` with the wheels `before`; blocked at once by a body of
-    /// `touching` that it would approach.
+    /// The stage that obeys `orders` from `start` on, beginning with `state` and with `before` as the state of the
+    /// wheels. If the robot would approach a body of `touching`, it is blocked at once.
     pub fn open(
         vehicle: &Vehicle,
         start: Time,
@@ -146,7 +146,8 @@ impl Stage {
         stage.set_path(model);
         let mut obstacle = stage.approached(model.body_radius, touching);
         if obstacle.is_some() && stage.is_erring() {
-            // Another robot is felt at the end of its slots only: once is for as long as counts as one contact.
+            // Contacts with robots are found at ends of slots only, so the robot yields for the time within which
+            // contacts count as one.
             stage.yield_to_contact(model, start + HISTORY);
             obstacle = stage.approached(model.body_radius, touching);
         }
@@ -165,32 +166,32 @@ impl Stage {
     fn set_path(&mut self, model: &Model) {
         let centre = centre_of(model, &self.piece.state.world_from_axle);
         self.path = Path::new(&centre, self.twist_of_centre(model));
-        // Not even the start: a contact may stop it at once.
+        // A negative value, because a contact may stop the motion already at its start.
         self.explored = if self.path.is_resting() { f64::INFINITY } else { -1.0 };
     }
 
-    /// The twist of the centre without contacts, in the robot's frame.
+    /// Twist of the centre without contacts, in the robot's frame.
     fn twist_of_centre(&self, model: &Model) -> Twist {
         self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0))
     }
 
-    /// The leg in force `seconds` after the start, if contacts have begun by then.
+    /// The leg in force `seconds` after the start of the stage; `None` before the first contact.
     pub fn leg_at(&self, seconds: f64) -> Option<&Leg> {
         let index = self.legs.partition_point(|leg| leg.from <= seconds);
         index.checked_sub(1).map(|last| &self.legs[last])
     }
 
-    /// Seconds after the start at `at`, not beyond the end.
+    /// Seconds from the start of the stage to `at`, not beyond its end.
     fn seconds_at(&self, at: Time) -> f64 {
         (at - self.piece.start).seconds().clamp(0.0, self.piece.after.max(0.0))
     }
 
-    /// The state at `at`, not before the start: a function of `at` alone.
+    /// State at `at`, not before the start; a function of `at` alone.
     pub fn state(&self, model: &Model, at: Time) -> State {
         self.state_after(model, (at - self.piece.start).seconds())
     }
 
-    /// The state `seconds` after the start.
+    /// State `seconds` after the start.
     fn state_after(&self, model: &Model, seconds: f64) -> State {
         let state = self.piece.state_after(seconds);
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
@@ -214,7 +215,7 @@ impl Stage {
         Pose { position: leg.position(seconds), heading }
     }
 
-    /// Adds the passages of the body that touch the time from `from` to `to`; the next stage begins at `until`.
+    /// Appends the passages of the body from `from` to `to`; `until` is the start of the next stage.
     pub fn passages(&self, from: Time, until: Time, to: Time, passages: &mut Vec<Passage>) {
         let Piece { start, state, after, .. } = self.piece;
         let heading = state.world_from_axle.heading;
@@ -245,7 +246,7 @@ impl Stage {
             Pace::Even if leg.against.is_none() => self.piece.rates.truth.speed() * seconds,
             Pace::Even => (omega * model.axis_offset * seconds).abs(),
             Pace::Led { law, .. } if model.axis_offset == 0.0 || omega == 0.0 => law.length(seconds),
-            // Beside the axle there is no closed form.
+            // If the axle is not at the centre, the length has no closed form.
             Pace::Led { .. } => {
                 let heading = self.piece.state.world_from_axle.heading.turned(omega * leg.from).direction();
                 let speed = |t: f64| {
@@ -258,7 +259,8 @@ impl Stage {
         }
     }
 
-    /// What the body is pressed against at `at`, and by what share of the speed that its wheels are to give it they slip.
+    /// The leg in force at `at`, if a wall presses the body, and the slip ratio: slip speed of the wheels over the
+    /// floor, divided by the speed of the push.
     pub fn slip(&self, model: &Model, at: Time) -> Option<(&Leg, f64)> {
         if self.piece.has_ended(at) {
             return None;
@@ -273,27 +275,28 @@ impl Stage {
         Some((leg, if speed > 0.0 { slip / speed } else { 0.0 }))
     }
 
-    /// True when the wheels slip at `at` by so much that they count as stalled.
+    /// Returns true if the wheels slip so much at `at` that they count as stalled.
     pub fn is_slipping(&self, model: &Model, at: Time) -> bool {
         self.slip(model, at).is_some_and(|(_, share)| share > STALL_SLIP)
     }
 
-    /// Forgets the legs that have ended before an instant.
+    /// Drops the legs that ended before `before`.
     pub fn forget_legs(&mut self, before: Time) {
         let seconds = (before - self.piece.start).seconds();
         let kept = self.legs.partition_point(|leg| leg.from <= seconds);
-        // One at a time is not worth it.
+        // Draining is worthwhile only for many legs at a time.
         if kept > 64 {
             self.legs.drain(..kept - 1);
         }
     }
 
-    /// The body moves otherwise than its wheels tell.
+    /// Returns true if the true motion differs from that of error-free wheels.
     fn is_erring(&self) -> bool {
         self.piece.rates.truth != self.piece.rates.belief
     }
 
-    /// Moves as the wheels tell until an instant: what only its errors would press into a contact slips there.
+    /// Switches to motion without errors until `until`: the wheels slip where only errors would press the robot against
+    /// a contact.
     fn yield_to_contact(&mut self, model: &Model, until: Time) {
         self.ordered = ordered_twist(model, &self.orders, &self.during);
         self.piece.rates.truth = self.piece.rates.belief;
@@ -301,7 +304,7 @@ impl Stage {
         self.set_path(model);
     }
 
-    /// The twist of the centre that is ordered at `at`, in the robot's frame, as far as walls leave it.
+    /// Ordered twist of the centre at `at` in the robot's frame, as limited by walls.
     pub fn ordered_at_centre(&self, model: &Model, at: Time) -> Twist {
         let ordered = self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0));
         let seconds = self.seconds_at(at);
@@ -313,13 +316,13 @@ impl Stage {
         Twist { vx: velocity.x, vy: velocity.y, ..ordered }
     }
 
-    /// True when the robot is held by a movable object at `at`.
+    /// Returns true if a movable object holds the robot at `at`.
     pub fn is_held(&self, at: Time) -> bool {
         matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Object(_)))
             && self.piece.has_ended(at)
     }
 
-    /// The body of `touching` that the robot approaches as the stage begins, the first in their order.
+    /// The first body of `touching` that the robot approaches at the start of the stage.
     fn approached(&self, radius: f64, touching: &[Body]) -> Option<Obstacle> {
         let velocity = self.path.velocity(0.0);
         touching.iter().find_map(|body| {
@@ -339,10 +342,11 @@ impl Stage {
         self.explored = f64::INFINITY;
     }
 
-    /// Looks for walls in the way as far as `seconds` after the start, and ends the stage at the first.
+    /// Searches for walls up to `seconds` after the start. The first wall ends the stage, or begins a leg if the body
+    /// slides.
     ///
-    /// Contact with each wall is found for the whole path, and the stretches of the search are counted from the start: so
-    /// the outcome does not depend on who asked how far before.
+    /// The contact with each wall is computed for the whole path, and the intervals of the search are counted from the
+    /// start. So the result does not depend on earlier searches.
     pub fn explore(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
         while self.explored < seconds.min(self.piece.after) {
             let last = self.legs.last().copied();
@@ -360,7 +364,7 @@ impl Stage {
         }
     }
 
-    /// The path of the leg that has been found last.
+    /// Path of the last leg found so far, or of the stage if there is no leg.
     fn last_path(&self) -> &Path {
         self.legs.last().map_or(&self.path, |leg| &leg.path)
     }
@@ -372,7 +376,7 @@ impl Stage {
         let path = *self.last_path();
         let duration = self.piece.after - start;
         let (middle, half_way) = path.surrounding_disc(from, to);
-        // The skin once for the contact itself, once for rounding.
+        // One skin for the contact itself, one for rounding.
         let reach = half_way + radius + 2.0 * SKIN;
         let mut first: Option<(f64, WallId, Segment, bool)> = None;
         walls.for_each_in(Bounds::of_disc(middle, reach), |id, wall| {
@@ -385,7 +389,7 @@ impl Stage {
                 first = Some((contact.after, id, *wall, contact.fresh));
             }
         });
-        // A drive that ends where it touches has arrived.
+        // A drive that ends exactly at the contact has reached its target.
         let Some((after, id, wall, fresh)) = first.filter(|(after, ..)| *after < duration) else { return };
         if vehicle.contact != ContactRule::Stall {
             if let Some(leg) = self.legs.last_mut() {
@@ -400,8 +404,8 @@ impl Stage {
         self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
     }
 
-    /// Begins the leg that follows the end of another one or a contact, `from` seconds after the start. `met`: what is met there;
-    /// `is_fresh`: it was not touched before.
+    /// Begins the leg that follows a contact or another leg, `from` seconds after the start. `met` is the wall met at
+    /// that instant; `is_fresh` states that the body did not touch it before.
     fn begin_leg(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, met: Option<WallId>, is_fresh: bool) {
         let model = &*vehicle.model;
         let ContactRule::Slide { friction } = vehicle.contact else { return };
@@ -415,7 +419,7 @@ impl Stage {
             push.slide(walls, met, self.piece.after - from)
         };
         self.explored = match slide.against {
-            // Its contacts let it go: what it meets is looked for from here on.
+            // The body leaves its contacts, so the next wall must be searched from here on.
             None => from,
             Some(_) if from + slide.after < self.piece.after => from + slide.after,
             Some(_) => f64::INFINITY,
@@ -424,8 +428,8 @@ impl Stage {
         self.legs.push(Leg { from, after, path, covered, against, is_fresh, meets });
     }
 
-    /// The stage that a tick opens after this one, if one does not after `limit`: only wheels with a lag, a robot with
-    /// errors and a hull under water have any.
+    /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag, robots with
+    /// errors and hulls in the water have such stages.
     pub fn next(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         let model = &*vehicle.model;
         if let Some(hull) = &vehicle.hull {
@@ -444,7 +448,7 @@ impl Stage {
             return None;
         }
         if is_settled && !self.is_drawn && self.yields.is_none() && vehicle.contact != ContactRule::Stall {
-            // Its errors stay, and no wall ends the piece.
+            // The errors are constant, and walls do not end the piece.
             self.steady = true;
             return None;
         }
@@ -455,15 +459,15 @@ impl Stage {
         Some(self.at_tick(vehicle, tick))
     }
 
-    /// No tick opens another stage after this one.
+    /// Returns true if no tick opens another stage after this one.
     fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
         self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
     }
 
-    /// The last microsecond before which it is known that no wall, mark or tick ends this stage: its start, if that is not
-    /// known.
+    /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. The start of
+    /// the stage if no better bound is known.
     pub fn steady_until(&self, vehicle: &Vehicle) -> Time {
-        // Legs along walls are published one by one.
+        // Each leg along a wall is published by itself, so no bound is given.
         if !self.has_no_ticks(vehicle) || !self.legs.is_empty() {
             return self.piece.start;
         }
@@ -471,8 +475,8 @@ impl Stage {
         self.piece.start.saturating_add(Time::from_seconds_ceil(known)) - Time(1)
     }
 
-    /// The stage of a hull that a tick opens after this one, if one does not after `limit`: none while nothing changes, up
-    /// to the first tick after a contact with a wall.
+    /// The stage of a hull that a tick opens after this one, if that happens up to `limit`. While nothing changes only the
+    /// first tick after a contact with a wall opens one.
     fn next_afloat(&mut self, vehicle: &Vehicle, hull: &Hull, walls: &Walls, limit: Time) -> Option<Self> {
         let mut tick = self.next_tick();
         if tick > limit {
@@ -505,8 +509,8 @@ impl Stage {
         DVec2::new(heading.x, -heading.y).rotate(leg.velocity(seconds)) - DVec2::new(vx, vy)
     }
 
-    /// The stage that the first tick opens after errors have brought the body to a wall, if one does not after `limit`: none
-    /// if what is commanded leads into the wall too.
+    /// The stage that the first tick opens after errors have moved the body against a wall, if that happens up to
+    /// `limit`. `None` if the next stage would press against a wall too.
     fn next_after_contact(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         self.explore(vehicle, walls, (limit - self.piece.start).seconds());
         let tick = (self.piece.end() + (TICK - Time(1))).floor_to(TICK);
@@ -540,13 +544,13 @@ impl Stage {
         self.piece.start.floor_to(TICK) + TICK
     }
 
-    /// The wheels and controllers after one more tick.
+    /// State of wheels and controllers one tick later.
     fn step(&self, model: &Model) -> Actuation {
         let Orders { controllers, pending, steering } = &self.orders;
         control::step(model, controllers, pending.target(), *steering, self.during)
     }
 
-    /// The orders still to be obeyed at `at`.
+    /// The orders in force at `at`, with the part of a drive that is left.
     pub fn orders_at(&self, at: Time) -> Orders {
         let pending = match self.orders.pending {
             Pending::Drive { whole, remaining, rate } => {
@@ -568,7 +572,7 @@ impl Stage {
         Orders { pending, ..self.orders }
     }
 
-    /// The first microsecond at which the drive of its orders is done, if nothing stops it before.
+    /// End of the drive, rounded up to a microsecond; `None` if there is no drive or an obstacle stops the body before.
     pub fn drive_end(&mut self, vehicle: &Vehicle, walls: &Walls) -> Option<Time> {
         if vehicle.contact == ContactRule::Stall {
             self.explore(vehicle, walls, self.piece.after);
@@ -576,7 +580,7 @@ impl Stage {
         matches!(self.piece.cause, Cause::Arrived(_)).then(|| self.piece.end())
     }
 
-    /// The wheels and controllers just before `at`.
+    /// State of wheels, controllers and hull just before `at`.
     pub fn actuation_before(&self, model: &Model, at: Time) -> Actuation {
         if at == self.piece.start {
             return self.before;
@@ -595,7 +599,7 @@ impl Stage {
         before
     }
 
-    /// The robot that the body is blocked by, once the stage has ended.
+    /// The robot that ends the stage by blocking the body, with the touched point.
     pub fn blocker(&self) -> Option<Obstacle> {
         match self.piece.cause {
             Cause::Impact { with, .. } if matches!(with.thing, Thing::Robot(_)) => Some(with),
@@ -604,7 +608,7 @@ impl Stage {
     }
 }
 
-/// The centre of the robot, as a pose in the world.
+/// Pose of the robot's centre in the world.
 pub(super) fn centre_of(model: &Model, world_from_axle: &Pose) -> Pose {
     if model.axis_offset == 0.0 {
         return *world_from_axle;
@@ -618,7 +622,7 @@ pub(super) fn axle_of(model: &Model, world_from_robot: &Pose) -> Pose {
     Pose { position: world_from_robot.transform_point(axle), ..*world_from_robot }
 }
 
-/// The integral of a smooth function from 0 to `end`: the rule of Gauss and Legendre with 8 points on each of 4 parts.
+/// Integral of a smooth function from 0 to `end`, by Gauss-Legendre quadrature with 8 points on each of 4 parts.
 fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -633,8 +637,8 @@ fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     half * (0..4).map(|index| part(half * f64::from(2 * index + 1))).sum::<f64>()
 }
 
-/// The wheels and controllers from `start` on: at once what is ordered, or with a lag or a hull one step on the grid of
-/// ticks.
+/// State of wheels, controllers and hull from `start` on: wheels without lag follow their orders at once; wheels with a lag
+/// and a hull advance one step if `start` is a tick.
 fn actuate(vehicle: &Vehicle, start: Time, orders: &Orders, before: Actuation) -> Actuation {
     let model = &*vehicle.model;
     if let Some(hull) = &vehicle.hull {
@@ -654,16 +658,17 @@ fn swim(model: &Model, hull: &Hull, orders: &Orders, before: Actuation) -> Actua
     Actuation { rates, afloat, ..before }
 }
 
-/// The twist of the axle that the orders ask for.
+/// Twist of the axle that the orders ask for.
 fn ordered_twist(model: &Model, orders: &Orders, during: &Actuation) -> Twist {
     match orders.pending {
-        // The twist itself, not what its wheels give back.
+        // The ordered twist itself is exact; a conversion to wheel rates and back would round.
         Pending::Twist(twist) | Pending::Drive { rate: twist, .. } if model.wheel_lag == 0.0 => twist,
         _ => model.twist_from_wheels(&during.rates, orders.steering),
     }
 }
 
-/// Rates, end and its cause in a space without walls, with this share of the ordered twists.
+/// Rates, duration in seconds and reason of the end of a piece without walls; `share` is the share of the ordered
+/// twist.
 fn motion_of(
     model: &Model,
     orders: &Orders,
@@ -672,7 +677,7 @@ fn motion_of(
     during: &Actuation,
     share: f64,
 ) -> (Rates, f64, Cause) {
-    // Times 1 changes no bit.
+    // A factor of 1 changes no bit.
     let belief = ordered.scaled(share);
     let rates = Rates {
         truth: erring.truth.scaled(share),

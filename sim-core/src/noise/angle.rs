@@ -6,15 +6,15 @@ use crate::RobotId;
 
 /// Noise model of a compass. The default has no errors.
 ///
-/// An angle a becomes a + `bias` + B + `sigma` G, rounded to a multiple of `step`: G standard normal for each reading, B
-/// normal with the standard deviation `bias_sigma`, drawn once for each compass. Source: our choice.
+/// An angle a becomes a + `bias` + B + `sigma` G, rounded to a multiple of `step`. G is standard normal for each
+/// reading; B is normal with the standard deviation `bias_sigma`, drawn once for each compass. Source: our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleNoise {
     /// Standard deviation of each reading, rad.
     pub sigma: f64,
     /// Error of all readings of all compasses, rad.
     pub bias: f64,
-    /// Standard deviation between compasses of the constant error of each, rad.
+    /// Standard deviation of B, the constant error that differs between compasses, rad.
     pub bias_sigma: f64,
     /// Step of the readings, rad; 0 for none.
     pub step: f64,

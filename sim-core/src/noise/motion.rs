@@ -9,7 +9,7 @@ pub struct MotionNoise {
     pub left: f64,
     /// Relative excess of the diameter of the wheels on the right.
     pub right: f64,
-    /// Standard deviation of that excess between wheels.
+    /// Standard deviation of the relative excess between wheels.
     pub diameter_sigma: f64,
     /// Slip, as a share of a wheel's distance travelled.
     pub slip: f64,

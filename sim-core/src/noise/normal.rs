@@ -87,8 +87,9 @@ fn rational([numerator, denominator]: &Rational, x: f64) -> f64 {
 
 /// Quantile of the standard normal distribution: the inverse of its distribution function.
 ///
-/// Relative error below 1e-15; infinite at 0 and 1. One uniform number gives one normal number, so the numbers that follow in a
-/// stream do not depend on its value. Source: Wichura, algorithm AS 241 (PPND16), Applied Statistics 37 (1988).
+/// The relative error is below 1e-15; the quantile is infinite at 0 and 1. Each normal number uses exactly one uniform
+/// number, so the next numbers of a stream do not depend on its value. Source: Wichura, algorithm AS 241 (PPND16),
+/// Applied Statistics 37 (1988).
 pub fn normal_quantile(probability: f64) -> f64 {
     let from_middle = probability - 0.5;
     if from_middle.abs() <= MIDDLE_HALF {
@@ -113,7 +114,7 @@ mod tests {
         let mut probability = 1e-300;
         while probability < 0.5 {
             let z = normal_quantile(probability);
-            // A relative error e of z moves the probability by about z^2 e of itself.
+            // A relative error e of z changes the probability by a relative error of about z^2 e.
             let bound = 2e-15 * (1.0 + z * z);
             assert!((below(z) / probability - 1.0).abs() < bound, "{probability:e}: {z} gives {:e}", below(z));
             if probability > 1e-3 {

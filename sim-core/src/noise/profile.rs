@@ -25,7 +25,7 @@ impl RangeKind {
     /// All kinds, in the order of a profile.
     pub const ALL: [Self; 6] = [Self::Psd, Self::Laser, Self::Ultrasonic, Self::Reflectance, Self::Sonar, Self::Lidar];
 
-    /// Returns true for kinds whose sensor model has a noise term N itself, after France et al.
+    /// Returns true for kinds whose sensor model, after France et al., contains a noise term N of its own.
     pub const fn has_own_noise(self) -> bool {
         !matches!(self, Self::Psd | Self::Lidar)
     }

@@ -22,7 +22,8 @@ impl RadioNoise {
 
     /// Inverts bits of `payload` drawn from `stream`; returns their number, or `None` if the message is lost.
     ///
-    /// The loss is drawn first and always, then the gaps between bit errors; so a change of P_p does not move the bit errors.
+    /// The loss is always drawn first, then the gaps between bit errors, so a change of P_p does not move the bit
+    /// errors.
     pub fn garble(&self, stream: &mut Stream, payload: &mut [u8]) -> Option<u32> {
         if stream.unit() < self.packet_loss {
             return None;
@@ -54,12 +55,12 @@ fn cell(stream: &mut Stream) -> u64 {
     stream.bits() >> 12
 }
 
-/// Number of correct bits before the next bit error: at least k with probability (1 - P_b)^k, to 2^-52.
+/// Number of correct bits before the next bit error; it is at least k with probability (1 - P_b)^k, within 2^-52.
 ///
-/// The logarithm of the middle of a cell, divided by the logarithm of 1 - P_b: the inverse of the geometric distribution. Source:
-/// Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
+/// Computed as the logarithm of the middle of a cell divided by the logarithm of 1 - P_b: the inverse of the geometric
+/// distribution. Source: Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
 fn gap(cell: u64, ln_right: f64) -> u64 {
-    // `as` rounds down, since neither logarithm is positive, and saturates.
+    // `as` saturates, and rounds down because the quotient of two non-positive logarithms is not negative.
     (ln((cell as f64 + 0.5) / CELLS) / ln_right) as u64
 }
 
@@ -102,7 +103,8 @@ mod tests {
             let ln_right = ln_1p(-p);
             let exactly = |gap: u64| at_least(gap, ln_right) - at_least(gap + 1, ln_right);
             for pattern in 0_u64..1 << BITS {
-                // The algorithm that skips: a gap before each error, and a last one beyond the end.
+                // The algorithm under test skips from error to error: a gap before each error, and a last gap beyond
+                // the end.
                 let (mut skipping, mut next) = (1.0, 0);
                 for bit in (0..BITS).filter(|bit| pattern >> bit & 1 == 1) {
                     skipping *= exactly(bit - next);
@@ -128,7 +130,7 @@ mod tests {
             assert_eq!(garbled(0.0, 0.0, number), (Some(0), [0b1010_0110; 100]));
             assert_eq!(garbled(1.0, 0.0, number), (Some(800), [0b0101_1001; 100]));
             assert_eq!(garbled(0.3, 1.0, number).0, None);
-            // The smallest cell is 2^-52, so such rates give no error in any run.
+            // The smallest cell is 2^-52, so rates as small as these never give an error.
             for tiny in [1e-17, 1e-300, f64::MIN_POSITIVE, 5e-324] {
                 assert_eq!(garbled(tiny, 0.0, number).0, Some(0));
             }

@@ -9,8 +9,8 @@ use crate::time::Time;
 ///
 /// Applied in this order to a measured distance d (or no return) at the time t since the start of the run:
 ///
-/// 1. with probability `dropout` the reading is no return;
-/// 2. else with probability `outlier` it is uniform over the sensor's range, even if there was no return;
+/// 1. with probability `dropout` the reading becomes no return;
+/// 2. else with probability `outlier` the reading is uniform over the sensor's range, even if there was no return;
 /// 3. else no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with
 ///    s^2 = `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation
 ///    `bias_sigma`, drawn once for each sensor;
@@ -25,7 +25,7 @@ pub struct RangeNoise {
     pub sigma_share: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
-    /// Standard deviation between sensors of the constant error of each, m.
+    /// Standard deviation of B, the constant error that differs between sensors, m.
     pub bias_sigma: f64,
     /// Step of the readings, m; 0 for none.
     pub step: f64,
@@ -37,7 +37,8 @@ pub struct RangeNoise {
     pub drift: f64,
     /// Time constant of the decay, s; positive.
     pub drift_time: f64,
-    /// Factor on the noise N of the sensor's own model (France et al.), 0 for none. [`RangeErrors::own`] applies it, a reading does not.
+    /// Factor on the noise N of the sensor's own model (France et al.), 0 for none. Applied by [`RangeErrors::own`]
+    /// instead of [`RangeErrors::reading`].
     pub device: f64,
 }
 
@@ -100,7 +101,7 @@ impl RangeErrors {
     /// Reading of the sensor at `at` for the true distance `exact`, in metres; `None` is no return. The reading lies within `range`,
     /// or equals `exact` if the model has no errors.
     ///
-    /// The reading is a function of the arguments, which include its [index](Events::index).
+    /// The reading depends only on the arguments; one of them is the [index](Events::index) of the reading.
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
         self.scan(index, at, range).point(exact)
     }
@@ -129,7 +130,7 @@ impl ScanErrors<'_> {
     /// Reading of the next point for the true distance `exact`.
     pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
         let Some((stream, offset)) = &mut self.stream else { return exact };
-        // All four are drawn in every case, so that a changed probability changes no other number.
+        // All four numbers are drawn in every case, so that a changed probability changes no later number.
         let (drops, strays, place, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
         let (model, [low, high]) = (self.model, self.range);
         let distance = if drops < model.dropout {

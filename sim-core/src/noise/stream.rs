@@ -15,7 +15,7 @@ pub enum Purpose {
     Program = 1,
     /// Start poses of robots in a random layout.
     Layout = 2,
-    /// Manufacturing tolerance of a device, drawn once: event 0.
+    /// Manufacturing tolerance of a device, drawn once, as event 0.
     Make = 3,
     /// Readings of a distance sensor, scans of a lidar.
     Range = 4,
@@ -48,7 +48,7 @@ fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64
     key
 }
 
-/// Random bits that depend on the key of the stream alone.
+/// Random bits that depend only on the key of the stream.
 ///
 /// ChaCha with 8 rounds; the key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different keys never collide. Source:
 /// design section 6; the generator is our choice, for its independence between keys and its speed.
@@ -74,24 +74,24 @@ impl Stream {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// The next number of the standard normal distribution; at most 8.21 away from 0.
+    /// The next number of the standard normal distribution, between -8.21 and 8.21.
     pub fn normal(&mut self) -> f64 {
-        // The middle of one of 2^52 cells, exactly: symmetric, never 0 or 1.
+        // The middle of one of 2^52 equal cells of (0, 1), exactly: symmetric about 0.5, never 0 or 1.
         normal_quantile(((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64)
     }
 }
 
-/// Random streams of a device's events: a reading, a scan, a frame, a tick of the drive.
+/// Random streams of a device's events. An event is a reading, a scan, a frame or a tick of the drive.
 ///
-/// The stream of an event is a function of (seed, robot, purpose, name of the device, index of the event) alone: the first four
-/// are the key, with the name as [`name_key`]; the index is ChaCha's 64-bit stream number.
+/// The stream of an event is a function of (seed, robot, purpose, name of the device, index of the event) alone. The
+/// first four are the key, with the name hashed by [`name_key`]; the index is ChaCha's 64-bit stream number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Events {
     key: [u8; 32],
 }
 
 impl Events {
-    /// The events of the device called `device` on `robot`; a drive, of which a robot has one, is `""`.
+    /// The events of the device called `device` on `robot`. The only drive of a robot is called `""`.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, device: &str) -> Self {
         Self { key: key(seed, robot, purpose, 0, name_key(device)) }
     }
@@ -103,8 +103,8 @@ impl Events {
         Stream { generator }
     }
 
-    /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. So it does not depend on
-    /// how often or by whom the device is read. A device without a period uses 1 us.
+    /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. The
+    /// index does not depend on how often or by whom the device is read. A device without a period uses 1 us.
     ///
     /// # Panics
     /// If the period is not positive.
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!([stream.bits(), stream.bits()], GOLDEN);
     }
 
-    /// First bits of the stream above: a change of generator or key would change every recorded run.
+    /// First bits of the stream in the test above. A change of generator or key would change every recorded run.
     const GOLDEN: [u64; 2] = [3_252_954_896_834_025_347, 14_015_292_282_578_683_744];
 
     #[test]

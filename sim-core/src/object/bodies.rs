@@ -215,7 +215,7 @@ impl Bodies {
         &self.objects[object.index()].properties
     }
 
-    /// Pose and velocity of an object; of a removed one the last.
+    /// Pose and velocity of an object; the last ones if the object was removed.
     pub fn state(&self, object: ObjectId) -> State {
         let thing = &self.objects[object.index()];
         if let Some(state) = thing.gone {
@@ -247,7 +247,8 @@ impl Bodies {
         body.set_angvel(0.0, true);
     }
 
-    /// Returns true if an object is asleep (at rest for a while; only a push wakes it) or removed.
+    /// Returns true if an object is asleep or removed. An object falls asleep after some time at rest; only a push
+    /// wakes it.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
         let thing = &self.objects[object.index()];
         thing.gone.is_some() || self.world.bodies[thing.handle].is_sleeping()
@@ -284,7 +285,7 @@ impl Bodies {
         pushes.extend(robots.iter().map(|robot| self.push_of(robot.robot)));
     }
 
-    /// Places the bodies of `robots`, and disables those of robots that are not among them any more.
+    /// Places the bodies of `robots`, and disables the bodies of all other robots.
     fn place_robots(&mut self, robots: &[Pusher]) {
         for &robot in &self.present {
             if robots.binary_search_by_key(&robot, |pusher| pusher.robot).is_err() {
@@ -366,7 +367,8 @@ impl Bodies {
                 // An object that no body presses against stays free: the solver may have to move it out of a wall.
                 is_held = strength > 0.0 && strength <= whole;
                 if strength > whole {
-                    // Friction takes its whole share before the step: it acts against the push and not only against the resulting motion.
+                    // Friction is applied in full before the step, so that it acts against the push and not only
+                    // against the resulting motion.
                     pushed = Some((push / strength, *body.position()));
                     after = 0.0;
                 }
@@ -391,10 +393,10 @@ impl Bodies {
         self.world.bodies[thing.handle].set_locked_axes(locked, false);
     }
 
-    /// Upper bound of the impulse of the neighbours on an object at rest in the next step, N s.
+    /// Upper bound of the impulse that its neighbours can exert on an object at rest in the next step, N s.
     ///
-    /// Below the impulse of friction in a step the object stays where it is, as when a robot without enough traction leans
-    /// against a crate.
+    /// If the bound is below the impulse of friction in a step, the object stays at rest: for example, a crate against
+    /// which a robot without enough traction leans.
     fn possible_push(&self, index: usize) -> DVec2 {
         let thing = &self.objects[index];
         let mut push = DVec2::ZERO;
@@ -410,7 +412,7 @@ impl Bodies {
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };
-        // The narrow phase still has the pairs of a body that was removed after the last step.
+        // The narrow phase may still contain pairs of a body that was removed after the last step.
         let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { return DVec2::ZERO };
         let body = &self.world.bodies[parent];
         if body.is_fixed() || body.locked_axes() == LockedAxes::all() {
@@ -448,7 +450,7 @@ impl Bodies {
             if let Some((direction, pose)) = pushed
                 && velocity.linear.dot(*direction) <= 0.0
             {
-                // There was no push after all, or friction was stronger.
+                // The expected push did not happen, or friction was stronger.
                 body.set_position(*pose, false);
                 set_velocity(body, Velocity::ZERO);
             } else if *after > 0.0 && velocity != Velocity::ZERO {
@@ -457,7 +459,7 @@ impl Bodies {
         }
     }
 
-    /// Updates the headings of the objects, with whole turns.
+    /// Updates the headings of the objects, including whole turns.
     fn turn(&mut self) {
         for thing in self.objects.iter_mut().filter(|thing| thing.gone.is_none()) {
             let body = &self.world.bodies[thing.handle];
@@ -531,7 +533,7 @@ impl Bodies {
         }
     }
 
-    /// Returns true for a body that a step can move.
+    /// Returns true if a step can move the body.
     fn is_fast(&self, handle: RigidBodyHandle) -> bool {
         let body = &self.world.bodies[handle];
         body.is_dynamic() && body.locked_axes().is_empty()
@@ -580,7 +582,8 @@ impl Clone for Bodies {
             narrow_phase: narrow_phase.clone(),
             bodies: bodies.clone(),
             colliders: colliders.clone(),
-            // Pipelines and solver keep only buffers between steps; joints and soft bodies are not used.
+            // Between steps the pipelines and the solver keep only buffers, so new ones do not change the results.
+            // Joints and soft bodies are not used.
             ..PhysicsWorld::new()
         };
         Self {

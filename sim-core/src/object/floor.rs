@@ -1,10 +1,12 @@
 //! Floor friction of a moving object.
 //!
-//! The friction of a body that slides and turns at the same time lies on the ellipsoid of greatest dissipation (Goyal, Ruina and
-//! Papadopoulos 1991; Howe and Cutkosky 1996): with the arm p of the friction torque, mean distance of the floor's points
-//! from the centre, the force is proportional to v / l and the torque to p² w / l, where l² = v² + p² w². For a disc p is 2/3 of
-//! its radius, which is 2 sqrt(2) / 3 of its radius of gyration k; that ratio is used for all shapes (for a square it is 0.6 %
-//! too large, for a long bar 9 %): then p² / k² = 8/9.
+//! The friction of a body that slides and turns at the same time lies on the ellipsoid of greatest dissipation (Goyal,
+//! Ruina and Papadopoulos 1991; Howe and Cutkosky 1996). Let p, the arm of the friction torque, be the mean distance of
+//! the touched floor's points from the centre. The force is then proportional to v / l and the torque to p² w / l,
+//! where l² = v² + p² w², v is the speed and w the turning speed.
+//!
+//! For a disc p is 2/3 of the radius, and p / k = 2 sqrt(2) / 3 with the radius of gyration k. That ratio is used for
+//! all shapes, so p² / k² = 8/9. For a square p is then 0.6 % too large, for a long bar 9 %.
 
 use glam::DVec2;
 

@@ -1,8 +1,8 @@
-//! Movable objects: rigid bodies in the plane that robots push and kick, that push each other and come to rest.
+//! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
 //! Contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual time;
 //! rapier solves the contacts, floor friction and rolling resistance are our own, and no step raises the energy. Files and the
-//! reaction of a robot to a push are not known here: robots are discs with a velocity ([`Pusher`]).
+//! reaction of a robot to a push are not part of this room: here, robots are discs with a velocity ([`Pusher`]).
 //!
 //! The solver is built with the feature `objects`; without it [`Bodies`] cannot be constructed, and scenes that need them are refused.
 

@@ -60,7 +60,7 @@ impl Shape {
         }
     }
 
-    /// The axis-aligned rectangle of the world around the shape.
+    /// The axis-aligned rectangle around the shape, in the world frame.
     pub fn bounds(&self, world_from_part: &Pose) -> Bounds {
         let axis = world_from_part.heading.direction();
         let half = match *self {

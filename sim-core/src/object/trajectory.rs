@@ -25,7 +25,7 @@ impl ObjectTrajectory {
         Self { since, state, deceleration, slowing }
     }
 
-    /// Pose of the object at `at`; before the start, that of the start.
+    /// Pose of the object at `at`; before the start, the pose at the start.
     pub fn pose(&self, properties: &Properties, at: Time) -> Pose {
         if self.state.is_resting() || at <= self.since {
             return self.state.world_from_object;

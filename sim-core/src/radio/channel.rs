@@ -93,8 +93,8 @@ impl Channel {
         self.has_changed = true;
     }
 
-    /// Sets the noise model of messages to `robot`, from the present slot on. For the tokens of a token ring it applies from the end of
-    /// the slot on.
+    /// Sets the noise model of messages to `robot`, from the present slot on. For the tokens of a token ring the model
+    /// applies from the end of the slot on.
     pub fn set_errors(&mut self, robot: RobotId, errors: RadioNoise) {
         if self.errors.len() <= robot.index() {
             self.errors.resize(robot.index() + 1, RadioNoise::default());
@@ -118,8 +118,8 @@ impl Channel {
         deliveries
     }
 
-    /// Next time at which the channel has something to decide even if nobody sends: the slot that contains this instant must be run.
-    /// [`Time::NEVER`] for nothing, [`Time::ZERO`] after a station was switched.
+    /// Next time at which the channel must decide something even if nobody sends; the slot that contains this instant
+    /// must be run. [`Time::NEVER`] if there is nothing to decide, [`Time::ZERO`] after a station was switched.
     pub fn due(&self) -> Time {
         if self.has_changed { Time::ZERO } else { self.due }
     }
@@ -139,8 +139,8 @@ impl Channel {
         transmissions.iter().map(fate).collect()
     }
 
-    /// Messages that left the buffers of their senders since the last call, as (sender, number), for [`super::Station::has_left`];
-    /// only of a medium that decides when to send (token ring).
+    /// Messages that left the buffers of their senders since the last call, as (sender, number), for
+    /// [`super::Station::has_left`]. Only a medium that decides when to send (token ring) reports such messages.
     pub fn take_left(&mut self) -> Vec<(RobotId, u64)> {
         std::mem::take(&mut self.left)
     }
@@ -187,7 +187,7 @@ impl Channel {
         }
     }
 
-    /// Decides the outcome of a message at each station that it is addressed to.
+    /// Decides the outcome of a message at each station to which it is addressed.
     fn decide(&self, slot_end: Time, transmission: &Transmission, deliveries: &mut Vec<Delivery>) {
         let SentMessage { from, to, .. } = transmission.sending;
         let count = deliveries.len();
@@ -244,7 +244,7 @@ impl Channel {
             let leaves = self.leaving.first().map_or(Time::NEVER, |(ends, ..)| *ends);
             next = next.min(leaves).min(self.ring.next_end());
         }
-        // An arrival exactly at a slot's end is decided there, so the slot before it must be run.
+        // An arrival exactly at a slot's end is decided in the slot that ends there, so that slot must be run.
         self.due = if next == Time::NEVER { next } else { next - Time(1) };
     }
 }

@@ -1,7 +1,8 @@
 //! Messages between robots: the channel that carries them, and the station of each robot.
 //!
-//! Within a slot a robot sends and receives through its own [`Station`] only. At the slot's end the [`Channel`] takes the sent
-//! messages, decides for each station which it receives, when, and with which bit errors, and returns a [`Delivery`] for each.
+//! Within a slot a robot sends and receives only through its own [`Station`]. At the slot's end the [`Channel`] takes
+//! the sent messages. It decides for each message and station whether and when the message is received, and with which
+//! bit errors; the result is a [`Delivery`].
 //!
 //! Source: Koestler & Bräunl, sections 5.1 and 6.2; the rules of time are those of design section 7.
 
@@ -25,9 +26,10 @@ pub enum Medium {
     /// Each station has a frequency to itself: no interference.
     #[default]
     Free,
-    /// One frequency, and stations send at any time: messages that overlap at a receiver are all lost there (unslotted ALOHA).
+    /// All stations share one frequency and send at any time: messages that overlap at a receiver are all lost there
+    /// (unslotted ALOHA).
     Aloha,
-    /// One frequency, and only the holder of the token sends: the virtual token ring of the EyeBot.
+    /// All stations share one frequency and only the holder of the token sends: the virtual token ring of the EyeBot.
     TokenRing,
 }
 
@@ -96,7 +98,8 @@ pub struct SentMessage {
     pub begins: Option<Time>,
     /// Speed of the sender, baud.
     pub baud: u32,
-    /// Robots that cannot receive it, with the reason, in the order of their ids; by the motions that are published when it is sent.
+    /// Robots that cannot receive the message, with the reason, in the order of their ids; judged by the motions that
+    /// are published when the message is sent.
     pub out_of_reach: Vec<(RobotId, Loss)>,
 }
 

@@ -1,14 +1,18 @@
 //! Virtual token ring: position of the token over time.
 //!
-//! The stations that are on pass the token round in the order of their robots. A holder with a message sends one message, which
-//! passes the token on; a holder without one sends a token frame, a header without payload. Stations join and leave at the end of
-//! a slot. A token that its next owner does not receive is lost. All stations hear the silence that follows, and the time-out of each
-//! grows with its distance behind the last sender, so that the station that missed its turn acts first. After [`SILENCE`] frames it
-//! polls with a wild card, to which each of the others answers in turn, and continues with a new token. So a station that missed the
-//! token is served next, and none starves.
+//! The stations that are on pass the token round in the order of their robots. A holder with a message sends one
+//! message, which also passes the token on. A holder without a message sends a token frame, a header without payload.
+//! Stations join and leave at the end of a slot.
 //!
-//! Source: the network of the EyeBot has token, time-out and wild card. The polling station and the durations are our choice, as is that
-//! only tokens are lost, never polls, and that the ring hears them at any speed and distance and through walls.
+//! A token that its next owner does not receive is lost, and a silence follows that all stations hear. The time-out of
+//! a station grows with its distance behind the last sender, so the station that missed its turn acts first. After
+//! [`SILENCE`] frames that station polls with a wild card (a frame to all stations), which each other station answers
+//! in turn. The polling station then continues with a new token. So a station that missed the token is served next, and
+//! no station starves.
+//!
+//! Source: the network of the EyeBot has token, time-out and wild card. The choice of the polling station and the
+//! durations are ours. We also chose that polls are never lost, and that the ring hears tokens and polls at any speed
+//! and distance and through walls.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -22,13 +26,16 @@ use super::{HEADER, SentMessage, StationInfo, SwitchedOff, air_time};
 /// Length of the silence after which the token counts as lost, in token frames.
 pub const SILENCE: i64 = 2;
 
-/// State of the ring at the instant of its token.
+/// State of the token ring.
+///
+/// Losses of tokens are drawn once per token, as its life: an exponential random number. The hazard of a pass is -ln of
+/// the probability that the token frame arrives; the token is lost when the sum of hazards exceeds its life.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     seed: u64,
     /// Stations in the order of their robots.
     nodes: Vec<Node>,
-    /// Duration of a round without messages, and its cost in token life.
+    /// Duration of a round without messages, and the sum of its hazards.
     round: (Time, u128),
     /// `None` without stations.
     token: Option<Token>,
@@ -44,7 +51,7 @@ struct Node {
     robot: RobotId,
     /// Duration of its token frame.
     frame: Time,
-    /// Cost in token life of passing the token to it.
+    /// Hazard of passing the token to this station.
     hazard: u128,
 }
 
@@ -52,11 +59,11 @@ struct Node {
 struct Token {
     /// Index of the present or next holder among the nodes.
     place: usize,
-    /// Time from which on the holder has the token.
+    /// Time from which the holder has the token.
     at: Time,
     /// Number of tokens before this one.
     number: u64,
-    /// Remaining life. The token is lost on the first pass whose hazard exceeds it.
+    /// Remaining life. The token is lost on the first pass whose hazard exceeds this value.
     life: u128,
 }
 
@@ -109,7 +116,7 @@ impl Ring {
         sent
     }
 
-    /// End of the next transmission, if nobody queues another message until then; [`Time::NEVER`] without any.
+    /// End of the next transmission if nobody queues another message before; [`Time::NEVER`] if no message is queued.
     pub fn next_end(&self) -> Time {
         let Some(mut token) = self.token.filter(|_| !self.queues.is_empty()) else { return Time::NEVER };
         self.go_round(&mut token, Time::NEVER);
@@ -135,7 +142,7 @@ impl Ring {
             None => Some(self.renewed(0, time, self.tokens)),
             Some((owner, token)) => Some(match self.nodes.binary_search_by_key(&owner, |node| node.robot) {
                 Ok(place) => Token { place, ..token },
-                // The holder has left, and the token with it.
+                // The holder has left the ring, and its token is lost.
                 Err(place) => self.renewed(place % self.nodes.len(), token.at, token.number + 1),
             }),
         };
@@ -167,7 +174,7 @@ impl Ring {
             let first = *first_sent.get_or_insert_with(|| {
                 self.queues.values().filter_map(VecDeque::front).map(|queued| queued.sending.sent).min()
             });
-            // Skip whole rounds in which nothing is sent and nothing lost.
+            // Skips whole rounds in which nothing is sent or lost.
             let idle = first.map_or(time, |first| first.min(time)) - token.at;
             let (round, hazard) = self.round;
             let rounds = if idle < round { 0 } else { (idle.0 / round.0).min(lives(token.life, hazard)) };
@@ -197,9 +204,9 @@ impl Ring {
         };
     }
 
-    /// New token, made after silence that began at `time`.
+    /// New token, created after a silence that began at `time`.
     fn renewed(&self, place: usize, time: Time, number: u64) -> Token {
-        // The silence, the poll, and an answer from each of the others.
+        // The silence, the poll, and an answer from each other station.
         let frames = SILENCE + self.nodes.len() as i64;
         let at = time + Time(self.nodes[place].frame.0.saturating_mul(frames));
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Token, 0, number);
@@ -207,12 +214,13 @@ impl Ring {
     }
 }
 
-/// Cost in token life of receiving a token frame with `radio`: the frame survives with the probability that it arrives without error.
+/// Hazard of receiving a token frame with `radio`: -ln of the probability that the frame arrives without error.
 fn hazard(radio: RadioNoise) -> u128 {
     fixed(radio.hazard(8 * HEADER as u32))
 }
 
-/// Fixed-point number with 80 fractional bits: sums are exact, so the remaining life does not depend on the grouping of passes.
+/// Fixed-point number with 80 fractional bits. Its sums are exact, so the remaining life does not depend on the
+/// grouping of passes.
 fn fixed(number: f64) -> u128 {
     // `as` saturates.
     (number * (1_u128 << 80) as f64) as u128

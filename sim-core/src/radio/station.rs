@@ -9,8 +9,8 @@ use super::{
     Address, Delivery, Loss, Medium, RadioModel, SentMessage, StationChange, StationInfo, SwitchedOff, air_time,
 };
 
-/// Capacity in bytes of the buffer of messages not yet sent, and of the buffer of messages not yet read; our choice. An empty message
-/// counts as one byte.
+/// Capacity in bytes of the buffer of unsent messages, and of the buffer of unread messages; our choice. An empty
+/// message counts as one byte.
 pub const BUFFER: usize = 1024;
 
 /// The sender's buffer has no room for the message.
@@ -84,9 +84,10 @@ impl Station {
         self.has_changed = true;
     }
 
-    /// Switches the station off. Unread messages are dropped, messages on their way are lost, and messages whose transmission has not
-    /// begun are never sent, unless the channel has taken them (a free medium does so at the end of each slot). Returns the outcomes of the
-    /// messages on their way; the channel reports those that are not sent. Does nothing if the station is off.
+    /// Switches the station off. Unread messages are dropped and messages on their way are lost. Messages whose
+    /// transmission has not begun are never sent, unless the channel has already taken them (a free medium takes
+    /// messages at the end of each slot). Returns the outcomes of the messages on their way; the channel reports unsent
+    /// messages. Does nothing if the station is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
         if self.member.take().is_none() {
             return Vec::new();
@@ -99,7 +100,8 @@ impl Station {
         self.coming.drain(..).map(unheard).collect()
     }
 
-    /// Number of messages that would never be sent if the station were switched off at `now`; includes all that wait for a token.
+    /// Number of messages that would never be sent if the station were switched off at `now`, including all that wait
+    /// for a token.
     pub fn unsent(&self, now: Time) -> usize {
         self.outgoing.iter().filter(|it| !self.goes_out(it, now)).count()
     }
@@ -175,7 +177,7 @@ impl Station {
         std::mem::take(&mut self.sent)
     }
 
-    /// Frees the buffer of the message with this number, which the medium has transmitted.
+    /// Frees the buffer space of the message with this number, which the medium has transmitted.
     pub fn has_left(&mut self, sequence: u64) {
         self.outgoing.retain(|it| it.sequence != sequence);
     }
@@ -187,7 +189,7 @@ impl Station {
         self.coming.insert(place, delivery);
     }
 
-    /// Time when the next message on its way becomes visible; [`Time::NEVER`] for none.
+    /// Time when the next message on its way becomes visible; [`Time::NEVER`] if there is none.
     pub fn next_visible(&self) -> Time {
         self.coming.front().map_or(Time::NEVER, |delivery| delivery.visible)
     }

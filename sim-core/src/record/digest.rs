@@ -1,13 +1,12 @@
 //! Digest of a run: a hash chain per robot, one digest per slot, one for the run.
 //!
 //! A robot's chain value after a slot is BLAKE3(previous chain value || canonical bytes of its events in the slot). The
-//! digest after a slot is BLAKE3(previous digest || end of the slot || (id, chain value) of each robot that recorded
-//! an event, in order of the ids). Slots and robots without events cost nothing and do not enter the digest, except
-//! through the times of later events. The digest of a run is the one after its last slot, so it equals the last slot line
-//! of the trace.
+//! digest after a slot is BLAKE3(previous digest || end of the slot || (id, chain value) of each robot that recorded an
+//! event, in order of the ids). Slots and robots without events do not enter the digest; they only affect the times of
+//! later events. The digest of a run is the digest after its last slot, so it equals the last slot line of the trace.
 //!
-//! Canonical bytes: postcard of (virtual time in us, event), numbers by their bits. Notes, wall time and the order of
-//! threads are excluded. Source: design section 10; the construction is our choice.
+//! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers by their bits. Notes, wall
+//! time and the order of threads are excluded. Source: design section 10; the construction is our choice.
 
 use std::fmt;
 
@@ -16,7 +15,7 @@ use crate::time::Time;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Name of the construction; must be changed together with it or with the events.
+/// Name of the construction; it must be changed whenever the construction or the events change.
 const DOMAIN: &[u8] = b"eyesim record 1";
 
 /// A 256-bit hash of everything recorded so far.
@@ -67,7 +66,8 @@ pub(super) fn chain_start(robot: RobotId) -> [u8; 32] {
 /// Combines the robots' chains, slot by slot.
 #[derive(Clone, Debug)]
 pub struct RunDigest {
-    /// The digest so far, followed by the input of the slot in progress: hashed at once, without a copy.
+    /// The digest so far, followed by the input of the slot in progress, so that both can be hashed at once without a
+    /// copy.
     bytes: Vec<u8>,
 }
 

@@ -10,11 +10,12 @@ use super::event::{Event, Kind, KindSet, Record};
 /// Length of a chain value in bytes.
 const CHAIN_LEN: usize = 32;
 
-/// Event list of one robot: a few stores per event, no allocation once its buffers have grown.
+/// List of one robot's events in the slot in progress. Recording an event takes a few stores, and no allocation once
+/// the buffers have grown.
 ///
-/// Events are kept in their canonical form (postcard of time and event), which the digest covers and the sinks decode. Only the
-/// robot itself writes while a slot runs; at the slot's end poses and contacts are added, and [`super::Recorder::collect`] takes
-/// the events.
+/// Events are kept in their canonical form (postcard of time and event), which the digest covers and the sinks decode.
+/// While a slot runs, only the robot itself writes. At the slot's end poses and contacts are added, and
+/// [`super::Recorder::collect`] takes the events.
 #[derive(Clone, Debug)]
 pub struct Journal {
     robot: RobotId,
@@ -58,7 +59,7 @@ impl Journal {
         self.robot
     }
 
-    /// Returns true if [`Event::Call`] is wanted: callers skip the formatting of the arguments otherwise.
+    /// Returns true if [`Event::Call`] is recorded; if not, callers can skip the formatting of the arguments.
     pub fn is_verbose(&self) -> bool {
         self.is_verbose
     }
@@ -91,8 +92,8 @@ impl Journal {
 
     /// Ends the slot for this robot: adds its events to its chain. A robot without events keeps its chain value.
     ///
-    /// Hashing is the larger part of recording, so workers may call this in parallel; the recorder seals journals that are not yet
-    /// sealed.
+    /// Hashing is the larger part of recording. Workers may call this method in parallel; the recorder seals the
+    /// journals that are left.
     pub fn seal(&mut self) {
         if !self.is_sealed && self.has_events() {
             let chain = *blake3::hash(&self.page.events).as_bytes();

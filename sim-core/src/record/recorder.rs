@@ -14,7 +14,7 @@ use crate::time::Time;
 pub struct Recorder {
     digest: RunDigest,
     interest: KindSet,
-    /// Pages of this slot's robots, followed by spare ones: the first `used` are in use.
+    /// Pages of the robots in this slot (the first `used`), followed by spare pages.
     pages: Vec<(RobotId, Page)>,
     used: usize,
     order: Vec<MergedEntry>,
@@ -74,7 +74,7 @@ impl Recorder {
     /// digest of the run so far, if the slot changed it.
     ///
     /// # Errors
-    /// The first error of `show`, which gets no further events of the slot then.
+    /// The first error of `show`; the remaining events of the slot are then not shown.
     pub fn end_slot<E>(
         &mut self,
         end: Time,

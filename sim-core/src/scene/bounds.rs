@@ -1,7 +1,7 @@
 use glam::DVec2;
 
-/// Direction component below which a ray counts as parallel to the other axis: its reciprocal would overflow in
-/// products.
+/// Component of a ray's direction below which the ray counts as parallel to the other axis, because the reciprocal of
+/// a smaller one would overflow in products.
 pub(super) const PARALLEL: f64 = 1e-150;
 
 /// An axis-parallel rectangle, borders included, in metres in the world frame.

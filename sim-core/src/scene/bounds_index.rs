@@ -9,15 +9,16 @@ use super::grid::{Cells, FARTHEST, Grid, is_ray, rounding_error, rounding_margin
 
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
-/// It is rebuilt each slot, in time and memory proportional to the number of bodies whatever their size, and reuses its
-/// memory. It holds only keys and bounds: the caller tests the bodies themselves.
+/// The index is rebuilt each slot, in time and memory proportional to the number of bodies whatever their size, and
+/// reuses its memory. It contains only keys and bounds; the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
 pub struct BoundsIndex<K> {
     /// In ascending order of the keys.
     bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
     grid: Option<Grid>,
-    /// Margin by which bodies are enlarged when they are entered into cells: above all rounding of rays and cells.
+    /// Margin by which bodies are enlarged when they are entered into cells; larger than all rounding of rays and
+    /// cells.
     margin: f64,
     /// Indices into `bodies`.
     cells: Cells<u32>,

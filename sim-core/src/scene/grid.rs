@@ -23,9 +23,9 @@ pub(super) fn is_ray(origin: DVec2, direction: DVec2, range: f64) -> bool {
     (direction.length_squared() - 1.0).abs() < 1e-6 && is_usable(origin) && range >= 0.0
 }
 
-/// Relative rounding error, in units in the last place of a coordinate, by which a ray may miss a point that it touches
-/// in exact arithmetic: the ray's origin and direction, the point and the products of the test each contribute one or
-/// two.
+/// Relative rounding error, as a multiple of a coordinate, by which a ray may miss a point that it touches in exact
+/// arithmetic. The ray's origin and direction, the point, and the products of the test each contribute one or two units
+/// in the last place.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Upper bound of the distance by which rounding makes a ray from `origin` miss a point inside `bounds`.
@@ -35,7 +35,8 @@ pub(super) fn rounding_error(origin: DVec2, bounds: &Bounds) -> f64 {
     ROUNDING * (origin.abs().element_sum() + reach.element_sum())
 }
 
-/// A margin above twice the [`rounding_error`] of every ray that starts inside `bounds`, and above the rounding of its cells.
+/// A margin larger than twice the [`rounding_error`] of every ray that starts inside `bounds`, and larger than the
+/// rounding of the ray's cells.
 pub(super) fn rounding_margin(bounds: &Bounds) -> f64 {
     16.0 * ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element()
 }
@@ -112,11 +113,11 @@ impl Grid {
         (self.column(area.min.x)..=self.column(area.max.x), self.row(area.min.y)..=self.row(area.max.y))
     }
 
-    /// Visits the cells along a ray in order, each with the distance at which the ray leaves it, up to `range` metres or
-    /// until `visit` breaks. `direction` has length 1; all arguments are finite but for `range`.
+    /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `visit` gets each cell with
+    /// the distance at which the ray leaves it. `direction` has length 1; all arguments except `range` are finite.
     ///
-    /// Distances to the cell borders are computed afresh at each step, so that the ray is within a few units in the last
-    /// place of its coordinates of every visited cell, however many cells it has passed.
+    /// Distances to the cell borders are computed afresh at each step. So the ray is within a few units in the last
+    /// place of its coordinates of every visited cell, however many cells the ray has passed.
     #[inline]
     pub fn walk(
         &self,
@@ -156,7 +157,8 @@ impl Grid {
 
 /// Crossings of a ray with the cell borders of one axis.
 struct Axis {
-    /// Distance to the exit border of column or row 0: its upper one, or its lower one when moving backwards.
+    /// Distance to the exit border of column or row 0: the upper border, or the lower one for a ray that moves
+    /// backwards.
     first: f64,
     per_border: f64,
     step: isize,
@@ -196,8 +198,8 @@ impl<T> Default for Cells<T> {
 }
 
 impl<T: Copy> Cells<T> {
-    /// Enters each of `items` into the cells, below `count`, that `cells_of` yields for it; a cell keeps the order of
-    /// the items.
+    /// Enters each of `items` into the cells, numbered below `count`, that `cells_of` yields for the item. A cell keeps
+    /// the order of the items.
     pub fn fill(
         &mut self,
         count: usize,
@@ -217,7 +219,7 @@ impl<T: Copy> Cells<T> {
         self.entries.clear();
         let Some(any) = items.clone().next() else { return };
         self.entries.resize(total as usize, any);
-        // Backwards, so that each start moves from the end of its cell to the beginning.
+        // In reverse order, so that each start moves from the end of its cell to the beginning.
         for item in items.rev() {
             cells_of(item, &mut |cell| {
                 self.starts[cell] -= 1;

@@ -17,7 +17,8 @@ pub enum Ground {
 }
 
 impl Ground {
-    /// Distance of a segment from the ground, see [`HeightField::clearance`]; over the floor exact at any distance.
+    /// Distance of a segment from the ground, see [`HeightField::clearance`]; over the flat floor the distance is exact
+    /// even beyond `within`.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         match self {
             Self::Flat => self.least_gap(ends).0,
@@ -25,7 +26,7 @@ impl Ground {
         }
     }
 
-    /// Least height of a point of a segment above the ground, m, and that point.
+    /// Least height of the points of a segment above the ground, m, and the point with that height.
     pub fn least_gap(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
         match self {
             Self::Flat => {

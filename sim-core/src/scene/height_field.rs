@@ -21,11 +21,12 @@ const TINTS: [[f32; 3]; 5] =
 
 /// Height as a function of place over a rectangle of the plane, world frame, in metres.
 ///
-/// The heights are given at the corners of a rectilinear grid. Each cell is two triangles along the diagonal from its
-/// least x and y to its greatest, so the surface is continuous, and rays find no gap. (If steps along x and along y
-/// meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass within rounding.) A
-/// grid coordinate may occur twice: the cell between the two has no width and is an exact vertical step. Beyond the
-/// rectangle the ground continues level from its border, see [`height`](Self::height); rays hit nothing there.
+/// The heights are given at the corners of a rectilinear grid. The diagonal from its least x and y to its greatest
+/// divides each cell into two triangles, so the surface is continuous and rays find no gap. (One exception: if steps
+/// along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass
+/// within rounding.) A grid coordinate may occur twice: the cell between the two has no width and is an exact vertical
+/// step. Beyond the rectangle the ground continues level from its border, see [`height`](Self::height); rays hit
+/// nothing there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
@@ -42,7 +43,7 @@ pub enum FieldError {
     /// Too few coordinates, or too few distinct ones.
     #[error("a terrain has two different places at least along either axis")]
     Small,
-    /// More than [`MAX_CELLS`].
+    /// More cells than [`MAX_CELLS`].
     #[error("{0} cells are more than {MAX_CELLS}")]
     Large(usize),
     /// Decreasing coordinates, or three or more equal ones.
@@ -62,7 +63,7 @@ impl HeightField {
     /// # Errors
     /// See [`FieldError`].
     pub fn new(xs: Vec<f64>, ys: Vec<f64>, heights: Vec<f64>) -> Result<Self, FieldError> {
-        // Written so that NaN fails.
+        // Written so that NaN is refused.
         let is_number = |value: &f64| value.abs() <= 1e9;
         if !xs.iter().chain(&ys).chain(&heights).all(is_number) {
             return Err(FieldError::Number);
@@ -107,13 +108,13 @@ impl HeightField {
     /// The corner in `column` along x and `row` along y, with its height.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such corner.
     pub fn corner(&self, column: usize, row: usize) -> DVec3 {
         DVec3::new(self.xs[column], self.ys[row], self.at(column, row))
     }
 
-    /// Height of the ground at a place in the world frame, in metres: at a step, that of the upper side; beyond the
-    /// rectangle, that of its nearest border. NaN if a coordinate is NaN.
+    /// Height of the ground at a place in the world frame, in metres. At a step, the height of its upper side; beyond
+    /// the rectangle, the height of the nearest border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;
@@ -125,7 +126,7 @@ impl HeightField {
                 highest = highest.max(self.interpolate(column, row));
             }
         }
-        // Where the two sides of a step cross, the diagonal of the vertical cell may rise above both.
+        // Where a step along x crosses a step along y, the diagonal of the vertical cell may rise above both.
         let ((column, right), (row, up)) = (columns.first, rows.first);
         let along = if columns.second.is_some() { up } else { right };
         if along > 0.0 && (columns.second.is_some() || rows.second.is_some()) {
@@ -135,11 +136,11 @@ impl HeightField {
         highest
     }
 
-    /// Upward unit normal of the ground at a place: that of the triangle there; on an edge, that of the triangle with
-    /// the greater x, then y; at a step, that of the upper side. Beyond the rectangle the ground is level across its
-    /// border.
+    /// Upward unit normal of the ground at a place: the normal of the triangle there. On an edge the triangle with the
+    /// greater x counts, then that with the greater y; at a step the upper side counts. Beyond the rectangle the ground
+    /// is level across its border.
     ///
-    /// The normal of NaN is straight up.
+    /// The normal is straight up if a coordinate is NaN.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
         if x.is_nan() || y.is_nan() {
             return DVec3::Z;

@@ -11,7 +11,8 @@ use crate::{RobotId, math};
 /// Maximum number of boulders of a relief.
 pub const MAX_BOULDERS: u32 = 100_000;
 
-/// Maximum number of octaves of the relief; each has half the wavelength and half the amplitude of the one before.
+/// Maximum number of octaves of the relief; each octave has half the wavelength and half the amplitude of the one
+/// before.
 const OCTAVES: u32 = 4;
 
 /// Minimum wavelength of an octave in cells; shorter ones are left out because the grid cannot resolve them.
@@ -26,8 +27,8 @@ const SLIMMEST: f64 = 0.6;
 /// Parameters of random terrain; in metres, world frame.
 ///
 /// The relief is gradient noise of up to four octaves, shifted and scaled to the range from `base` to `base + relief`.
-/// On it lie boulders: domes with elliptical outlines. All random numbers come from streams keyed by seed and
-/// purpose: adding boulders changes none of the others, and the bits are the same on every machine.
+/// Boulders (domes with elliptical outlines) lie on the relief. All random numbers come from streams keyed by seed and
+/// purpose, so that adding boulders changes no other number, and the bits are the same on every machine.
 ///
 /// Source: gradient noise as by Perlin, "Improving noise", SIGGRAPH 2002 (the weights); directions from our keyed streams. The
 /// boulders, and all numbers that are not given, are our choice: Gois and Hiller, section 5, only call their terrains
@@ -48,7 +49,7 @@ pub struct Relief {
     pub relief: f64,
     /// Approximate length of the longest hill; positive.
     pub length: f64,
-    /// Boulders on it.
+    /// Boulders on the relief.
     pub boulders: Option<Boulders>,
     /// Discs in which the ground is level at `base`; the relief rises to its full height between one and two radii, and
     /// no boulder reaches into a disc.

@@ -68,7 +68,7 @@ pub struct Stairs {
     pub landing: f64,
     /// Width across the direction; positive.
     pub width: f64,
-    /// As many steps lead down again behind the landing; otherwise it ends in a vertical side.
+    /// If true, as many steps lead down again behind the landing; otherwise the landing ends in a vertical side.
     pub goes_down: bool,
 }
 
@@ -119,7 +119,7 @@ impl Steps {
         if corners > 2 * super::MAX_CELLS {
             return Err(FieldError::Large(corners));
         }
-        // Corners 2i and 2i + 1 bound level interval i of an axis.
+        // Corners 2i and 2i + 1 are the ends of level interval i of an axis.
         let mut heights = vec![0.0_f64; corners];
         for block in &blocks {
             let covered = |axis: &[f64], least: f64, greatest: f64| {

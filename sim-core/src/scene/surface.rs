@@ -1,8 +1,7 @@
 /// Acoustic properties of a surface, for sonar.
 ///
-/// A fraction `specular` of the returned energy leaves in the mirror direction only, the rest in all directions by
-/// Lambert's law. Light is scattered diffusely by every surface: the other sensors use only distance and incidence
-/// angle.
+/// A fraction `specular` of the returned energy leaves only in the mirror direction, the rest in all directions by
+/// Lambert's law. Every surface scatters light diffusely, so the other sensors use only distance and incidence angle.
 ///
 /// Source: France et al. 1999, section 3.3: real surfaces combine a diffuse and a specular part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +16,8 @@ impl Surface {
     /// Rough: all energy is returned, diffusely.
     pub const ROUGH: Self = Self { reflectivity: 1.0, specular: 0.0 };
 
-    /// Smooth: a perfect mirror. To ultrasound, most indoor surfaces are close to it (France et al., section 3.4).
+    /// Smooth: a perfect mirror. For ultrasound, most indoor surfaces are nearly perfect mirrors (France et al.,
+    /// section 3.4).
     pub const SMOOTH: Self = Self { reflectivity: 1.0, specular: 1.0 };
 }
 

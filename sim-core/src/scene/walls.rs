@@ -19,14 +19,14 @@ pub struct WallId(pub u32);
 pub struct WallHit {
     /// Metres from the ray's origin to the wall; not negative.
     pub distance: f64,
-    /// The wall; ties in distance go to the lowest number.
+    /// The wall; of several at the same distance, the one with the lowest number.
     pub wall: WallId,
 }
 
 /// Number of grid cells per wall.
 const CELLS_PER_WALL: f64 = 1.0;
 
-/// Budget of cell entries per wall, on average; limits the cost of long walls.
+/// Average number of cell entries per wall that is allowed; limits the cost of long walls.
 const ENTRIES_PER_WALL: f64 = 8.0;
 
 /// Maximum sum of columns and rows of a grid: keeps distances to cell borders, which are summed step by step, exact
@@ -43,11 +43,11 @@ const MOST_CELLS_ACROSS: f64 = 16384.0;
 /// A ray and a point touch if their distance is at most 8 units in the last place (2^-52) of the sum of the point's
 /// distance and the origin's coordinates: 2e-14 m at 10 m from the world's origin, 2e-11 m at 10 km. With this
 /// tolerance,
-/// - a ray that crosses a wall or touches one of its ends hits the wall: no ray slips through a shared corner, whose
-///   side of the ray is the same value for both walls;
+/// - a ray that crosses a wall or touches one of its ends hits the wall. No ray slips through a shared corner, because
+///   the side of the ray on which the corner lies is the same value for both walls;
 /// - a ray along a wall, touching both ends, hits the nearer end;
-/// - a ray that starts on a wall, nearer to it than 8 such units of the sum of the wall's length and the origin's
-///   coordinates, hits it at distance 0, whatever its direction.
+/// - a ray that starts on a wall hits it at distance 0, whatever its direction. The origin counts as on the wall up to
+///   8 such units of the sum of the wall's length and the origin's coordinates.
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
@@ -55,9 +55,10 @@ pub struct Walls {
     heights: Vec<f64>,
     bounds: Option<Bounds>,
     grid: Grid,
-    /// Margin by which walls are enlarged when they are entered into cells: above all rounding of rays and cells.
+    /// Margin by which walls are enlarged when they are entered into cells; larger than all rounding of rays and cells.
     margin: f64,
-    /// Upper bound of the [`rounding_error`] of every ray that starts in `bounds`, or outside them by no more than the margin.
+    /// Upper bound of the [`rounding_error`] of every ray that starts in `bounds`, or outside `bounds` by at most the
+    /// margin.
     inside_rounding_error: f64,
     batches: WallBatches,
 }
@@ -165,7 +166,7 @@ impl Walls {
             let (entry, _) = reach.clip(origin, direction, range)?;
             self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
         } else if bounds.grown(2.0 * ray.rounding_error).clip(origin, direction, range).is_some() {
-            // From so far away, rounding exceeds the margin of the cells.
+            // For an origin so far away, rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
                     nearest.offer(wall, ray.distance(segment), &counts);
@@ -206,7 +207,7 @@ impl Walls {
         }
     }
 
-    /// Every wall in the cells that `bounds` meets, in order and once.
+    /// Walls in the cells that `bounds` meets, each once, in the order of their numbers.
     fn candidates(&self, bounds: &Bounds) -> Vec<WallId> {
         let mut ids = Vec::new();
         self.batches.collect(self.grid.span(bounds), &mut ids);
@@ -218,8 +219,8 @@ impl Walls {
 
 /// Chooses the cell size and the margin of the walls.
 ///
-/// Cells are as small as three budgets, each proportional to the number of walls, allow: the number of cells, of
-/// entries (a wall has about one entry more than the number of cells its extents span), and of cells along a ray.
+/// Cells are as small as three budgets allow, each proportional to the number of walls: the number of cells, the number
+/// of entries (a wall has about one entry more than its extents span cells), and the number of cells along a ray.
 fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
     let count = walls.len() as f64;
     let size = bounds.max - bounds.min;
@@ -259,8 +260,8 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
     }
 }
 
-/// Least and greatest y, for x between `left` and `right`, of the segment from `a` to `b`, which rises by at most 1 in
-/// 1; x beyond an end gives the y of that end.
+/// Least and greatest y, for x between `left` and `right`, of the segment from `a` to `b`, whose slope is between -1
+/// and 1; x beyond an end gives the y of that end.
 fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let height = |x: f64| {

@@ -13,7 +13,7 @@ impl Bumper {
     /// Returns true if a contact at `bearing` (rad, robot frame) presses the bumper, ends included.
     pub fn covers(&self, bearing: f64) -> bool {
         let apart = Heading::new(bearing - self.bearing).remainder().abs();
-        // One part in 10^12 for the rounding of a contact exactly at an end.
+        // The tolerance of 10^-12 rad covers the rounding of a contact exactly at an end.
         apart <= self.half_width + 1e-12
     }
 

@@ -3,7 +3,8 @@ use glam::DVec3;
 use super::Reading;
 use crate::math;
 
-/// Standard deviation of the noise of all three sensors of the paper, whose mean is 0. Source: France et al. 1999, section 5.
+/// Standard deviation of the noise N of all three sensors of the paper; the mean of N is 0. Source: France et al. 1999,
+/// section 5.
 pub const PAPER_SIGMA: f64 = 0.01;
 
 /// Tolerance of the incidence limit for rounding of poses and normals, rad.
@@ -40,7 +41,7 @@ impl Echo {
     /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's
     /// `noise` N: d (1 + N) with an echo, else the greatest distance. The signal is 1 with an echo, else 0.
     ///
-    /// Source: France et al., section 5; never below 0: our choice.
+    /// Source: France et al., section 5. The distance is never below 0: our choice.
     pub fn time_of_flight(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
         match met {
             Some((distance, incidence)) if self.returns(distance, incidence) => {
@@ -78,7 +79,7 @@ pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
 ///
 /// `distance` d and `max` in m, `incidence` alpha in rad up to pi/2, `noise` N.
 ///
-/// Source: France et al., Eq. 1; the lower bound: the same section.
+/// Source: France et al., Eq. 1; the lower bound is from the same section.
 pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> f64 {
     // Divides twice: the square of a small positive distance may be 0.
     let cos = if incidence >= std::f64::consts::FRAC_PI_2 { 0.0 } else { math::cos(incidence) };
@@ -89,7 +90,8 @@ pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> 
     (max - distance) / distance / distance * share
 }
 
-/// Distance at which a surface at normal incidence gives this `signal` (1/m), in m: 0 for an infinite signal, `max` for none.
+/// Distance at which a surface at normal incidence gives this `signal` (1/m), in m; 0 for an infinite signal, `max` for
+/// no signal.
 ///
 /// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which stays accurate as s goes to 0, while
 /// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all digits.
@@ -141,7 +143,7 @@ mod tests {
         for exponent in 0..150 {
             for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
                 let found = recovered_distance(reflected_signal(d, 0.0, max, 0.0), max);
-                // Near the greatest distance the signal is a small difference of distances.
+                // Near the greatest distance the signal is a small difference of distances, and loses digits.
                 assert!((found - d).abs() <= 4e-16 * d, "{d}: {found}");
             }
         }

@@ -125,8 +125,8 @@ impl RangeSensor {
     /// Reading of the sensor of robot `by` in this posture at the instant `at`, with the paper's `noise` N: see
     /// [`RangeModel::read`].
     ///
-    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam): walls and bodies have infinite height. Meshes are
-    /// hit where they are.
+    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam), so that walls and bodies count as
+    /// infinitely high; meshes are hit at their true heights.
     ///
     /// # Panics
     /// As [`link_pose`].

@@ -43,7 +43,7 @@ impl Beam {
     /// Hits walls and the bodies of other robots, not the robot's own. `None` if nothing lies within `range`; distance 0 if the
     /// sensor's origin lies inside another body. Noise is added by the caller.
     ///
-    /// Source: Koestler & Bräunl, section 4.1; nothing within range gives `None`: our choice.
+    /// Source: Koestler & Bräunl, section 4.1. `None` if nothing is within range is our choice.
     pub fn sight(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
         let (origin, direction) = self.mount.ray(world_from_robot);
         world.cast(by, &Ray::flat(origin, direction, self.range), at)

@@ -12,10 +12,10 @@ use crate::{
 
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
 ///
-/// Ray i of n is (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down: ray n/2 points straight
-/// along it, and the fan turns with the robot. A full turn has n spacings and begins behind (for an even n). A smaller
-/// sweep begins half of the sweep to the left; it ends half of the sweep to the right for an odd n, and one spacing before
-/// that for an even one. So 180 degrees in 180 or 181 points are 1 degree apart.
+/// Ray i of n points (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2 points
+/// exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even n).
+/// A smaller sweep begins half of the sweep to the left. For an odd n it ends half of the sweep to the right, for an
+/// even n one spacing before. So 180 degrees in 180 or 181 points are 1 degree apart.
 ///
 /// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are those along the rays.
 ///
@@ -54,7 +54,7 @@ impl Scan {
     pub fn new(mount: Mount, fan: Fan) -> Self {
         let Fan { sweep, points, tilt, height, range } = fan;
         let sweep = sweep.clamp(0.0, TAU);
-        // The conversion from degrees may have rounded a full turn.
+        // The conversion of a full turn from degrees may have been rounded.
         let is_closed = sweep >= TAU - 1e-9;
         let spacings = if is_closed || points.is_multiple_of(2) { points } else { points - 1 };
         let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
@@ -107,8 +107,9 @@ impl Scan {
         self.tilt.direction(self.rays[ray as usize])
     }
 
-    /// Distances measured by the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`: for each ray the
-    /// metres along it to the first hit, `None` if nothing lies within range. All rays are cast at the same instant.
+    /// Distances measured by the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`: for
+    /// each ray the metres along the ray to the first hit, or `None` if nothing is within range. All rays are cast at
+    /// the same instant.
     ///
     /// The rays are made by [`Ray::tilted`] (our choice) and do not hit their own robot. Noise is added by the caller.
     pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
@@ -122,7 +123,7 @@ impl Scan {
     }
 
     /// Distances as [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at
-    /// its mount: the rays are made by [`Ray::new`], which hits bodies up to their heights.
+    /// its mount. The rays are made by [`Ray::new`], which hits bodies up to their heights.
     ///
     /// The fan, tilt included, is fixed in the sensor's frame.
     pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {

@@ -11,25 +11,25 @@ use crate::{
     world::{HitSurface, Ray, RayHit, World},
 };
 
-/// Greatest incidence angle at which a mirror's echo returns to the sensor, rad: far above rounding, and a
-/// few um off at the longest ranges.
+/// Greatest incidence angle at which a mirror's echo returns to the sensor, rad. The angle is far above rounding; at
+/// the longest ranges it shifts the echo by a few um.
 const HEAD_ON: f64 = 1e-6;
 
-/// Angle between successive points of a spiral that covers a disc evenly, rad: a full turn in the golden section.
+/// Angle between successive points of a spiral that covers a disc evenly, rad: the golden angle.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// An ultrasonic sensor with a beam: one transducer sends and receives, with the same gain in both directions.
 ///
-/// Gains are of energy, one way, and 1 along the line of sight. The energy of an echo is relative to that of a perfect
-/// reflector 1 m ahead.
+/// Gains apply to energy, one way, and are 1 along the line of sight. The energy of an echo is relative to the echo of
+/// a perfect reflector 1 m ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sonar {
-    /// Least measurable distance, m: echoes from nearer surfaces return during transmission.
+    /// Least measurable distance, m. Echoes from nearer surfaces return while the sensor still transmits.
     pub min: f64,
     /// Greatest measurable distance, m.
     pub max: f64,
-    /// Half of the beam angle, rad: where the main lobe has fallen by 6 dB, to half of the pressure and a quarter of the
-    /// energy, as in data sheets of transducers.
+    /// Half of the beam angle, rad: the angle at which the main lobe has fallen by 6 dB, to half of the pressure and a
+    /// quarter of the energy, as in data sheets of transducers.
     pub half_angle: f64,
     /// Side lobes.
     pub side_lobes: Option<SideLobes>,
@@ -55,10 +55,11 @@ pub struct SideLobes {
 impl Sonar {
     /// The SRF08 by Devantech.
     ///
-    /// Published: 3 cm to 6 m, and about 55 degrees of beam, which is the angle between the points of -6 dB of its 40 kHz
-    /// transducers; its range is "actually much larger" than 6 m (Gois & Hiller, section 6). The threshold, 0.00186, is our
-    /// estimate: the sensor just detects a rod of 3 cm at 2 m, as is reported for its family. With it a wall would be detected
-    /// up to 23 m. No side lobes are given. 64 rays: our choice.
+    /// Published: 3 cm to 6 m, and a beam of about 55 degrees, the angle between the -6 dB points of its 40 kHz
+    /// transducers. According to Gois & Hiller, section 6, its range is "actually much larger" than 6 m. The threshold
+    /// of 0.00186 is our estimate, for which the sensor just detects a rod of 3 cm at 2 m, as is reported for its
+    /// family; a wall would then be detected up to 23 m. No side lobes are published. The number of 64 rays is our
+    /// choice.
     pub fn srf08() -> Self {
         Self {
             min: 0.03,
@@ -78,7 +79,7 @@ impl Sonar {
         if angle > FRAC_PI_2 {
             return 0.0;
         }
-        // A quarter at ratio 1.
+        // The gain is a quarter at ratio 1.
         let lobe = |ratio: f64| math::exp(-(2.0 * LN_2) * ratio * ratio);
         let main = lobe(angle / self.half_angle);
         let side = self.side_lobes.map_or(0.0, |ring| ring.gain * lobe((angle - ring.angle) / ring.half_width));
@@ -91,8 +92,9 @@ impl Sonar {
     /// G is the gain in either direction, d the distance and alpha the incidence angle. A convex mirror with the principal radii r
     /// spreads the energy over an area larger by (1 + d / r) for each.
     ///
-    /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). That a wall
-    /// larger than the beam, specular or rough, returns 1 / d^2, and the spreading: geometrical acoustics.
+    /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). From
+    /// geometrical acoustics: a wall larger than the beam, specular or rough, returns 1 / d^2; a convex mirror spreads
+    /// the energy.
     pub fn energy(&self, angle: f64, distance: f64, face: &HitSurface, alpha: f64) -> f64 {
         let Surface { reflectivity, specular } = face.surface;
         let spread = 1.0 + distance * face.curvature;
@@ -102,12 +104,13 @@ impl Sonar {
         ratio * ratio * reflectivity * (mirrored + scattered)
     }
 
-    /// Reading at `world_from_sensor` at the instant `at` of a sensor on robot `by`, which returns no echo itself; with the paper's
-    /// `noise` N.
+    /// Reading of a sensor of robot `by` at `world_from_sensor` at the instant `at`, with the paper's `noise` N. The
+    /// robot itself returns no echo.
     ///
-    /// The nearest echo above the threshold wins. Echoes are searched for along the line of sight, towards the nearest point of
-    /// every body around (needed for mirrors, and exact for surfaces that face the sensor), and along a fan of rays; for a mesh
-    /// also perpendicular to the triangles that the fan hits. There are no second reflections.
+    /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, along a fan of
+    /// rays, and towards the nearest point of every body in reach; the latter finds mirrors, and is exact for surfaces
+    /// that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are tried too. There are no
+    /// second reflections.
     ///
     /// The fan is a spiral over the part of the half space from which an echo may be detected. If all bodies are upright
     /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's horizontal plane and is
@@ -179,7 +182,8 @@ impl EchoSearch<'_> {
         self.world.for_each_nearest(self.by, origin, self.distance, self.at, |point| {
             let offset = point - origin;
             let length = offset.length();
-            // No echo is detectable from behind, and inside a body the direction is undefined.
+            // No echo can be detected from behind the sensor. If the sensor is inside a body, the direction is
+            // undefined.
             if offset.dot(forward) > 0.0 && self.sonar.min <= length && length <= self.distance {
                 points.push(offset / length);
             }
@@ -208,7 +212,7 @@ impl EchoSearch<'_> {
             };
             let (sin, cos) = math::sin_cos(angle);
             let met = self.try_angle(forward * cos + aside * sin, angle);
-            // The plane of a mesh's triangle is known once a ray has hit it: try its perpendicular.
+            // The plane of a mesh's triangle is known once a ray has hit it, so its perpendicular can be tried.
             if let Some(met) = met.filter(|_| self.world.has_meshes()) {
                 self.try_angle(-met.normal, angle_between(-met.normal, forward));
             }

@@ -7,8 +7,8 @@ use crate::record::Event;
 use crate::world::World;
 
 impl Robot {
-    /// Turns servo `index` of [`RobiSpec::all_servos`](crate::spec::RobiSpec::all_servos) to a position of 0 to 255. The steering servo
-    /// of an Ackermann drive steers; returns true for it.
+    /// Turns servo `index` of [`RobiSpec::all_servos`](crate::spec::RobiSpec::all_servos) to a position of 0 to 255.
+    /// The steering servo of an Ackermann drive also steers. Returns true for a steering servo.
     ///
     /// # Panics
     /// If there is no such servo.
@@ -19,7 +19,7 @@ impl Robot {
         let is_steering = self.spec.drive.steering.as_ref() == Some(&device);
         if is_steering {
             let angle = steering_from_position(position) * self.motion.model().max_steering;
-            // Never refused: the angle is finite, and only a drive that steers has a steering servo.
+            // The command is never refused: the angle is finite, and only a drive that steers has a steering servo.
             let _ = self.command(world, Command::Steer(angle));
         }
         is_steering
@@ -36,7 +36,7 @@ impl Robot {
         }
         let full = self.motion.model().max_wheel_rate;
         let rates = self.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * full);
-        // Never refused: the rates are finite.
+        // The command is never refused: the rates are finite.
         let _ = self.command(world, Command::Wheels(rates));
     }
 }

@@ -12,7 +12,8 @@ use crate::time::Time;
 use crate::world::World;
 
 impl Robot {
-    /// View of the robot's camera at `at`, with its settings, or the default ones if it is off; images have `size`, if given.
+    /// View of the robot's camera at `at`, with its settings, or with the default ones if the camera is off. If `size`
+    /// is given, images have that size.
     ///
     /// # Errors
     /// [`CameraError`] if there is no camera, or the view is not possible.
@@ -26,7 +27,7 @@ impl Robot {
         Ok(View::new(world_from_camera, lens, size.unwrap_or(setting.size))?)
     }
 
-    /// Samples per side of a pixel of the robot's camera.
+    /// Number of samples along each side of a pixel of the robot's camera.
     pub fn camera_samples(&self) -> u32 {
         self.spec.camera.as_ref().map_or(1, |camera| camera.samples)
     }
@@ -45,7 +46,7 @@ impl Robot {
     /// Takes a colour image: red, green and blue of each pixel.
     ///
     /// # Errors
-    /// [`CameraError`] if there is no image; the state is unchanged then. Likewise for the functions below.
+    /// [`CameraError`] if there is no image; the state is unchanged then. The functions below behave likewise.
     pub fn take_colour(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 3]>, CameraError> {
         let (exposure, mut picture) = self.expose(world, scenery, self.camera_setting()?.size)?;
         self.devices.camera.develop(exposure.number, &mut picture);
@@ -112,7 +113,8 @@ impl Robot {
         self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, by))
     }
 
-    /// Records a frame event of the last image, or of its depths or labels: `form` names which, `bytes` are hashed.
+    /// Records a frame event of the last image, or of its depths or labels: `form` names the kind, and `bytes` are
+    /// hashed.
     pub fn record_frame(&mut self, form: &str, [width_px, height_px]: [u32; 2], bytes: &[u8]) {
         let Some(&Exposure { number: frame, at, .. }) = self.devices.camera.last() else { return };
         let hash = Digest(*blake3::hash(bytes).as_bytes()).to_string();
@@ -139,7 +141,8 @@ impl Robot {
         Ok((Exposure { number, at, view, scenery: Arc::clone(scenery), poses, is_dark }, picture))
     }
 
-    /// Counts and records an image; `levels` are its grey levels for the automatic brightness, then its form, size and bytes.
+    /// Counts and records an image. `levels` are its grey levels for the automatic brightness; the tuple holds its
+    /// form, size and bytes.
     fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
         self.devices.camera.follow(levels);
         self.devices.camera.keep(exposure);

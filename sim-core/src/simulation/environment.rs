@@ -10,8 +10,9 @@ use crate::{ObjectId, RobotId};
 
 /// State shared by all robots of a simulation.
 ///
-/// Within a slot robots only read it. At the slot's end [`Environment::affected_robots`] returns the robots that the end affects, and
-/// [`Environment::end_slot`], called with exactly these, advances the world, delivers messages and collects journals.
+/// Within a slot robots only read this state. At the slot's end [`Environment::affected_robots`] returns the robots
+/// that the end affects. [`Environment::end_slot`], called with exactly these robots, advances the world, delivers
+/// messages and collects journals.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// The world.
@@ -32,7 +33,8 @@ pub struct Environment {
 pub struct SlotEnd {
     /// End of the slot.
     pub at: Time,
-    /// Receivers of messages, each with the time when the message becomes visible; not yet in the robot's virtual time.
+    /// Receivers of messages, each with the time when the message becomes visible, which the robot's virtual time has
+    /// not reached.
     pub heard: Vec<(RobotId, Time)>,
 }
 
@@ -70,18 +72,19 @@ impl Environment {
         !self.moving.is_empty()
     }
 
-    /// Time whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if none is on its way.
+    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is on
+    /// its way.
     pub fn message_due(&self) -> Time {
         self.traffic.due(self.world.radio())
     }
 
-    /// Handles the removal of robot `id` from the world: it does not move any more.
+    /// Handles the removal of robot `id` from the world: the robot no longer counts as moving.
     pub fn forget(&mut self, id: RobotId) {
         self.moving.retain(|moving| *moving != id);
     }
 
-    /// Robots affected by the end of the present slot, in the order of their ids: those that acted in it (`ran`), those that
-    /// move, receivers and senders of messages, and those that are to be placed elsewhere.
+    /// Robots affected by the end of the present slot, in the order of their ids: robots that acted in it (`ran`),
+    /// moving robots, receivers and senders of messages, and robots to be placed elsewhere.
     pub fn affected_robots(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
         let mut concerned = std::mem::take(&mut self.moving);
         concerned.extend_from_slice(ran);
@@ -130,7 +133,7 @@ impl Environment {
         let heard = self.traffic.deliver(at, robots);
         for robot in robots {
             if !robot.is_removed {
-                // First the walk, so that readers of poses already know the height of a walking body.
+                // The walk is recorded first, so that readers of poses already know the height of a walking body.
                 robot.record_walk(world, at);
                 robot.record_pose(at);
                 if robot.motion.is_active() {
@@ -142,8 +145,8 @@ impl Environment {
         SlotEnd { at, heard }
     }
 
-    /// Ends the run at `time`: undecided messages are lost, and the world's events are recorded. Next the caller calls
-    /// [`Environment::finish_radio`] for each robot, in the order of their ids.
+    /// Ends the run at `time`: undecided messages are lost, and the world's events are recorded. The caller then has to
+    /// call [`Environment::finish_radio`] for each robot, in the order of their ids.
     pub fn finish(&mut self, time: Time) {
         self.traffic.finish(time, self.world.radio_mut());
         self.recorder.collect(&mut self.journal);

@@ -25,7 +25,7 @@ pub struct RobotFactory {
     water: Option<f64>,
     /// Ground for legged robots.
     ground: Arc<Ground>,
-    /// Rule of contacts with walls, and the friction of these.
+    /// Rule of contacts with walls, and the coefficient of friction of the walls.
     contact: ContactKind,
     wall_friction: f64,
     /// Cache of models by the files of the robot types.
@@ -69,7 +69,7 @@ impl RobotFactory {
         }
     }
 
-    /// Makes the robot of `spec`, present from `since` on, and the noise model of its radio.
+    /// Creates the robot of `spec`, present from `since` on; also returns the noise model of its radio.
     ///
     /// # Errors
     /// [`FactoryError::Robot`] if the robot type, or the noise model of its drive, has an invalid value.
@@ -94,8 +94,8 @@ impl RobotFactory {
         Ok((robot, profile.radio))
     }
 
-    /// Makes the world of `scene` (the scene of this factory) at time 0 with these robots, in the order of their ids; `heard` are the
-    /// noise models of their radios.
+    /// Creates the world of `scene` (the scene of this factory) at time 0 with these robots, in the order of their ids;
+    /// `heard` are the noise models of their radios.
     ///
     /// # Errors
     /// [`FactoryError::Objects`] in a build without the feature `objects`.

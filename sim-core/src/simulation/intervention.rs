@@ -14,7 +14,7 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// Greatest coordinate of a placement, m: beyond any world.
+/// Greatest coordinate of a placement, m; larger than any world.
 const FAR: f64 = 1e6;
 
 /// Greatest heading of a placement, rad.
@@ -81,13 +81,13 @@ pub enum Refusal {
         /// Robots or movable objects.
         what: &'static str,
     },
-    /// Not a key.
+    /// The text does not name a key.
     #[error(transparent)]
     Key(#[from] UnknownKey),
-    /// Not a number of a noise profile, or a value out of its range.
+    /// The name does not exist in noise profiles, or the value is out of range.
     #[error(transparent)]
     Noise(#[from] ParameterError),
-    /// The action needs more than a simulation: programs, or a run that can end.
+    /// A simulation without programs cannot carry out the action: it needs programs, or a run that can end.
     #[error("{0}")]
     Other(String),
 }
@@ -124,7 +124,7 @@ pub enum Intervention {
 /// Effect of an intervention.
 #[derive(Clone, Debug, Default)]
 pub struct Effect {
-    /// Robots whose wait may be over, or whose motion has changed.
+    /// Robots whose wait may have ended, or whose motion has changed.
     pub robots: Vec<RobotId>,
     /// The movable object that was added.
     pub came: Option<ObjectId>,
@@ -143,8 +143,8 @@ impl Robots for [Robot] {
 }
 
 impl Intervention {
-    /// Validates `action` against `world`, at the start of its present slot, or of a later slot if nothing happens in between. Adding
-    /// robots and ending the run are left to the owner of the run: [`Refusal::Other`].
+    /// Validates `action` against `world`, at the start of its present slot or of a later slot up to which nothing
+    /// happens. The owner of the run must itself add robots and end the run: these actions give [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
@@ -200,8 +200,8 @@ impl Intervention {
 }
 
 impl Environment {
-    /// Records a validated `action` at `at`, the start of a slot before which nothing happens any more, and advances the
-    /// world to it.
+    /// Advances the world to `at`, the start of a slot up to which nothing happens, and records a validated `action`
+    /// there.
     pub fn record_intervention(&mut self, at: Time, action: &Action) {
         self.world.advance_to(at);
         self.record_starts();

@@ -28,7 +28,7 @@ use super::Placement;
 pub struct Robot {
     /// Id of the robot.
     pub id: RobotId,
-    /// Virtual time: the end of the last call, or the beginning of the one in progress.
+    /// Virtual time: the end of the last call, or the beginning of a call in progress.
     pub now: Time,
     /// Pose and motion.
     pub motion: Motion,
@@ -50,7 +50,7 @@ pub struct Robot {
     seed: u64,
     /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// Recorded walk, of a robot with legs or in the water.
+    /// Recorded posture, for a robot with legs or in the water.
     pub walk: WalkRecord,
 }
 
@@ -94,7 +94,8 @@ impl Robot {
         }
     }
 
-    /// Sets the noise models from `at` on, the start of the present slot; the caller sets that of the radio at the channel.
+    /// Sets the noise models from `at` on, the start of the present slot. The caller must also set the radio's noise
+    /// model in the channel.
     ///
     /// # Errors
     /// The first number that is invalid for the drive; nothing changes then.
@@ -133,12 +134,13 @@ impl Robot {
         parameters.filter(|parameter| has_table(parameter.table)).collect()
     }
 
-    /// Sensors by name, each with true if it is switched on.
+    /// Sensors by name; the flag is true if the sensor is switched on.
     pub fn sensors_on(&self) -> Vec<(&str, bool)> {
         switch::sensors(&self.spec).map(|(name, sensor)| (name, self.devices.switches.is_on(sensor))).collect()
     }
 
-    /// Switches the sensors of this name on or off at `at`, the start of a slot; returns false if there is none.
+    /// Switches the sensors of this name on or off at `at`, the start of a slot; returns false if no sensor has this
+    /// name.
     pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
         let spec = Arc::clone(&self.spec);
         let mut has_any = false;
@@ -152,10 +154,10 @@ impl Robot {
         has_any
     }
 
-    /// Commands the drive now.
+    /// Commands the drive at the robot's present virtual time.
     ///
     /// # Errors
-    /// [`CommandError`] for what the drive cannot do; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
     pub fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         let touching = world.touching(&mut self.motion, self.now);
         self.motion.command(self.now, command, &touching)
@@ -182,8 +184,8 @@ impl Robot {
 
     /// Computes the values of measurements that have ended by now.
     ///
-    /// Must be called when virtual time reaches [`Devices::due`]: the world keeps a history of only 100 ms, and a
-    /// value may be read much later. Continuous measurements do not need it.
+    /// Must be called when virtual time reaches [`Devices::due`], because the world keeps a history of only 100 ms and
+    /// a value may be read much later. Continuous measurements do not need this call.
     pub fn settle(&mut self, world: &World) {
         if self.now < self.devices.due() {
             return;
@@ -216,7 +218,7 @@ impl Robot {
         }
     }
 
-    /// Records the pose of a robot added to a running world; for a robot present from the start the scene has it.
+    /// Records the pose of a robot added to a running world; the scene already contains the poses of the other robots.
     pub fn record_arrival(&mut self, world: &World) {
         self.recorded_pose = None;
         self.record_walk(world, self.now);
@@ -235,8 +237,8 @@ impl Robot {
         }
     }
 
-    /// Records the footfalls of a legged robot in the slot, and the posture of one with legs or in the water at the slot's end, if
-    /// that has changed since the last record.
+    /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the
+    /// slot's end if the posture has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
         if !self.motion.has_height() {
             return;
@@ -257,8 +259,8 @@ impl Robot {
         }
     }
 
-    /// Records contacts of thighs, shanks and body that have begun since the last check, checked every [`TOUCH_GRID`]; of a slot
-    /// longer than the world's history only the last part is checked.
+    /// Records contacts of thighs, shanks and body that have begun since the last check. Contacts are checked every
+    /// [`TOUCH_GRID`]; of a slot longer than the world's history only the last part is checked.
     fn record_touches(&mut self, world: &World, slot_end: Time) {
         let first = self.walk.looked_at.max(slot_end - HISTORY);
         let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
@@ -280,7 +282,7 @@ impl Robot {
         }
     }
 
-    /// Name of a part in events: that of its link, or `body`.
+    /// Name of a part in events: the name of its link, or `body`.
     fn part_name(&self, part: BodyPart) -> String {
         let (leg, link) = match part {
             BodyPart::Body => return "body".to_owned(),
@@ -328,7 +330,7 @@ fn measure_range(devices: &Devices, motion: &mut Motion, world: &World, index: u
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
 }
 
-/// Obstacle as it is recorded.
+/// Obstacle in its recorded form.
 fn obstacle(thing: Thing) -> Obstacle {
     match thing {
         Thing::Wall(_) | Thing::Fixed(_) => Obstacle::Wall,

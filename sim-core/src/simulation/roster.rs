@@ -1,4 +1,5 @@
-//! Roster: all robots and objects that a simulation ever had, and the types of which more can be added.
+//! Roster: all robots and objects that a simulation has ever had, and the types of robots and objects that can be
+//! added.
 
 use std::sync::Arc;
 
@@ -10,15 +11,15 @@ use crate::pose::Pose;
 use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use crate::world::World;
 
-/// Limit of robots added after the start of a simulation, removed ones included: each keeps its number and
+/// Limit of robots added after the start of a simulation. Removed robots count too, because each keeps its number and
 /// its record. Our choice.
 pub const MOST_ROBOTS: usize = 1_000;
 
 /// Limit of movable objects added after the start of a simulation, removed ones included. Our choice.
 pub const MOST_OBJECTS: usize = 10_000;
 
-/// All robots and movable objects that a simulation ever had, in the order of their ids, with their initial poses; and the named
-/// types of which more can be added.
+/// All robots and movable objects that a simulation has ever had, in the order of their ids, with their initial poses;
+/// and the named types of robots and objects that can be added.
 #[derive(Clone, Debug)]
 pub struct Roster {
     /// Types of robots.
@@ -69,8 +70,9 @@ impl Roster {
         &self.objects
     }
 
-    /// Spec of a new robot of the type called `kind` at x and y (m) and heading (rad) `start`, which runs the program of
-    /// `program_of`. Its noise profile is that of `program_of`, else of the first robot of its type, else of the scene.
+    /// Spec of a new robot of the type called `kind` at `start`: x and y in m, heading in rad. It runs the program of
+    /// `program_of`. Its noise profile is the one of `program_of`, else of the first robot of its type, else of the
+    /// scene.
     ///
     /// # Errors
     /// [`Refusal`] if a name or number is unknown, the place is occupied, or the limit is reached.
@@ -136,7 +138,8 @@ impl<T> Types<T> {
         Self { what, types: Vec::new(), known: Vec::new() }
     }
 
-    /// Adds the type called `name` of `file`, unless it is known; if the name is taken by another type, under the name of its file.
+    /// Adds the type called `name` of `file`, unless it is known. If another type has this name, the file's name is
+    /// used.
     pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
         let both = [name, file].map(str::to_owned);
         if self.known.contains(&both) {

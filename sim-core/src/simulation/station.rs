@@ -18,7 +18,7 @@ impl Robot {
         self.station.as_ref().map_or(0, |station| station.waiting())
     }
 
-    /// Time when the next message on its way becomes visible; [`Time::NEVER`] for none.
+    /// Time when the next message on its way becomes visible; [`Time::NEVER`] if there is none.
     pub fn next_message(&self) -> Time {
         self.station.as_ref().map_or(Time::NEVER, |station| station.next_visible())
     }

@@ -1,4 +1,4 @@
-//! Messages at a slot's end: sent ones go to the channel, outcomes to the robots affected.
+//! Messages at a slot's end: sent messages go to the channel, and outcomes go to the robots affected.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -15,7 +15,7 @@ pub(super) struct Traffic {
     sendings: Vec<SentMessage>,
     /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
-    /// Messages that have left the buffers of their senders by then: (sender, number).
+    /// Messages that have left the buffers of their senders by the slot's end: (sender, number).
     left: Vec<(RobotId, u64)>,
     /// Times when messages become visible, with their receivers.
     visible: BinaryHeap<Reverse<(Time, RobotId)>>,
@@ -33,7 +33,8 @@ impl Traffic {
         self.sendings.append(&mut station.take_sent());
     }
 
-    /// Lets the channel decide by `slot_end`; adds to `concerned` the robots affected and those for which a message became visible.
+    /// Lets the channel decide the messages up to `slot_end`. Adds to `concerned` the robots that the outcomes affect,
+    /// and the robots for which a message has become visible.
     pub fn exchange(&mut self, slot_end: Time, channel: &mut Channel, concerned: &mut Vec<RobotId>) {
         if !self.sendings.is_empty() || channel.due() <= slot_end {
             self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
@@ -50,8 +51,9 @@ impl Traffic {
         }
     }
 
-    /// Delivers the outcomes and settles the slot that ends; `robots` are at least those that [`Traffic::exchange`] named, in the order
-    /// of their ids. Returns the receivers of messages, each with the time when the message becomes visible.
+    /// Delivers the outcomes and settles the slot that ends. `robots` must include those that [`Traffic::exchange`]
+    /// named, in the order of their ids. Returns the receivers of messages, each with the time when the message becomes
+    /// visible.
     pub fn deliver(&mut self, slot_end: Time, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
         for (robot, sequence) in self.left.drain(..) {
             if let Ok(place) = robots.binary_search_by_key(&robot, |robot| robot.id)
@@ -94,7 +96,8 @@ impl Traffic {
         robot.finish_radio(self.end);
     }
 
-    /// Time whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if none is on its way.
+    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is on
+    /// its way.
     pub fn due(&self, channel: &Channel) -> Time {
         self.visible.peek().map_or(Time::NEVER, |Reverse((visible, _))| *visible).min(channel.due())
     }

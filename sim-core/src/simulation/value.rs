@@ -1,4 +1,4 @@
-//! A whole simulation as one value, which its caller owns, advances, reads, copies and restores.
+//! A whole simulation as one value, which its owner can advance, read, copy and restore.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use crate::spec::SceneSpec;
 use crate::time::Time;
 use crate::world::World;
 
-/// Robots in their environment, without programs: the caller drives them, with the devices, noise and timing that a program
-/// would get.
+/// Robots in their environment, without programs: the caller commands them, with the devices, noise and timing that a
+/// program would get.
 ///
 /// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original,
 /// and evolve identically, to the bit. Walls, meshes and types are shared between copies.
@@ -33,7 +33,7 @@ pub struct Simulation {
     now: Time,
     /// Visuals for cameras, once they are set.
     visuals: Option<Arc<Visuals>>,
-    /// All robots and objects, and the types of which more can be added.
+    /// All robots and objects, and the types of robots and objects that can be added.
     roster: Arc<Roster>,
     factory: Arc<RobotFactory>,
 }
@@ -41,9 +41,9 @@ pub struct Simulation {
 /// Options of a simulation besides its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Seed of all randomness; default: that of the scene, else 0.
+    /// Seed of all randomness; default: the scene's seed, else 0.
     pub seed: Option<u64>,
-    /// Length of a slot, positive; default: that of the scene, else 50 ms.
+    /// Length of a slot, positive; default: the scene's slot length, else 50 ms.
     pub slot: Option<Time>,
 }
 
@@ -70,8 +70,8 @@ impl Simulation {
         Ok(Self::of(environment, robots, Roster::of(scene), factory))
     }
 
-    /// Simulation of these robots, in the order of their ids, in their environment, at the start of its present slot: copies of the
-    /// robots of a run, with roster and factory for adding more.
+    /// Simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot. The
+    /// robots may be copies of the robots of a run; `roster` and `factory` allow more robots to be added.
     pub fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
         let now = environment.world.slot_start();
         robots.iter_mut().for_each(|robot| robot.now = now);
@@ -114,10 +114,10 @@ impl Simulation {
         act(&mut self.robots[id.index()], &self.environment.world)
     }
 
-    /// Commands the drive of robot `id` now.
+    /// Commands the drive of robot `id` at the present time.
     ///
     /// # Errors
-    /// [`CommandError`] for what the drive cannot do; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
     ///
     /// # Panics
     /// If there is no such robot.
@@ -127,12 +127,12 @@ impl Simulation {
 
     /// Applies an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
     ///
-    /// Added robots have no program; they and added objects are of the types of the scene, and of types
-    /// [added](Simulation::roster_mut) to it. A removed robot stays known by its id and is not in the world any more.
+    /// Added robots have no program. Types of added robots and objects are those of the scene and those
+    /// [added](Simulation::roster_mut) to it. A removed robot keeps its id but is not in the world any more.
     ///
     /// # Errors
-    /// [`Refusal`] for unknown names and invalid values, [within a slot](Refusal::WithinSlot), and for actions that need a run with
-    /// programs: programs of added robots, and the end of the run. Nothing changes then.
+    /// [`Refusal`] for unknown names and invalid values, and [within a slot](Refusal::WithinSlot). Also for actions
+    /// that need a run with programs: adding a robot with a program, and ending the run. Nothing changes then.
     pub fn act(&mut self, action: &Action) -> Result<(), Refusal> {
         if self.now != self.world().slot_start() {
             return Err(Refusal::WithinSlot(self.world().slot_end()));
@@ -168,14 +168,15 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes a spawned entity visible to cameras: with the looks of others of its type, else with the shape of its colliders.
+    /// Makes a spawned entity visible to cameras: with the appearance of its type if that is known, else as its
+    /// colliders.
     fn show(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {
             Arc::make_mut(visuals).add([entity], &mut NoMeshes);
         }
     }
 
-    /// All robots and objects, and the types of which more can be added.
+    /// All robots and objects, and the types of robots and objects that can be added.
     pub fn roster(&self) -> &Roster {
         &self.roster
     }
@@ -214,10 +215,11 @@ impl Simulation {
         self.visuals = Some(Arc::new(visuals));
     }
 
-    /// Takes the image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with the camera's errors,
-    /// exposed [a read-out](crate::device::camera::READ_OUT) ago. The image is counted and recorded as in a program.
+    /// Takes the image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with
+    /// the camera's errors. The image was exposed [one read-out time](crate::device::camera::READ_OUT) ago. It is
+    /// counted and recorded as in a program.
     ///
-    /// A camera that is off is switched on first, for images of 320 x 240 pixels; to use another [`Setting`], call
+    /// A camera that is off is first switched on for images of 320 x 240 pixels. To use another [`Setting`], call
     /// [`Simulation::with_robot`] and [`Camera::switch_on`](crate::device::camera::Camera::switch_on).
     ///
     /// # Errors
@@ -268,7 +270,6 @@ impl Simulation {
     ///
     /// # Errors
     /// The first error of `show`; the simulation is then at the end of that slot.
-    /// The first error of `show`; the simulation then stands at the end of that slot.
     pub fn advance_with<E>(&mut self, time: Time, mut show: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<(), E> {
         while self.now < time {
             let slot_end = self.world().slot_end();
@@ -294,7 +295,8 @@ impl Simulation {
         self.environment.digest()
     }
 
-    /// Advances all robots to `time`, within the present slot or at its end, and computes measurements that end on the way.
+    /// Advances all robots to `time`, which lies within the present slot or at its end. Also computes the measurements
+    /// that end by then.
     fn pass_to(&mut self, time: Time) {
         let Self { environment, robots, now, .. } = self;
         let slot_end = environment.world.slot_end();

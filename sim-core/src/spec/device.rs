@@ -138,7 +138,7 @@ impl Default for CameraSpec {
     }
 }
 
-/// A laser scanner: distances all around, at equal angles.
+/// A laser scanner: measures distances in many directions at equal angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarSpec {
     /// Mounting pose; x is the middle of its scan.
@@ -169,7 +169,7 @@ impl Default for LidarSpec {
 pub struct InfraredSpec {
     /// Name, `IR_LF`.
     pub name: String,
-    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
     /// Origin of the beam in the robot's frame, in metres.
     pub position: DVec3,
@@ -186,7 +186,7 @@ pub struct InfraredSpec {
 pub struct BumperSpec {
     /// Name, `BUMP_FRONT`.
     pub name: String,
-    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
     /// Start of the arc, in radians counter-clockwise from forward.
     pub from: f64,
@@ -201,7 +201,7 @@ pub struct BumperSpec {
 pub struct ServoSpec {
     /// Name, `SERVO1`.
     pub name: String,
-    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
     /// Angle at position 0, in radians.
     pub from: f64,
@@ -232,7 +232,7 @@ impl Default for LcdSpec {
 pub struct CompassSpec {
     /// Name, `COMPASS`.
     pub name: String,
-    /// Number by which programs address it; `None`: that of `hdt_sem.h`.
+    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
     pub id: Option<i32>,
     /// World direction (radians counter-clockwise from x) in which the compass reads 0.
     pub north: f64,

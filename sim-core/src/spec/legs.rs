@@ -45,7 +45,7 @@ pub struct GaitSpec {
     pub duty: f64,
     /// Phase at which each leg lifts off, as a share of the period; empty: evenly, one leg after the other.
     pub offsets: Vec<f64>,
-    /// Legs with feet move as people's do.
+    /// Legs with feet move like human legs.
     pub is_natural: bool,
     /// Place in the file.
     pub span: Span,

@@ -2,7 +2,7 @@
 
 use crate::unit::radians_from_degrees;
 
-/// Default colour of the floor: light grey, distinct from that of the walls. Source: our choice.
+/// Default colour of the floor: light grey, distinct from the colour of the walls. Source: our choice.
 pub const DEFAULT_FLOOR_COLOUR: [u8; 3] = [196, 192, 184];
 
 /// Looks of a world, for cameras only.

@@ -41,7 +41,7 @@ pub enum NoiseRef {
 }
 
 impl NoiseRef {
-    /// The profile; `None` if there are no errors, or if it is a file that was not read.
+    /// The profile; `None` if there are no errors, or if the profile is a file that was not read.
     pub fn profile(&self) -> Option<Profile> {
         match self {
             Self::Preset(preset) => (!preset.entries.is_empty()).then(|| preset.profile()),

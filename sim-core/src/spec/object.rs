@@ -28,7 +28,8 @@ pub const BUILT_IN_OBJECTS: [&str; 4] = ["Can", "Soccer", "Crate", "Golf"];
 /// A type of passive object: built in, described by an `.esObj` file, or a mesh alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectType {
-    /// The file that describes it: an `.esObj`, or the sim file that names a mesh alone; of a built-in type, its name.
+    /// The file that describes it: an `.esObj`, or the sim file that names only a mesh. For a built-in type, the type's
+    /// name.
     pub file: String,
     /// Name by which scenes refer to it.
     pub name: String,

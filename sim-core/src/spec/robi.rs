@@ -111,7 +111,7 @@ impl Default for WheelSpec {
 /// A robot type: a `.robi` and the `.toml` beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobiSpec {
-    /// Name of the `.robi` file; of a built-in type, its name.
+    /// Name of the `.robi` file; for a built-in type, the type's name.
     pub file: String,
     /// Name of the robot type; by default the file's stem.
     pub name: String,
@@ -147,7 +147,7 @@ pub struct RobiSpec {
     pub mass: f64,
     /// Centre of mass in the robot's frame, in metres.
     pub centre_of_mass: DVec3,
-    /// Coefficient of friction between wheels and floor: greatest pushing force over the robot's weight.
+    /// Coefficient of friction between wheels and floor: greatest pushing force divided by the robot's weight.
     pub traction: f64,
     /// Coefficient of friction between body and walls.
     pub friction: f64,
@@ -159,7 +159,8 @@ pub struct RobiSpec {
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.
     pub bumpers: Vec<BumperSpec>,
-    /// Servos beyond those of camera and steering, and also those two if the companion file says more about them.
+    /// Servos other than those of camera and steering; also camera and steering servos that the companion file
+    /// describes.
     pub servos: Vec<ServoSpec>,
     /// The compass.
     pub compass: Option<CompassSpec>,
@@ -236,10 +237,10 @@ impl RobiSpec {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
-    /// All servos: that of the steering first, then those of the companion file, then the camera's. Programs number them in
-    /// this order.
+    /// All servos in the order in which programs number them: the steering servo, the servos of the companion file,
+    /// then the camera's servos.
     ///
-    /// For a servo that is named twice, its own table takes precedence.
+    /// For a servo that is named twice, the entry in its own table takes precedence.
     pub fn all_servos(&self) -> Vec<ServoRef<'_>> {
         let camera = self.camera.iter().flat_map(|camera| [&camera.pan, &camera.tilt]);
         let joints = camera.filter_map(|joint| match joint {

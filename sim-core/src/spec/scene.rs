@@ -73,7 +73,7 @@ impl TypeRef {
     }
 }
 
-/// Kind of the file that a sim file takes its world from.
+/// Kind of the file from which a sim file takes its world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldKind {
     /// A `.wld`.
@@ -172,7 +172,7 @@ impl Layout {
             Layout::Starts | Layout::Random { .. } => return None,
             Layout::Line { from, to, heading } => {
                 let share = if count > 1 { f64::from(index) / f64::from(count - 1) } else { 0.0 };
-                // Exactly `to` at the end, in spite of rounding.
+                // The last robot is exactly at `to`, in spite of rounding.
                 (if share == 1.0 { to } else { from + (to - from) * share }, heading)
             }
             Layout::Grid { from, spacing, columns, heading } => {
@@ -206,23 +206,23 @@ pub struct RunSpec {
     pub until: Option<Time>,
     /// Virtual time that calls take.
     pub costs: Option<CostsRef>,
-    /// Generation of the RoBIOS API that the robots' programs are written for: 6 or 7.
+    /// Generation of the RoBIOS API for which the robots' programs are written: 6 or 7.
     pub api: Option<u32>,
     /// Noise profile of devices and drives.
     pub noise: Option<NoiseRef>,
     /// Motion of a robot that is pushed against a wall.
     pub contact: Option<ContactKind>,
-    /// Coefficient of friction of the walls; a robot slides along them with the lower one of this and its own.
+    /// Coefficient of friction of the walls. Between a robot and a wall, the lower one of the two coefficients applies.
     pub wall_friction: Option<f64>,
 }
 
 /// Motion of a robot that is pushed against a wall. See `docs/motion.md`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactKind {
-    /// It slides outside the friction cone, and its wheels slip over the floor.
+    /// The robot slides if it is pushed outside the friction cone, while its wheels slip over the floor.
     #[default]
     Slide,
-    /// It rests, its wheels stall, and the command stays pending.
+    /// The robot rests, its wheels stall, and the command stays in force.
     Stall,
 }
 
@@ -293,9 +293,9 @@ pub struct RobotLine {
     pub program: Option<PathRef>,
     /// Command-line arguments of the program.
     pub arguments: Vec<String>,
-    /// Generation of the RoBIOS API that the program is written for: 6 or 7; `None`: that of the scene.
+    /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None`: the scene's generation.
     pub api: Option<u32>,
-    /// Noise profile of devices and drive; `None`: that of the scene.
+    /// Noise profile of devices and drive; `None`: the scene's profile.
     pub noise: Option<NoiseRef>,
     /// Start pose.
     pub start: StartRef,
@@ -337,9 +337,9 @@ pub struct SimSpec {
     pub robot_types: Vec<PathRef>,
     /// Files of object types that lines load, in the order of the file.
     pub object_types: Vec<PathRef>,
-    /// Robots of built-in types, and of types whose file their own line names, in the order of the file.
+    /// Robots of built-in types, and of types whose file is named in the robot's own line, in the order of the file.
     pub robots: Vec<RobotLine>,
-    /// Objects of built-in types, and of types whose file their own line names, in the order of the file.
+    /// Objects of built-in types, and of types whose file is named in the object's own line, in the order of the file.
     pub objects: Vec<ObjectLine>,
     /// Robots and objects of types that other lines load, in the order of the file. Only the type's file tells whether a line
     /// places a robot or an object.
@@ -367,12 +367,12 @@ pub struct RobotSpec {
     pub program: Option<PathRef>,
     /// Command-line arguments of the program.
     pub arguments: Vec<String>,
-    /// Generation of the RoBIOS API that the program is written for, 6 or 7, if the scene gives it.
+    /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not give it.
     pub api: Option<u32>,
     /// Noise profile of devices and drive, from the robot's line, else from the scene. A profile in a file has been read.
     pub noise: Option<NoiseRef>,
-    /// Generation of the RoBIOS API of the simulator whose dialect the line uses: 6 for `robi` lines, 7 for those of
-    /// EyeSim VR; `None` in our own format.
+    /// Dialect of the robot's line, as the generation of the RoBIOS API of the simulator that uses it: 6 for `robi`
+    /// lines, 7 for lines of EyeSim VR; `None` in our own format.
     pub dialect: Option<u32>,
     /// Place of its line in the sim file.
     pub span: Span,
@@ -396,7 +396,7 @@ pub struct SceneSpec {
     pub world: WorldSpec,
     /// Robots in order of their ids. A robot whose line or robi is unusable is missing (and there is an error).
     pub robots: Vec<RobotSpec>,
-    /// Objects of the world and of the sim file. One whose type is unusable is missing (and there is a warning).
+    /// Objects of the world and of the sim file. An object whose type is unusable is missing (and there is a warning).
     pub objects: Vec<ObjectSpec>,
     /// Markers of the sim file.
     pub markers: Vec<MarkerSpec>,

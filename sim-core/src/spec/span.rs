@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Span {
     /// First byte, counted in the decoded text (the file's own bytes unless it is not UTF-8).
     pub start: usize,
-    /// Byte after the last.
+    /// End: the first byte after the place.
     pub end: usize,
     /// Line, from 1; 0 if the span stands for a file as a whole.
     pub line: u32,

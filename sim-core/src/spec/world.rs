@@ -9,7 +9,7 @@ use crate::pose::Pose;
 use crate::scene::{Boulders, HeightField, Mesh, Relief, Steps};
 use crate::spec::Span;
 
-/// Default height of a wall, in metres: that of the walls in EyeSim VR.
+/// Default height of a wall, in metres: the wall height of EyeSim VR.
 pub const DEFAULT_WALL_HEIGHT: f64 = 0.2;
 
 /// Default cell size of a maze, in metres.
@@ -31,7 +31,7 @@ pub struct WallSpec {
     pub height: f64,
     /// Red, green, blue.
     pub colour: Option<[u8; 3]>,
-    /// Reflection properties; `None`: those of the world.
+    /// Reflection properties; `None`: the world's properties.
     pub surface: Option<Surface>,
     /// Place of the wall's line (in a maze: of its first character).
     pub span: Span,
@@ -57,7 +57,7 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
-    /// The image is turned by 180 degrees: its upper left pixel lies at (width, 0), as in worlds of EyeSim VR.
+    /// The image is turned by 180 degrees, so that its upper left pixel lies at (width, 0), as in worlds of EyeSim VR.
     pub texture_is_turned: bool,
     /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
@@ -91,9 +91,9 @@ impl WorldSpec {
 pub struct TerrainSpec {
     /// Source of the shape.
     pub shape: TerrainShape,
-    /// Surface in the world frame, for range sensors and cameras; `None` until it has been made.
+    /// Surface in the world frame, for range sensors and cameras; `None` until it has been generated.
     pub mesh: Option<Arc<Mesh>>,
-    /// The surface as a height field, for legs; `None` for a mesh file, and until it has been made.
+    /// The surface as a height field, for legs; `None` for a mesh file, and until it has been generated.
     pub field: Option<Arc<HeightField>>,
     /// Place in the file.
     pub span: Span,
@@ -124,7 +124,7 @@ pub struct TerrainImage {
     pub path: PathRef,
     /// Position of the lower left pixel, in metres, world frame.
     pub origin: DVec2,
-    /// Offset from there to the upper right pixel, in metres; positive.
+    /// Offset from `origin` to the upper right pixel, in metres; positive.
     pub size: DVec2,
     /// Height of black, in metres.
     pub base: f64,
@@ -145,7 +145,7 @@ pub const DEFAULT_HILL_LENGTH: f64 = 2.0;
 pub const DEFAULT_BOULDERS: Boulders = Boulders { count: 40, radius: [0.1, 0.4], height: [0.05, 0.3] };
 
 impl TerrainSpec {
-    /// A terrain that has not been made yet.
+    /// A terrain whose surface has not been generated yet.
     pub fn new(shape: TerrainShape, span: Span) -> Self {
         Self { shape, mesh: None, field: None, span }
     }

@@ -1,7 +1,7 @@
-//! The one place where millimetres, degrees and hundredths of seconds meet SI units.
+//! Conversion of millimetres, degrees and hundredths of seconds to SI units and back; no other code does this.
 //!
-//! Used by the readers of files, by the RoBIOS functions of the host and for the numbers of noise profiles, which people set in
-//! these units; nothing else in the core knows them.
+//! The readers of files and the RoBIOS functions of the host use these units, and people set the numbers of noise
+//! profiles in them. All other code of the core uses SI units.
 
 mod quantity;
 

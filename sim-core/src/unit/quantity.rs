@@ -1,21 +1,21 @@
 //! Numbers as people write them: in millimetres, degrees and percent, within bounds.
 
-/// What a number in a file stands for, with its unit and bounds in that unit.
+/// Meaning of a number in a file, with its unit and its bounds in that unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
-    /// What it is, in a few words.
+    /// Meaning in a few words.
     pub name: &'static str,
     unit: Unit,
     low: f64,
     high: f64,
-    /// The scene is the same without it, so that a value out of bounds is only warned about.
+    /// The number has no effect on the scene, so a value out of bounds only causes a warning.
     is_minor: bool,
 }
 
 /// Largest coordinate or size that a file may have, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
-/// A unit of files.
+/// A unit of numbers in files.
 #[derive(Clone, Copy, Debug)]
 struct Unit {
     name: &'static str,
@@ -30,19 +30,19 @@ impl Unit {
     const MS: Self = Self { name: "ms", to_si: |ms| ms / 1e3, from_si: |seconds| seconds * 1e3 };
     const PERCENT: Self = Self { name: "percent", to_si: |percent| percent / 100.0, from_si: |share| share * 100.0 };
 
-    /// A unit that is that of the SI.
+    /// An SI unit, which needs no conversion.
     const fn si(name: &'static str) -> Self {
         Self { name, to_si: std::convert::identity, from_si: std::convert::identity }
     }
 
-    /// The same unit a second.
+    /// This unit per second.
     const fn per_second(self, name: &'static str) -> Self {
         Self { name, ..self }
     }
 }
 
 const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
-/// Smallest size that is not absurd, in millimetres.
+/// Smallest accepted size, in millimetres.
 const MIN_SIZE_MM: f64 = 1e-3;
 
 impl Quantity {
@@ -50,17 +50,17 @@ impl Quantity {
         Self { name, unit, low, high, is_minor: false }
     }
 
-    /// A coordinate: millimetres of either sign.
+    /// A coordinate in millimetres, positive or negative.
     pub const fn coordinate(name: &'static str) -> Self {
         Self::new(name, Unit::MM, -MAX_LENGTH_MM, MAX_LENGTH_MM)
     }
 
-    /// A length that may be 0: millimetres.
+    /// A length in millimetres, 0 or more.
     pub const fn length(name: &'static str) -> Self {
         Self::new(name, Unit::MM, 0.0, MAX_LENGTH_MM)
     }
 
-    /// A size: millimetres above 0.
+    /// A size in millimetres, greater than 0.
     pub const fn size(name: &'static str) -> Self {
         Self::new(name, Unit::MM, MIN_SIZE_MM, MAX_LENGTH_MM)
     }
@@ -70,12 +70,12 @@ impl Quantity {
         Self::new(name, Unit::DEGREES, -1e6, 1e6)
     }
 
-    /// A speed above 0 in mm/s.
+    /// A speed in mm/s, greater than 0.
     pub const fn speed(name: &'static str) -> Self {
         Self::new(name, Unit::MM.per_second("mm/s"), MIN_SIZE_MM, 1e9)
     }
 
-    /// A turning rate above 0 in degrees/s.
+    /// A turning rate in degrees/s, greater than 0.
     pub const fn rate(name: &'static str) -> Self {
         Self::new(name, Unit::DEGREES.per_second("degrees/s"), 1e-3, 1e9)
     }
@@ -90,7 +90,7 @@ impl Quantity {
         Self::new(name, Unit::si("s"), 0.0, 1e9)
     }
 
-    /// A mass above 0 in kilograms.
+    /// A mass in kilograms, greater than 0.
     pub const fn mass(name: &'static str) -> Self {
         Self::new(name, Unit::si("kg"), 1e-6, 1e6)
     }
@@ -105,54 +105,55 @@ impl Quantity {
         Self::new(name, Unit::PERCENT, low, high)
     }
 
-    /// The same quantity between other bounds, in its own unit.
+    /// This quantity with other bounds, given in its own unit.
     pub const fn within(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
     }
 
-    /// The same quantity as one that may be left out without harm.
+    /// This quantity, marked as having no effect on the scene.
     pub const fn minor(self) -> Self {
         Self { is_minor: true, ..self }
     }
 
-    /// A value of its own unit in SI units, whatever the bounds.
+    /// Converts `value` from the quantity's unit to SI units, without a check of the bounds.
     pub fn si(&self, value: f64) -> f64 {
         (self.unit.to_si)(value)
     }
 
-    /// A value in SI units in its own unit.
+    /// Converts `si` from SI units to the quantity's unit.
     pub fn in_unit(&self, si: f64) -> f64 {
         (self.unit.from_si)(si)
     }
 
-    /// The same to twelve digits, so that what was written comes back.
+    /// Converts `si` from SI units to the quantity's unit and rounds to twelve digits, so that a number read from a
+    /// file is printed as it was written.
     pub fn in_own_unit(&self, si: f64) -> f64 {
         let value = si / (self.unit.to_si)(1.0);
         format!("{value:.11e}").parse().unwrap_or(value)
     }
 
-    /// Its unit; empty for a pure number.
+    /// Name of the unit; empty for a pure number.
     pub const fn unit(&self) -> &'static str {
         self.unit.name
     }
 
-    /// Least and greatest value in its own unit.
+    /// Least and greatest value in the quantity's unit.
     pub const fn bounds(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// True for one whose value out of bounds does no harm: the scene is the same without it.
+    /// Returns true if the number has no effect on the scene, so that a value out of bounds does no harm.
     pub const fn is_minor(&self) -> bool {
         self.is_minor
     }
 
-    /// What the reader of a message should have written.
+    /// Description of the accepted values, for messages.
     pub fn expected(&self) -> String {
         let unit = if self.unit().is_empty() { String::new() } else { format!(" in {}", self.unit()) };
         format!("a number{unit} from {} to {}", self.low, self.high)
     }
 
-    /// The value in SI units, if it is finite and within the bounds.
+    /// Converts `value` to SI units; `None` if it is not finite or out of bounds.
     pub fn check(&self, value: f64) -> Option<f64> {
         (value >= self.low && value <= self.high).then(|| self.si(value))
     }

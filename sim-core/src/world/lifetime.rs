@@ -26,7 +26,7 @@ pub struct Lifetime {
 }
 
 impl Lifetime {
-    /// Lifetime of a body that was there at the start and has not been removed.
+    /// Lifetime of a body that was present at the start and has not been removed.
     pub const ALWAYS: Self = Self::since(Time(i64::MIN));
 
     /// Lifetime of a body that has not been removed.
@@ -41,9 +41,9 @@ impl Lifetime {
 }
 
 /// Spawning and removal happen between two slots, at the start of the present one. Queries about earlier instants
-/// return the world as it was then. Ids are never reused.
+/// return the world as it was at that instant. Ids are never reused.
 impl World {
-    /// Adds a robot from the start of the present slot on, at which its motion [starts](Motion::starting_at). `figure`
+    /// Adds a robot from the start of the present slot on; its motion must [start](Motion::starting_at) there. `figure`
     /// is its shape for rays in space (default: an upright cylinder of unlimited height).
     ///
     /// # Panics
@@ -79,8 +79,8 @@ impl World {
     }
 
     /// Adds a movable object at `world_from_object` from the start of the present slot on, at rest and awake. `figure`
-    /// is its shape for rays in space (default: its footprint, unlimited in height). Any place is allowed: inside a
-    /// wall or a body it is pushed out.
+    /// is its shape for rays in space (default: its footprint, unlimited in height). Any place is allowed: an object
+    /// inside a wall or a body is pushed out.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.

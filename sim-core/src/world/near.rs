@@ -35,7 +35,7 @@ impl Geometry<'_> {
 }
 
 impl World {
-    /// Shape and pose of a robot's body. The heading is 0: the shape is rotationally symmetric.
+    /// Shape and pose of a robot's body. The heading is 0, because the shape is rotationally symmetric.
     pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
@@ -48,8 +48,8 @@ impl World {
         figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
     }
 
-    /// Returns true if every obstacle that a level ray at height `z` may meet is a prism on the floor that reaches up
-    /// to `z`, so that no point above or below is nearer than the obstacle at that height. For the floor see
+    /// Returns true if all walls and bodies that a level ray at height `z` may meet are prisms that stand on the floor
+    /// and reach up to `z`. Then no point above or below is nearer than the obstacle at that height. For the floor see
     /// [`Space::floor`](super::Space).
     pub(crate) fn is_upright_at(&self, z: f64) -> bool {
         z >= 0.0 && z <= self.indexed_space.plain_below

@@ -26,7 +26,7 @@ struct ObjectTrack {
     publications: VecDeque<(Time, ObjectTrajectory)>,
     /// Bounds of the object over the published history and the present slot.
     bounds: Bounds,
-    /// The object has been at rest, or removed, for as long as the history reaches.
+    /// The object has been at rest, or removed, throughout the published history.
     is_resting: bool,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Objects {
     moved: Vec<ObjectId>,
     /// Pending placements for the end of the slot, in the order of the calls.
     placements: Vec<(ObjectId, Pose)>,
-    /// Objects that were placed and have not slept since: an overlap may still push them out.
+    /// Objects that were placed and have not slept since; they may still be pushed out of an overlap.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
 }
@@ -251,7 +251,7 @@ impl Objects {
             let (_, last) = track.publications[track.publications.len() - 1];
             let trajectory = ObjectTrajectory::new(self.stepped, state, properties);
             if last.state.is_resting() && state == last.state {
-                // At rest as already published.
+                // The object rests as already published.
             } else {
                 self.moved.push(object);
                 track.publications.push_back((now, trajectory));

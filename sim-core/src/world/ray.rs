@@ -20,7 +20,7 @@ pub struct RayHit {
     pub distance: f64,
     /// The wall, floor or body that was hit.
     pub thing: Thing,
-    /// The surface at the hit; `None` if only the distance is known: for a wall, robot or object that [`Ray::flat`] or
+    /// The surface at the hit. `None` if only the distance is known: on a wall, robot or object that [`Ray::flat`] or
     /// [`Ray::tilted`] treats as unlimited in height.
     pub face: Option<HitSurface>,
 }
@@ -75,7 +75,7 @@ pub struct Ray {
     direction: DVec3,
     /// Unit vector of the trace; x for a vertical ray.
     trace: DVec2,
-    /// Distance along the trace over distance along the ray.
+    /// Distance along the trace divided by distance along the ray.
     level: f64,
     /// Gain in height per metre of the trace.
     rise: f64,
@@ -85,24 +85,26 @@ pub struct Ray {
     unlimited: UnlimitedHeight,
 }
 
-/// Factor on a range along the floor that keeps obstacles at its very end; distances are compared again along the ray.
+/// Factor on the range along the floor, so that obstacles at its very end are found. Their distances are compared again
+/// along the ray.
 const END: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 impl Ray {
     /// The ray from `origin` along the unit vector `direction` that hits obstacles up to and including `range` metres.
     ///
-    /// Walls are faces up to their heights, hit from either side; bodies are solid, and read 0 from inside. Only
-    /// falling rays hit the floor, at 0 from below it. Any direction is allowed, also straight up and down. An invalid
-    /// ray hits nothing: a coordinate or range that is NaN, a direction whose length is not 1 within 10^-6.
+    /// Walls are faces up to their heights, hit from either side. Bodies are solid: from inside, the distance is 0.
+    /// Only falling rays hit the floor; a ray that starts below the floor hits it at 0. Any direction is allowed, also
+    /// straight up and down. An invalid ray hits nothing: a coordinate or the range is NaN, or the length of the
+    /// direction is not 1 within 10^-6.
     ///
-    /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest: our choice.
+    /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest is our choice.
     pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
         let is_ray = (direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite();
         let across = direction.truncate();
         // A level ray is its own trace, to the bit.
         let level = if direction.z == 0.0 { 1.0 } else { across.length() };
         let trace = if level > 0.0 { across / level } else { DVec2::X };
-        // A vertical ray has no trace to gain height along.
+        // A vertical ray has no trace along which to gain height.
         let rise = Some(direction.z / level).filter(|rise| rise.is_finite()).unwrap_or_default();
         let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
         let range = if is_ray { range } else { f64::NAN };
@@ -110,9 +112,9 @@ impl Ray {
     }
 
     /// The ray in the plane from `origin` along the unit vector `direction`. Walls, robots and objects are unlimited in
-    /// height, a fixed body is its outline, meshes are not hit.
+    /// height, a fixed body is its outline, and meshes are not hit.
     ///
-    /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0: our choice.
+    /// Source: Koestler & Bräunl, section 4.1. The distance 0 of a ray that starts inside another body is our choice.
     pub fn flat(origin: DVec2, direction: DVec2, range: f64) -> Self {
         Self {
             origin: origin.extend(f64::NAN),
@@ -174,8 +176,8 @@ struct RayCast<'a> {
 
 impl World {
     /// First hit of a ray of robot `by` at the instant `at`: a wall, the floor, a fixed body, the body of another
-    /// robot, or a movable object, by their published motion. Ties in distance go to the obstacle that comes first in
-    /// [`Thing`]: our choice.
+    /// robot, or a movable object, by their published motion. Of several obstacles at the same distance, the first in
+    /// the order of [`Thing`] counts: our choice.
     pub fn cast(&self, by: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
         let mut cast = RayCast { world: self, ray, by, at, range: ray.range, nearest: None };
         cast.cast_floor();

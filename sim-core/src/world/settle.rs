@@ -1,8 +1,8 @@
-//! The contacts between bodies within a slot, settled in the order in which they happen.
+//! Contacts between bodies within a slot, resolved in the order in which they happen.
 //!
-//! A small simulation by events over the true motions of the slot. When two discs touch and approach, each whose own
-//! velocity leads towards the contact rests from that instant, and what it was commanded later in the slot is obeyed anew
-//! from there. Each event stops a moving body or obeys one command, and time only goes on: so it ends.
+//! This is an event simulation over the true motions of the slot. When two discs touch and approach, each disc whose
+//! own velocity points towards the contact rests from that instant on; it then obeys again its commands from later in
+//! the slot. Each event stops a moving body or repeats one command, and time never goes back, so the simulation ends.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,28 +19,29 @@ use crate::{
     time::Time,
 };
 
-/// Place of a robot that is not among the active.
+/// Entry of a robot that is not active.
 const PASSIVE: u32 = u32::MAX;
 
-/// The true motions in a slot; its memory is kept for the next one.
+/// True motions in a slot. The next slot reuses the memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Truth {
-    /// Where each robot is in the list of active motions.
+    /// By robot, its index in the list of active motions, or [`PASSIVE`].
     places: Vec<u32>,
-    /// Legs of the active motions.
+    /// Passages of the active motions.
     passages: Vec<Vec<Passage>>,
-    /// Rectangles of the active motions' bodies in the slot.
+    /// Bounds of the active robots' bodies in the slot.
     bounds: Vec<(RobotId, Bounds)>,
-    /// Index of these bounds as they were before any contact was settled.
+    /// Index of `bounds` before any contact was resolved.
     index: BoundsIndex<RobotId>,
-    /// Robots whose bounds have left those in the index.
+    /// Robots that may leave their bounds in the index, because their motion has changed.
     strays: BTreeSet<RobotId>,
 }
 
-/// What happens next: commands before contacts, then by ids, steps of the objects last.
+/// An event. At equal instants commands come before contacts and steps of the objects last; events of one kind are
+/// ordered by ids.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
-    /// The robot obeys the entry of its journal again.
+    /// The robot obeys this entry of its journal again.
     Input(RobotId, usize),
     /// Two bodies touch.
     Contact(RobotId, RobotId),
@@ -48,13 +49,13 @@ enum Event {
     Step,
 }
 
-/// Seconds since the start of the slot, in an order that a map can keep.
+/// Seconds since the start of the slot, as a sortable key.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Instant(u64);
 
 impl Instant {
     fn new(seconds: f64) -> Self {
-        // The bits of doubles from 0 on are in their order.
+        // For doubles of 0 or more, the order of the bits is the order of the numbers.
         Self(seconds.max(0.0).to_bits())
     }
 
@@ -63,7 +64,7 @@ impl Instant {
     }
 }
 
-/// The events of one slot.
+/// Resolution of the events of one slot.
 pub(super) struct Settling<'a, 'm> {
     truth: &'a mut Truth,
     world: &'a World,
@@ -71,16 +72,16 @@ pub(super) struct Settling<'a, 'm> {
     start: Time,
     end: Time,
     events: BTreeSet<(Instant, Event)>,
-    /// The instant of each pair's contact, to remove it when one of the two is revised.
+    /// Instant of each queued contact, needed to remove the contact when the motion of one of its robots changes.
     contacts: BTreeMap<(RobotId, RobotId), Instant>,
     /// Robots that come near movable objects in the slot.
     near: BTreeSet<RobotId>,
-    /// Robots whose plans have changed since these were found.
+    /// Robots whose plans have changed since `near` was updated.
     changed: Vec<RobotId>,
 }
 
 impl<'a, 'm> Settling<'a, 'm> {
-    /// Takes the motions of the world's present slot; `active` in the order of ids.
+    /// Reads the motions of the world's present slot; `active` is in the order of ids.
     pub fn new(truth: &'a mut Truth, world: &'a World, active: &'a mut [&'m mut Motion]) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.places.clear();
@@ -103,7 +104,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Settles all contacts within the slot.
+    /// Resolves all contacts within the slot.
     pub fn run(&mut self, mut objects: Option<&mut Objects>) {
         let passages = &self.truth.passages[..self.active.len()];
         let has_contacts =
@@ -131,7 +132,7 @@ impl<'a, 'm> Settling<'a, 'm> {
             if event == Event::Step {
                 self.step(objects, instant);
             }
-            // A body that has stopped elsewhere than it was to may have got another way.
+            // A body that was stopped or slowed may now come near other objects than planned.
             let changed = std::mem::take(&mut self.changed);
             self.find_near(objects, &changed);
             let now = self.start + Time::from_seconds_ceil(instant.seconds());
@@ -143,7 +144,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Finds those of the active robots `of` that come near movable objects which rest at the slot's start.
+    /// Adds those of the active robots `of` that may come near a movable object to `near`.
     fn find_near(&mut self, objects: &Objects, of: &[RobotId]) {
         for &robot in of {
             if objects.is_near(self.bounds_of(robot)) {
@@ -152,7 +153,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Queues the next step of the objects that ends in the slot, if anything moves or may be pushed.
+    /// Queues the next step of the objects that ends within the slot, if an object moves or may be pushed.
     fn queue_step(&mut self, objects: &Objects) {
         let is_idle = self.near.is_empty() && objects.is_asleep();
         if !is_idle && objects.next_step() + STEP <= self.end {
@@ -161,7 +162,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// One step of the movable objects, with the robots near them.
+    /// Computes one step of the movable objects, with the robots near them.
     fn step(&mut self, objects: &mut Objects, instant: Instant) {
         for bounds in objects.awake_bounds() {
             let robots = self.robots_in(bounds);
@@ -208,13 +209,14 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// How an active robot goes at `at`.
+    /// Drive of an active robot at `at`; `None` for a passive robot.
     fn thrust(&mut self, robot: RobotId, at: Time) -> Option<Thrust> {
         let place = self.truth.places[robot.index()];
         (place != PASSIVE).then(|| self.active[place as usize].thrust(at))
     }
 
-    /// A robot at the start of a step: with the share of the ordered twist that its traction gives it until the step's end.
+    /// A robot as the objects meet it in a step, and the share of the ordered twist that its traction can reach by the
+    /// end of the step.
     fn pusher(&self, robot: RobotId, thrust: Option<&Thrust>, at: Time) -> (Pusher, f64) {
         let radius = self.radius(robot);
         let Some(thrust) = thrust else {
@@ -225,7 +227,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         };
         let model = self.active[self.truth.places[robot.index()] as usize].model();
         let share = (thrust.share + gain(model, thrust.ordered)).min(1.0);
-        // A robot that comes to rest within the step goes on for as long as it does.
+        // If the robot comes to rest within the step, its mean velocity in the step is lower.
         let part = share * (thrust.left / STEP.seconds()).min(1.0);
         let half_turn = 0.5 * thrust.ordered.omega * part * STEP.seconds();
         let heading = thrust.centre.heading.turned(half_turn).direction();
@@ -242,7 +244,8 @@ impl<'a, 'm> Settling<'a, 'm> {
         (pusher, share)
     }
 
-    /// The share of the ordered twist that a step leaves a robot which went into it with `share`.
+    /// Share of the ordered twist after a step, for a robot that began the step with `share`; `velocity` and `omega`
+    /// are its motion after the step.
     fn share_after(
         &self,
         active: usize,
@@ -256,14 +259,14 @@ impl<'a, 'm> Settling<'a, 'm> {
         let twist = |velocity: DVec2, omega: f64| Twist { vx: velocity.x, vy: velocity.y, omega };
         let went = twist(before.velocity, before.omega);
         let lost = 1.0 - model.overlap(twist(velocity, omega), went);
-        // What traction has not used to get faster holds against the push.
+        // Traction that was not needed for acceleration resists the push.
         let left = gain(model, thrust.ordered) - (share - thrust.share);
         let after = (share * (1.0 - lost.max(0.0)) + left.max(0.0)).clamp(0.0, share);
-        // Slower than 0.1 mm/s is not at all: the solver's last digits.
+        // A speed below 0.1 mm/s counts as rest, because it is within the error of the solver.
         if after * model.speed(thrust.ordered) < 1e-4 { 0.0 } else { after }
     }
 
-    /// At the slot's end, after [`Settling::run`], lets bodies go on whose way has become free.
+    /// Releases bodies whose way has become free, at the slot's end, after [`Settling::run`].
     pub fn resume(&mut self) {
         for place in 0..self.active.len() {
             if self.active[place].blocker().is_some() {
@@ -316,7 +319,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         passages_bounds(self.passages(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
     }
 
-    /// Queues the first contact of a pair from `from` seconds on, in place of what was queued for it.
+    /// Queues the first contact of a pair from `from` seconds on, and removes the contact queued for this pair before.
     fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
         let (a, b) = (a.min(b), a.max(b));
         if let Some(instant) = self.contacts.remove(&(a, b)) {
@@ -329,7 +332,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Seconds since the start of the slot, not before `from`, at which two bodies first touch and approach.
+    /// Seconds since the start of the slot, at least `from`, at which two bodies first touch and approach.
     fn find_contact(&self, a: RobotId, b: RobotId, from: f64) -> Option<f64> {
         let span = (self.end - self.start).seconds();
         let mut t = from;
@@ -343,7 +346,7 @@ impl<'a, 'm> Settling<'a, 'm> {
             {
                 return None;
             }
-            // A picosecond at least, so that rounding cannot stop the search at an end of a passage.
+            // Each search covers at least a picosecond, so that rounding at the end of a passage cannot stop the loop.
             let until = until_a.min(until_b).min(span).max(t + 1e-12);
             if let Some(seconds) = first_touch(&disc_a, &disc_b, until - t) {
                 return Some(t + seconds);
@@ -353,10 +356,11 @@ impl<'a, 'm> Settling<'a, 'm> {
         None
     }
 
-    /// The motion of a body `t` seconds after the start of the slot, and until when it stays the same.
+    /// Motion of a body `t` seconds after the start of the slot, and the instant up to which this motion holds.
     fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
         let passages = self.passages(robot);
-        // Seconds since the start of the passage's stage, so that a stage which is stopped at an instant has ended at it, to the bit.
+        // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
+        // at it, to the bit.
         let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
         let place = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
         let passage = &passages[place];
@@ -374,7 +378,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Stops those of two touching bodies that approach the contact.
+    /// Stops each of two touching bodies that approaches the contact.
     fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
         let seconds = instant.seconds();
         let (disc_a, _) = self.rolling(a, seconds);
@@ -382,7 +386,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
         let towards_b = (centre_b - centre_a).normalize_or_zero();
         let approach = |disc: &Rolling, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
-        // Together they approach by more than the threshold: then one of them by more than half of it.
+        // Together they approach by more than the threshold, so at least one of them approaches by half of it or more.
         let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
         let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
         let point = centre_a + towards_b * disc_a.radius;
@@ -408,11 +412,12 @@ impl<'a, 'm> Settling<'a, 'm> {
         self.replan(robot, seconds);
     }
 
-    /// Takes a motion whose plan from `seconds` into the slot on is new, and queues what its program does after.
+    /// Reads the new plan of a motion that has changed from `seconds` into the slot on, and queues the next input of
+    /// the robot's program.
     fn replan(&mut self, robot: RobotId, seconds: f64) {
         let place = self.truth.places[robot.index()] as usize;
         self.active[place].passages(self.start, self.end, &mut self.truth.passages[place]);
-        // What was queued from an earlier change is queued again.
+        // Inputs that an earlier change has queued are replaced.
         self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
         let journal = self.active[place].journal();
         let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
@@ -427,7 +432,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
     }
 
-    /// Obeys an entry of a stopped body's journal anew.
+    /// Obeys again an entry of a stopped body's journal.
     fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
         let place = self.truth.places[robot.index()] as usize;
         let (at, input) = self.active[place].journal()[entry];
@@ -439,7 +444,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         self.revised(robot, instant.seconds());
     }
 
-    /// Looks for the contacts of a body whose motion has changed from `from` seconds on.
+    /// Searches again for the contacts of a body whose motion has changed from `from` seconds on.
     fn revised(&mut self, robot: RobotId, from: f64) {
         self.changed.push(robot);
         let bounds = self.bounds_of(robot);
@@ -495,7 +500,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     }
 }
 
-/// The share of an ordered twist of the centre that traction can add within a step.
+/// Increase of the share of an ordered twist of the centre that traction can achieve within a step.
 fn gain(model: &Model, ordered: Twist) -> f64 {
     let speed = model.speed(ordered);
     if speed > 0.0 { model.traction * GRAVITY * STEP.seconds() / speed } else { 0.0 }

@@ -58,7 +58,8 @@ pub struct ThickWall {
 }
 
 impl ThickWall {
-    /// The wall `thickness` metres thick and `height` metres high with this centre line, whose first side is `wall`.
+    /// The wall with this centre line, `thickness` metres thick and `height` metres high; `wall` is the first of its
+    /// sides.
     pub fn new(wall: WallId, centre_line: &Segment, thickness: f64, height: f64) -> Self {
         let along = centre_line.b - centre_line.a;
         let middle = 0.5 * (centre_line.a + centre_line.b);
@@ -102,7 +103,7 @@ impl IndexedSpace {
         Self { space, fixed, thick_walls, plain_below, has_meshes, mesh_objects }
     }
 
-    /// Adds a robot of this shape; `radii` are those of the robots before.
+    /// Adds a robot of this shape; `radii` are the radii of the earlier robots.
     pub fn add_robot(&mut self, figure: Arc<Figure>, radii: impl Iterator<Item = f64>) {
         let without = radii.skip(self.space.robots.len());
         self.space.robots.extend(without.map(|radius| Arc::new(Figure::upright(radius))));
@@ -110,7 +111,7 @@ impl IndexedSpace {
         self.space.robots.push(figure);
     }
 
-    /// Adds a movable object of this shape; `properties` are those of the objects before.
+    /// Adds a movable object of this shape; `properties` are the properties of the earlier objects.
     pub fn add_object<'a>(&mut self, figure: Arc<Figure>, properties: impl Iterator<Item = &'a Arc<Properties>>) {
         let without = properties.skip(self.space.objects.len());
         self.space.objects.extend(without.map(|properties| Figure::endless(properties, Surface::default())));
@@ -131,7 +132,7 @@ impl IndexedSpace {
         self.space.walls.get(wall.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns true if rays in space meet this wall itself, false if it is the outline of a body that they meet
+    /// Returns true if rays in space meet this wall itself; false if the wall is the outline of a body, which they meet
     /// instead.
     pub fn is_wall(&self, wall: WallId) -> bool {
         self.space.outlines.is_none_or(|first| wall < first)

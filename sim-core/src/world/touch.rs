@@ -11,8 +11,8 @@ use crate::{
     time::Time,
 };
 
-/// Rounds of the ternary search for the point of a segment nearest to a convex body: each keeps two thirds of the
-/// interval, which leaves less than 10^-12 m of a segment of some metres.
+/// Number of rounds of the ternary search for the point of a segment nearest to a convex body. Each round keeps two
+/// thirds of the interval, so less than 10^-12 m is left of a segment of some metres.
 const ROUNDS: u32 = 70;
 
 /// A part of a legged robot in contact with an obstacle.
@@ -31,22 +31,23 @@ pub struct LegContact {
 pub struct LegClearance {
     /// Contacts of its parts, in the order of parts and obstacles.
     pub contacts: Vec<LegContact>,
-    /// Least distance of thighs, shanks and body from the ground, m; negative if a part is below it, and at most the
-    /// requested bound.
+    /// Least distance of thighs, shanks and body from the ground, m; negative if a part is below the ground, and at
+    /// most the requested bound.
     pub clearance: f64,
 }
 
 impl World {
     /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground up to
-    /// `within` metres; `None` for a robot without legs. With `within` 0 only contacts are searched for, which is
+    /// `within` metres; `None` for a robot without legs. If `within` is 0, only contacts are searched for, which is
     /// fastest.
     ///
-    /// Contact with the ground counts for thighs, for the body, and for shanks except for the lowest three radii of the
-    /// limb: a leg may lean there by up to 70 degrees, and feet may touch the ground. Feet do not count. Contact with
-    /// other obstacles counts for the whole of thighs and shanks; those of the body are ordinary contacts. Our choice.
+    /// Contact with the ground counts for thighs, for the body, and for shanks without their lowest part of three
+    /// radii, so that a leg may lean by up to 70 degrees and the foot may touch the ground. Feet do not count. Contact
+    /// with other obstacles counts for the whole of thighs and shanks; contacts of the body with them are ordinary
+    /// contacts. Our choice.
     ///
     /// For the ground, the body is a disc at the height of its underside, and cells crossed by the disc's edge count as
-    /// a whole; a limb is exact, but for the ground beyond a terrain's border see
+    /// a whole. The clearance of a limb is exact, except beyond a terrain's border, see
     /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
     pub fn leg_clearance(&self, motion: &mut Motion, at: Time, within: f64) -> Option<LegClearance> {
         motion.legs()?;
@@ -70,7 +71,7 @@ impl World {
             let piece = [upper, upper + counted * way];
             let distance = ground.clearance(piece, within + radius) - radius;
             clearance = clearance.min(distance);
-            // With nothing within reach, the distance is the reach.
+            // Without ground within reach, `distance` is at least `within`, so it is not negative.
             if distance < 0.0 {
                 let (_, point) = ground.least_gap(piece);
                 let point = point.with_z(ground.height(point.truncate()));
@@ -83,9 +84,9 @@ impl World {
         Some(LegClearance { contacts, clearance })
     }
 
-    /// Obstacles in contact at `at` with a capsule, a part of robot `by`, each once with a point of contact, in the
-    /// order of [`Thing`]: walls up to their heights, fixed bodies, the bodies of other robots and movable objects, by
-    /// their published motion. The ground is left out.
+    /// Obstacles in contact at `at` with a capsule that is a part of robot `by`: walls up to their heights, fixed
+    /// bodies, the bodies of other robots and movable objects, by their published motion. Each appears once, with a
+    /// point of contact, in the order of [`Thing`]. The ground is left out.
     ///
     /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; a mesh counts if the capsule's axis crosses
     /// its surface.
@@ -94,7 +95,7 @@ impl World {
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
         self.for_each_geometry(by, near, at, |thing, geometry| {
-            // Without a floor, the first fixed body is the ground.
+            // If there is no floor, the first fixed body is the ground.
             let is_ground = thing == Thing::Fixed(0) && self.indexed_space.space.floor.is_none();
             if !is_ground {
                 things.extend(geometry_contact(geometry, capsule).map(|point| (thing, point)));
@@ -150,7 +151,8 @@ fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option
         if least <= radius {
             return Some(nearest(from.lerp(to, share)));
         }
-        // Between two points, the distance changes by at most their separation.
+        // Between two points, the distance changes by at most their separation, so no point of the interval is near
+        // enough.
         if least - (high - low) * length > radius {
             return None;
         }

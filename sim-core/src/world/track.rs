@@ -31,7 +31,7 @@ pub(super) struct Track {
     revision: u64,
     /// Bounds of the body over the published history and the present slot.
     bounds: Bounds,
-    /// The body has been at rest for as long as the history reaches.
+    /// The body has been at rest throughout the published history.
     is_resting: bool,
     /// Spare buffer for the next publication.
     spare: Vec<Passage>,
@@ -68,7 +68,7 @@ impl Track {
         self.passage(at).pose(at.min(self.lifetime.until))
     }
 
-    /// Published passage in force at `at`; for a removed body, the one at its removal.
+    /// Published passage in force at `at`; for a removed body, the passage at its removal.
     fn passage(&self, at: Time) -> &Passage {
         let at = at.min(self.lifetime.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
@@ -95,7 +95,7 @@ impl Track {
             && last.passages.len() == 1
             && passages[0].since() == last.passages[0].since()
         {
-            // The same plan with a later end: its past is unchanged.
+            // The plan is the same with a later end, so its past is unchanged.
             self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
             self.revision = motion.revision();
@@ -103,7 +103,7 @@ impl Track {
         }
     }
 
-    /// Bounds of the body over all that is published, as of the last [`Track::refresh`].
+    /// Bounds of the body over all published motion, as of the last [`Track::refresh`].
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -119,8 +119,8 @@ impl Track {
         self.is_resting
     }
 
-    /// Computes the bounds of what is published from `from` to `to`, and drops older publications. Not needed for a
-    /// resting track unless its body was removed.
+    /// Computes the bounds of the motion published from `from` to `to`, and drops older publications. A track at rest
+    /// needs this only if its body was removed.
     pub fn refresh(&mut self, from: Time, to: Time) {
         if self.lifetime.until <= from {
             self.bounds = Bounds::EMPTY;

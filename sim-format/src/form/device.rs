@@ -67,7 +67,7 @@ impl Form for BumperSpec {
 
 const BUMPER_END: Bounded = Bounded(Quantity::angle("end of the bumper").within(-360.0, 360.0));
 
-/// End of an arc that begins at this angle: counter-clockwise from there, at most a full turn.
+/// Kind for the end of an arc that begins at this angle and goes counter-clockwise, by at most a full turn.
 struct ArcEnd(f64);
 
 impl ArcEnd {
@@ -104,7 +104,7 @@ impl Kind<f64> for ArcEnd {
 const SERVO_END: Bounded = Bounded(Quantity::angle("end of the servo").within(-360.0, 360.0));
 
 impl Form for ServoSpec {
-    /// A range of half a turn.
+    /// A range of half a turn, a quarter turn to either side.
     fn usual() -> Self {
         Self { from: -TAU / 4.0, to: TAU / 4.0, ..Self::default() }
     }

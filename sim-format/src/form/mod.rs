@@ -32,7 +32,7 @@ pub(crate) trait Form: Clone + Default {
         Self::default()
     }
 
-    /// Meaning of a table with no key but the variant's.
+    /// Meaning of a table that has only the key of the variant.
     fn bare(&self) -> Self {
         Self::usual()
     }
@@ -110,7 +110,7 @@ impl Description {
     }
 }
 
-/// Key under declaration: the last method called gives its kind and variable.
+/// Key under declaration. The last method of the chain gives the kind of its values and the variable that holds them.
 pub(crate) struct Key<'w, 'k> {
     keys: &'w mut Keys<'k>,
     name: &'static str,
@@ -218,7 +218,7 @@ impl Key<'_, '_> {
         self.needed(&kind, value, Need::Required);
     }
 
-    /// Value that is required unless another key, which excludes all others, replaces the whole table.
+    /// Value of a key that is required unless the table has the one key that replaces all others, such as `file`.
     pub(crate) fn expected<T>(self, kind: impl Kind<T>, value: &mut T) {
         self.needed(&kind, value, Need::Nullable);
     }

@@ -48,7 +48,7 @@ impl Kind<TypeRef> for TypeName {
     }
 }
 
-/// Heading with its whole turns.
+/// Heading, including whole turns.
 const FACING: Custom<Heading> = Custom {
     read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
     print: |heading| number::heading(*heading).into(),
@@ -247,7 +247,7 @@ impl Form for Layout {
     }
 }
 
-/// Declares two corners of a rectangle; returns true unless only one of them is given.
+/// Declares two corners of a rectangle; returns false, after reporting it, if only one of them is given.
 fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
     let [mut from, mut to] = [area.map(|[from, _]| from), area.map(|[_, to]| to)];
     let mut is_said = false;

@@ -94,7 +94,8 @@ impl Kind<Time> for WholeMicros {
         let At { reader, section, key } = at;
         let seconds = reader.number(section, key, &self.0)?;
         let micros = (seconds * 1e6).round();
-        // Smaller than any deviation written on purpose in decimal milliseconds.
+        // The tolerance allows for rounding; a deviation that is written on purpose, in decimal milliseconds, is
+        // larger.
         if (seconds * 1e6 - micros).abs() > 1e-5 {
             let span = reader.key_span(section, key);
             let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);

@@ -26,7 +26,7 @@ const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
 const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
-/// A key of each way to define a terrain, and its description.
+/// One selecting key for each kind of terrain, with its description.
 const ABOUT: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
     ("image", "A grey image."),
@@ -36,7 +36,8 @@ const ABOUT: [(&str, &str); 4] = [
 const DIRECTION: Quantity = Quantity::number("direction", -360.0, 360.0);
 const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
 
-/// `terrain = "FILE"`, or a table; the floor's size is the default size of a terrain.
+/// Kind of the key `terrain`: `"FILE"` or a table. The field is the floor's size, which is the default size of a
+/// terrain.
 pub(crate) struct TerrainTable(pub(crate) DVec2);
 
 impl Kind<TerrainSpec> for TerrainTable {
@@ -253,7 +254,7 @@ fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
     let Steps { origin, size, base, stairs, blocks } = steps;
     let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
     extent(keys, about, (origin, base), size);
-    // Without blocks the key selects the source of the terrain, so that it must be there.
+    // Without blocks this key must be printed, since it selects the source of the terrain.
     let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
     keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
     *stairs = flights.unwrap_or_default();

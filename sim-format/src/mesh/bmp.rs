@@ -1,4 +1,5 @@
-//! Images in BMP files: 1 to 32 bits a pixel, with a palette, with masks of bits, run-length encoded, from below or from above.
+//! Images in BMP files: 1 to 32 bits a pixel, with a palette, with bit masks or run-length encoded, with rows from the
+//! bottom or from the top.
 //!
 //! Source: Microsoft's documentation of BITMAPFILEHEADER, BITMAPCOREHEADER and BITMAPINFOHEADER.
 
@@ -6,7 +7,7 @@
 pub(super) struct Bmp<'b> {
     /// Width and height.
     pub(super) size: [u32; 2],
-    /// Rows are stored from above.
+    /// Rows are stored from top to bottom.
     is_top_down: bool,
     depth: u16,
     compression: u32,
@@ -27,13 +28,13 @@ impl<'b> Bmp<'b> {
     /// Reads the headers.
     ///
     /// # Errors
-    /// A reason for people.
+    /// The reason, in words for users.
     pub(super) fn open(bytes: &'b [u8]) -> Result<Self, &'static str> {
         const SHORT: &str = "it ends within its header";
         let u16_at = |at: usize| Some(u16::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
         let u32_at = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
         let (Some(start), Some(header)) = (u32_at(10), u32_at(14)) else { return Err(SHORT) };
-        // Headers of 12 bytes have sizes of 16 bits, and palettes without a fourth byte.
+        // Headers of 12 bytes have sizes of 16 bits, and palette entries of three bytes.
         let is_core = header == 12;
         let sides = if is_core {
             [18, 20].map(|at| u16_at(at).map(|side| i32::from(side as i16)))
@@ -80,10 +81,10 @@ impl<'b> Bmp<'b> {
         })
     }
 
-    /// Red, green, blue and opacity of each pixel, from above.
+    /// Red, green, blue and opacity of each pixel, row by row from the top.
     ///
     /// # Errors
-    /// A reason for people.
+    /// The reason, in words for users.
     pub(super) fn decode(&self) -> Result<Vec<u8>, &'static str> {
         const SHORT: &str = "it ends before its last pixel";
         let [width, height] = self.size.map(|side| side as usize);
@@ -145,7 +146,7 @@ impl<'b> Bmp<'b> {
         }
     }
 
-    /// Palette indices of a run-length encoded image, from below; 0 where it says nothing.
+    /// Palette indices of a run-length encoded image, row by row from the bottom; 0 for pixels that no run covers.
     fn runs(&self) -> Vec<u8> {
         let [width, height] = self.size.map(|side| side as usize);
         let mut indices = vec![0; width * height];
@@ -249,7 +250,8 @@ mod tests {
             (4, RLE4, &[5, 0x12, 0, 0, 0, 5, 0x12, 0x34, 0x50, 0, 0, 1]),
         ] {
             let (ours, theirs) = both(&file([5, 4], depth, compression, &palette()[..4 << depth], runs));
-            // Pixels that no run covers are black there, and of the first colour here, which is black in this palette.
+            // Pixels that no run covers are black in `theirs` and have the palette's first colour in `ours`; here that
+            // colour is black.
             assert_eq!(ours, theirs, "{compression}");
         }
     }

@@ -1,14 +1,15 @@
 //! Appearance of bodies: meshes with their materials and images.
 //!
-//! No mistake here stops a scene: missing or broken files give a warning, and the body is shown in its own shape. `check`,
-//! pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the meshes that range sensors
-//! see; those are indispensable ([`super::load`]).
+//! No mistake found here stops a scene: missing or broken files give a warning, and the body is shown in its own shape.
+//! `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the meshes that
+//! range sensors see; without these the scene cannot be run ([`super::load`]).
 //!
 //! # Frames
-//! The numbers of an OBJ file are right-handed: x left, y up, z forward. EyeSim VR works in the left-handed frame of its
-//! graphics library (X right, Y up, Z forward) and inverts x on reading; offset and rotation of a `model` line are
-//! in that frame: first about Z, then X, then Y, each clockwise as seen against its axis. Here a body's x is forward,
-//! y left and z up, so that a mesh's point (x, y, z) lies at (z, x, y) in the body if the line has no rotation.
+//! Coordinates in an OBJ file are right-handed: x left, y up, z forward. EyeSim VR inverts x on reading, which gives
+//! the left-handed frame of its graphics library (X right, Y up, Z forward). Offset and rotations of a `model` line are
+//! in that left-handed frame; the rotations are about Z, then X, then Y, each clockwise as seen from the tip of the
+//! axis. Our body frames have x forward, y left and z up. If the line has no rotation, a mesh's point (x, y, z) is
+//! therefore at (z, x, y) in the body frame.
 
 mod bmp;
 mod faults;
@@ -43,9 +44,9 @@ const ROBOT_SCALE: f64 = 1.0;
 /// Reads meshes and images, each once however many bodies use it.
 pub struct MeshReader<'a> {
     loader: Loader<'a>,
-    /// By the file that refers to the mesh and the text of the reference.
+    /// Meshes by the file that refers to them and the text of the reference.
     meshes: BTreeMap<(String, String), Option<Arc<Mesh>>>,
-    /// By the path of the image.
+    /// Textures by the path of their image.
     textures: BTreeMap<String, Option<Arc<Texture>>>,
 }
 
@@ -106,7 +107,7 @@ impl<'a> MeshReader<'a> {
     /// Materials of the faces, in the order of their numbers.
     fn materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
         let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
-        // File of each entry; the reference to its image is relative to it.
+        // Material file of each entry, to which the reference to the entry's image is relative.
         let mut homes: BTreeMap<String, String> = BTreeMap::new();
         let mut is_complete = true;
         for library in &obj.libraries {

@@ -20,7 +20,7 @@ struct Grey {
 }
 
 impl MeshReader<'_> {
-    /// Builds the surface of a world's terrain; on a mistake it is reported and the terrain has no surface.
+    /// Builds the surface of a world's terrain. A mistake is reported and leaves the terrain without a surface.
     pub fn terrain(&mut self, world: &mut WorldSpec) {
         let Some(mut terrain) = world.terrain.take() else { return };
         if let TerrainShape::Mesh { model, scale } = &terrain.shape {

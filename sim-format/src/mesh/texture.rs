@@ -13,7 +13,7 @@ use super::bmp::Bmp;
 /// Greatest number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
-/// Bytes that the png decoder may ask for, besides the image itself.
+/// Bytes that the png decoder may allocate besides the image itself.
 const MAX_BYTES: usize = 16 << 24;
 
 /// Error of an image that cannot be shown.
@@ -27,7 +27,7 @@ pub(super) enum TextureError {
     Size(u64, u64),
 }
 
-/// A decoded image: rows from above, the channels of a pixel side by side.
+/// A decoded image: rows from the top, the channels of a pixel side by side.
 pub(super) struct Pixels {
     /// Width and height.
     pub(super) size: [u32; 2],
@@ -54,7 +54,7 @@ pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
     Texture::new(width, height, pixels).ok_or_else(|| unreadable("it is empty"))
 }
 
-/// Decodes a png, jpg or bmp image, which its first bytes tell apart.
+/// Decodes a png, jpg or bmp image; the first bytes determine the format.
 pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, TextureError> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
@@ -67,7 +67,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, TextureError> {
 fn decode_png(bytes: &[u8]) -> Result<Pixels, TextureError> {
     let limits = png::Limits { bytes: MAX_BYTES };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    // Palettes and fewer than 8 bits become 8 bits, transparent colours a channel of opacity.
+    // Converts palettes and samples below 8 bits to 8 bits, and transparent colours to a channel of opacity.
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(unreadable)?;
     let size = checked(reader.info().width, reader.info().height)?;

@@ -1,7 +1,7 @@
 //! Noise profiles: error models of a robot's devices.
 //!
-//! A profile starts from a preset and changes some of its parameters, by the kind of the device and then of individual sensors. The
-//! presets are profiles themselves, compiled in.
+//! A profile starts from a preset and changes some of its parameters, first for each kind of device, then for
+//! individual sensors. The presets are profiles themselves, compiled in.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,13 +19,14 @@ const MAX_LISTED: usize = 32;
 /// Suffix of file names that identifies a profile without reading its content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
 
-/// Names of the presets, from the smallest errors to the largest: none; good, well-maintained devices; data sheets and published
-/// measurements of devices of this class; bad light, a slippery floor, worn devices.
+/// Names of the presets, from the smallest errors to the largest. `none` has no errors; `mild` stands for good,
+/// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh`
+/// stands for bad light, a slippery floor and worn devices.
 pub const PRESETS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
 /// Preset named `name`.
 pub fn preset(name: &str) -> Option<Preset> {
-    // The text of every preset, this one included, names this preset as its base.
+    // The text of every preset names this preset as its base. Its own text does, too: reading it would never end.
     if name == Preset::default().name {
         return Some(Preset::default());
     }

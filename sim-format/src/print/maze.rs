@@ -1,5 +1,7 @@
 //! Printing of mazes as drawings.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 
 use super::LOOKS;
@@ -10,30 +12,35 @@ use crate::{content, read_maze};
 /// Greatest number of cells of a drawing.
 const MAX_CELLS: f64 = 1e6;
 
+/// Reason why a world cannot be drawn as a maze.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NotAMaze(Cow<'static, str>);
+
 /// Text of a maze file.
 ///
 /// # Errors
-/// The reason why the world cannot be drawn: walls off the grid, with a thickness, a height or a colour, starts without a letter,
-/// objects that no character stands for.
-pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
+/// [`NotAMaze`] for walls off the grid, with a thickness, a height or a colour, starts without a letter, objects that no character
+/// stands for.
+pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();
     if !(size.x >= 1.0 && size.y >= 1.0 && size.x * size.y <= MAX_CELLS) {
-        return Err("the floor is no grid of cells".to_owned());
+        return Err(NotAMaze("the floor is no grid of cells".into()));
     }
     let mut drawing = MazeCanvas::new(size.x as usize, size.y as usize);
     for wall in &world.walls {
         drawing.wall((wall.from / cell).round(), (wall.to / cell).round());
     }
     for start in &world.starts {
-        let letter = start.letter.ok_or("a start has no letter")?;
+        let letter = start.letter.ok_or(NotAMaze("a start has no letter".into()))?;
         drawing.letter(start.pose.position / cell, letter);
     }
     for object in &world.objects {
         let letter = match object.kind.written().text.to_lowercase().as_str() {
             "soccer" => 'O',
             "crate" => 'X',
-            other => return Err(format!("no character of a maze stands for `{other}`")),
+            other => return Err(NotAMaze(format!("no character of a maze stands for `{other}`").into())),
         };
         drawing.letter(object.pose.position / cell, letter);
     }
@@ -54,7 +61,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
         (content::world(&read).starts != wanted.starts, "its starts are not in the middle of cells, one each"),
     ];
     let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
-    Err(format!("the world is no maze: {what}"))
+    Err(NotAMaze(format!("the world is no maze: {what}").into()))
 }
 
 /// Properties of a maze world that a maze file cannot represent.

@@ -1,4 +1,4 @@
-//! Printers: specs to texts of every kind of file; reading the text gives the same spec.
+//! Printers: convert specs to the text of every kind of file. Reading that text gives the same spec again.
 //!
 //! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to
 //! the same double; if there is none (for coordinates that were computed in a local frame), the nearest is used.
@@ -14,7 +14,7 @@ mod text;
 mod world;
 
 pub(super) use maze::beside_maze;
-pub use maze::print_maze;
+pub use maze::{NotAMaze, print_maze};
 pub use noise::print_noise;
 pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};

@@ -3,7 +3,7 @@
 use sim_core::pose::Heading;
 use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Number of doubles above and below that are tried if the nearest does not read back.
+/// Number of doubles tried on either side if no short decimal reads back to the same value.
 const NEIGHBOURS: u32 = 4;
 
 /// Number with the fewest digits near `near` for which `reads_back` holds; `near` if there is none.

@@ -16,9 +16,10 @@ use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{content, read_companion, read_robi};
 use sim_core::drive::DriveKind;
 
-/// Text of a robi: in the classic dialect if it represents as much as that of EyeSim VR.
+/// Text of a robi, in the classic dialect unless that of EyeSim VR represents more properties.
 ///
-/// Properties that neither represents go to the companion ([`print_companion`]); those that it cannot represent either are lost.
+/// Properties that the robi cannot represent go to the companion ([`print_companion`]); those that the companion cannot
+/// represent either are lost.
 pub fn print_robi(robi: &RobiSpec) -> Printed {
     let companion = print_companion(robi);
     let candidates = [classic(robi), vr(robi)].map(|text| {
@@ -29,7 +30,7 @@ pub fn print_robi(robi: &RobiSpec) -> Printed {
     if vr.lost.len() < classic.lost.len() { vr } else { classic }
 }
 
-/// Text of the companion of [`print_robi`]'s text.
+/// Text of the companion that belongs to the text of [`print_robi`].
 pub fn print_companion(robi: &RobiSpec) -> String {
     let mut whole =
         print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));

@@ -65,7 +65,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Files of types of robots without a program, which a classic line cannot represent.
+    /// Type files of robots without a program; a classic line cannot represent a robot without a program.
     fn robots_of_files(&self, sim: &SimSpec) -> Vec<PathRef> {
         let mut files: Vec<PathRef> = Vec::new();
         for line in &sim.robots {
@@ -97,7 +97,8 @@ impl Printer<'_> {
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }
 
-    /// Adds the lines of the robots in the order of their numbers, which in a sim file follow from the order alone.
+    /// Adds the lines of the robots in the order of their numbers: in a sim file the order of the lines determines the
+    /// numbers.
     fn robots(&mut self, sim: &SimSpec) {
         let lines = || sim.robots.iter().chain(&sim.named);
         // Robots of a `starts` layout are printed with poses, so other robots would take their starts.

@@ -34,7 +34,7 @@ impl Reader {
         }
         self.extra(keyword, rest, needed, form);
         let (name, id, pose): (_, _, Vec<Word<'_>>) = match rest {
-            // Rotations about x and z would leave the plane; the middle one is the pan.
+            // The rotations before and after the pan would tilt the beam out of the plane.
             [id, name, x, y, z, rx, pan, rz, ..] if is_newest => {
                 self.flat(&[*rx, *rz], form);
                 (name, Some(id), vec![*x, *y, *z, *pan])
@@ -86,7 +86,8 @@ impl Reader {
         }
     }
 
-    /// Warns about ids that differ from the positions in the file, by which programs of EyeSim VR address PSDs.
+    /// Warns about PSD ids that differ from the order in the file, since programs of EyeSim VR address PSDs by that
+    /// order.
     pub(super) fn check_psd_order(&mut self) {
         let mut wanted = 1_i32..;
         let astray = self.robi.psds.iter().zip(&mut wanted).find(|(psd, number)| psd.id != Some(*number));
@@ -132,7 +133,8 @@ impl Reader {
 
     /// Interprets the last two numbers of a `camera` line: an image's size, or in files of EyeSim VR the largest pan and tilt.
     ///
-    /// Files of EyeSim VR have both: sizes if the line was copied from a classic file. Numbers too large for angles are a size.
+    /// In files of EyeSim VR both occur, since lines were copied from classic files. There the classic size, and numbers too
+    /// large for angles, are read as a size.
     fn camera_last(&mut self, words: &[Word<'_>; 2]) -> Option<Last> {
         let values = [0, 1].map(|i| words[i].text.parse::<f64>().unwrap_or(f64::NAN));
         let is_classic_image = [0, 1].map(|i| words[i].text.parse().ok()) == CLASSIC_IMAGE.map(Some);
@@ -212,7 +214,7 @@ fn within(joint: JointSpec, servo: &str, reach: f64) -> JointSpec {
     }
 }
 
-/// Words of a camera line; blanks inside parentheses do not separate.
+/// Words of a camera line; blanks inside parentheses do not separate words.
 fn camera_words<'a>(line: &Line<'a>) -> Vec<Word<'a>> {
     let mut words: Vec<Word<'a>> = Vec::new();
     for word in line.words() {

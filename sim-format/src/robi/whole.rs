@@ -62,13 +62,13 @@ impl Reader {
         }
     }
 
-    /// Limits the speeds as EyeSim VR does whatever the file says: 0.4 m/s at the rims of all wheels, 0.5 m/s for a car, and 90
-    /// degrees/s. VR drives no omni robot: its wheels keep the rate of the file.
+    /// Limits the speeds as EyeSim VR does, whatever the file says: 0.4 m/s at the rims of all wheels (0.5 m/s for a
+    /// car), and 90 degrees/s. EyeSim VR has no omni robots; their wheels keep the rate of the file.
     fn settle_limits(&mut self) {
         let rim = if self.robi.drive.kind == DriveKind::Ackermann { 0.5 } else { 0.4 };
         (self.robi.max_speed, self.robi.max_turn) = (rim, FRAC_PI_2);
         if self.robi.drive.kind != DriveKind::Omni {
-            // In whole millionths of a degree, which text can say.
+            // Rounded to a millionth of a degree, so that the printed value is exact.
             let rate_deg = unit::degrees_from_radians(2.0 * rim / self.robi.wheel.diameter);
             self.robi.wheel.max_rate = unit::radians_from_degrees((1e6 * rate_deg).round() / 1e6);
         }
@@ -87,8 +87,8 @@ impl Reader {
 
     /// Converts the last number of `wheel`, which in files of EyeSim VR is half the distance between the wheels.
     ///
-    /// Exception: omni drives. EyeSim VR loads none, and its files have the unchanged line of classic ones. If the wheels would be
-    /// outside the body, the number must be the full distance.
+    /// Exception: omni drives. EyeSim VR does not load them, and files with such a drive have the same line as classic
+    /// files. If the wheels would be outside the body, the number is taken as the full distance, with a warning.
     fn settle_track(&mut self, body: Option<f64>) {
         let (track, is_omni) = (self.robi.wheel.track, self.robi.drive.kind == DriveKind::Omni);
         if self.dialect < Dialect::Vr || is_omni || !self.is_wheel_read {
@@ -109,7 +109,8 @@ impl Reader {
         }
     }
 
-    /// Diameter of the smallest disc around the robot's centre that contains the driven and steered wheels, taken as thin.
+    /// Diameter of the smallest disc around the robot's centre that contains the driven and steered wheels, without
+    /// their width.
     fn body_around_the_wheels(&mut self) -> f64 {
         let RobiSpec { wheel, drive, axis_offset, .. } = &self.robi;
         let middle = *axis_offset;

@@ -22,7 +22,7 @@ pub(crate) struct FreeSpace {
     thickness: Vec<f64>,
     thickest: f64,
     floor: DVec2,
-    /// Side of the cells: no disc, placed or searched, reaches beyond the neighbouring cells.
+    /// Side of the cells, so large that no disc reaches beyond the cells next to its own.
     cell: f64,
     discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
 }

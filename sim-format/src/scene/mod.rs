@@ -21,7 +21,7 @@ use sim_core::RobotId;
 /// Suffix of file names that identifies a scene without reading its content.
 pub const SCENE_EXTENSION: &str = ".scene.toml";
 
-/// Keys of which a scene has at least one, and a companion or cost table none.
+/// Keys that mark a scene: a scene has at least one of them, a companion or a cost table has none.
 const MARKS: [&str; 3] = ["scene", "world", "robot"];
 
 /// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 
-/// Arguments of a subcommand that this build does not have: any.
+/// Arguments of a subcommand that this build lacks: any arguments are accepted.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub struct AbsentArgs {

@@ -20,16 +20,16 @@ use crate::record::report::write_atomically;
 /// Arguments of `eyesim accuracy`.
 #[derive(Args)]
 pub struct AccuracyArgs {
-    /// The studies to make [default: all]
+    /// The studies to run [default: all]
     #[arg(value_name = "STUDY")]
     pub studies: Vec<String>,
     /// Fewer repetitions: all studies take less than two minutes
     #[arg(long)]
     pub quick: bool,
-    /// Write all rows as a JSON array; `-` for standard output, the tables go to standard error then
+    /// Write all rows as a JSON array; with `-` the rows go to standard output and the tables to standard error
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the plots into this folder, an SVG each; it is made if it is not there
+    /// Write each plot as SVG into this folder, which is created if it is missing
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
     /// Write the tables into a Markdown page: each between its `<!-- accuracy: STUDY -->` and `<!-- end -->`

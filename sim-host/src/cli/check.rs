@@ -91,7 +91,7 @@ impl Checked {
 /// Checks the files `names` with all that they name.
 pub fn check(names: &[String], files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
-    // A file may be named by several others, and be one of `names` itself.
+    // Several files may name one file, which may also be one of `names` itself.
     let mut said: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
     let mut read: BTreeSet<String> = BTreeSet::new();
     for name in names {
@@ -138,7 +138,7 @@ const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
     let mut loaded = with_looks(sim_format::load_scene(name, files), files, |_| ());
-    // EyeSim reads the file and places the robot all the same.
+    // Only a warning, since EyeSim reads the file and places the robot nevertheless.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {

@@ -19,10 +19,10 @@ pub struct ConvertArgs {
     /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// File to write; its extension says what it becomes
+    /// File to write; its extension selects the format
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Replace files that are there
+    /// Replace existing files
     #[arg(long)]
     pub force: bool,
 }

@@ -18,7 +18,7 @@ const MIN_COLUMNS: usize = 16;
 /// Most bytes searched for a neighbouring line: longer lines are no help.
 const MAX_NEIGHBOUR: usize = 1 << 16;
 
-/// Line of a mistake, with its neighbouring lines unless its beginning is cut off.
+/// Line of a mistake, with its neighbouring lines unless the beginning of the line is cut off.
 #[derive(Debug)]
 pub struct Excerpt {
     file: String,
@@ -37,7 +37,7 @@ impl Excerpt {
     /// The lines around `span` in `text`, for a terminal of `width` columns.
     pub fn new(file: &str, text: &str, span: Span, width: usize) -> Self {
         let last_number = span.line as usize + 1;
-        // ` 12 │ ` before the line, and after it a column for a mark at its end.
+        // Leaves room for ` 12 │ ` before the line, and for a mark after its end.
         let columns = width.saturating_sub(last_number.to_string().len() + 5).max(MIN_COLUMNS);
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
@@ -70,7 +70,8 @@ impl Excerpt {
 }
 
 impl SourceCode for Excerpt {
-    /// Returns the whole text for any span; the position is that of the mistake if no context is requested.
+    /// Returns the whole text for any span. The position is that of the mistake if no context lines are requested, else
+    /// the text's own.
     fn read_span<'a>(
         &'a self,
         _: &SourceSpan,

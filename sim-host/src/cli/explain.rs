@@ -48,7 +48,7 @@ fn named(text: &str) -> Result<Code, UnknownCode> {
     inner.trim().to_lowercase().parse()
 }
 
-/// Prefix of the codes most like `name`: its first part if any code begins with it, else empty.
+/// Prefix of the codes most similar to `name`: the first part of `name` if any code begins with that part, else empty.
 fn family(name: &str) -> &str {
     let family = name.split('-').next().unwrap_or_default();
     if Code::ALL.iter().any(|code| code.name().split('-').next() == Some(family)) { family } else { "" }

@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand, exit codes as a contract.
+//! The command line: one file for each subcommand, and fixed exit codes.
 //!
 //! 0: the run ended or reached `--until`; 1: a robot program failed; 2: usage or file errors; 3: internal error;
 //! 130: interrupted.
@@ -18,6 +18,7 @@ pub mod child;
 pub mod convert;
 pub mod debug;
 pub mod diagnostic;
+mod diff;
 pub mod excerpt;
 pub mod explain;
 pub mod new;
@@ -62,12 +63,14 @@ enum Command {
     #[cfg(not(feature = "window"))]
     #[command(hide = true)]
     View(absent::AbsentArgs),
-    /// Run once more what a trace holds, hands included
+    /// Show the run of a trace in a browser, or run it again and compare
     #[cfg(feature = "window")]
     Replay(replay::ReplayArgs),
     #[cfg(not(feature = "window"))]
     #[command(hide = true)]
     Replay(absent::AbsentArgs),
+    /// Compare two runs by their traces or reports: the first event in which they differ
+    Diff(diff::DiffArgs),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
     /// Say what a diagnostic's code means, why it matters and what would be right
@@ -107,6 +110,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         #[cfg(not(feature = "window"))]
         Command::View(_) | Command::Replay(_) => Err(absent::error("the window")),
+        Command::Diff(args) => diff::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),

@@ -44,7 +44,7 @@ pub struct ReplayArgs {
     /// What `eyesim run --trace` wrote
     #[arg(value_name = "TRACE")]
     trace: PathBuf,
-    /// Run it again, with what hands did, and say whether the same happens
+    /// Run it again, with its user interventions, and report whether the two runs are equal
     #[arg(long)]
     verify: bool,
     /// Robots that run at one time [default: one for each processor]
@@ -76,7 +76,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         let trace = args.trace.to_string_lossy();
         let inputs = recorded.header.inputs.iter().map(|input| input.path.as_str());
         check_outputs(&[("--html", path)], inputs.chain([&*trace]))?;
-        let text = page.with_recording(&recording).map_err(anyhow::Error::msg)?;
+        let text = page.with_recording(&recording)?;
         write_atomically(path, text.as_bytes()).with_context(|| format!("--html `{}`", path.display()))?;
         print(&format!("{}\n", path.display()))?;
         return Ok(ExitCode::SUCCESS);

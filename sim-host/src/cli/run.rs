@@ -47,7 +47,7 @@ pub struct RunArgs {
     /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Do again what hands did in the run of a trace, at the same times
+    /// Repeat the user interventions of the run that this trace recorded, at the same times
     #[arg(long, value_name = "TRACE")]
     pub repeat: Option<PathBuf>,
     /// Write every event as a line of JSON while the run goes on
@@ -86,7 +86,8 @@ pub struct RunArgs {
     /// Processor time in seconds that a program may compute within one slot before it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
-    /// Program of the robots that have none; of one robot: `2=maze.c`; in place of a program or for a type: `search.x=maze.c`
+    /// Program for the robots that have none: `maze.c`; for robot 2: `2=maze.c`; for the robots with this program or
+    /// type: `search.x=maze.c`
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
     /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
@@ -104,7 +105,7 @@ pub struct RunArgs {
     /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
-    /// What a robot does that is pushed against a wall: slide, or stall [default: that of the scene, else slide]
+    /// Motion of a robot that is pushed against a wall: slide, or stall [default: that of the scene, else slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
     /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation

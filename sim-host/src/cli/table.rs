@@ -11,9 +11,9 @@ use sim_core::record::Outcome;
 
 /// With more robots than this, only the first and the failed ones are shown.
 const MAX_ROWS: usize = 24;
-/// Number of robots shown then, besides the failed ones.
+/// Number of first robots that are shown in that case, besides the failed ones.
 const FIRST_ROWS: usize = 10;
-/// Columns of a program's path that are not given up for other cells.
+/// Width in columns to which the paths of programs are cut before other columns move below the rows.
 const PROGRAM_WIDTH: usize = 20;
 /// Gap between two cells.
 const GAP: &str = "  ";
@@ -239,7 +239,7 @@ impl Table {
     }
 }
 
-/// The last `width` columns of a path, the cut marked.
+/// The last `width` columns of a path, with a mark at the cut.
 fn keep_end(path: &str, width: usize) -> String {
     if measure_text_width(path) <= width {
         return path.to_owned();

@@ -54,10 +54,10 @@ pub struct ViewArgs {
     /// For a class: let others watch over the network at this address of this machine, 0.0.0.0 for all
     #[arg(long, value_name = "ADDRESS")]
     listen: Option<IpAddr>,
-    /// What the teacher's page knows, with --listen: without it a page only watches [default: a random one]
+    /// Token with which a page may act, with --listen; pages without it only watch [default: a random one]
     #[arg(long, value_name = "TOKEN", requires = "listen", value_parser = parse_token)]
     token: Option<String>,
-    /// Wait before the first slot until somebody lets the run go on
+    /// Wait before the first slot until a user continues the run
     #[arg(long)]
     paused: bool,
     /// Start again with the same seed whenever a program or a file of the scene is saved
@@ -132,7 +132,7 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     }
     let access = match (&args.token, args.listen) {
         (Some(token), _) => Access::Class { token: token.clone() },
-        (None, Some(_)) => Access::Class { token: random_token().map_err(anyhow::Error::msg)? },
+        (None, Some(_)) => Access::Class { token: random_token()? },
         (None, None) => Access::Local,
     };
     open_window(page, access, args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), args.port, title)
@@ -442,7 +442,7 @@ impl WatchedFiles {
         let mut is_changed = false;
         for (path, last) in &mut self.0 {
             let now = file_state(path);
-            // A missing file is just being saved.
+            // A file that is missing is in the middle of being saved.
             if now.is_some() && now != *last {
                 (*last, is_changed) = (now, true);
             }

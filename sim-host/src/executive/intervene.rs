@@ -57,7 +57,7 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
             let mut spawner = run.spawner();
             let spec = spawner.roster().robot(kind, *program_of, [*x_m, *y_m, *phi_rad], world)?;
             let new = spawner.robot(spec, program_of.map(RobotId), at);
-            let new = new.map_err(|error| Refusal::Other(format!("{error:#}")))?;
+            let new = new.map_err(|error| Refusal::Other(error.to_string()))?;
             if let Some((program, _)) = &new.program {
                 let started = run.start_program(new.spec.id, program);
                 started.map_err(|error| Refusal::Other(format!("the system has no room for its program: {error}")))?;

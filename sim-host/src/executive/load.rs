@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::{Context, anyhow};
 use sim_core::RobotId;
 use sim_core::spec::{RobotSpec, SceneSpec};
 
@@ -18,6 +17,30 @@ use crate::program::scene::Programs;
 /// Memory mappings for each robot's flow: its stack, the guard below it, its alternate stack, and the kernel's neighbouring ones.
 const MAPPINGS_PER_FLOW: usize = 4;
 
+/// Reasons why the programs of robots cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum ProgramLoadError {
+    /// There is no folder for the private copies of libraries.
+    #[error("no folder to load programs from: {0}")]
+    Folder(std::io::Error),
+    /// Earlier programs have damaged this process too much.
+    #[error(transparent)]
+    Damage(#[from] damage::Damage),
+    /// The kernel allows too few memory mappings.
+    #[error(transparent)]
+    Mappings(LoadError),
+    /// The program of a robot is refused.
+    #[error("{robot} (`{program}`): {error}")]
+    Robot {
+        /// The robot.
+        robot: RobotId,
+        /// Name of the program in the scene.
+        program: String,
+        /// The reason.
+        error: LoadError,
+    },
+}
+
 /// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process, or in its
 /// own process.
 ///
@@ -28,19 +51,19 @@ pub fn load_programs(
     programs: &Programs,
     exec: Exec,
     debug: Option<&DebugTarget>,
-) -> anyhow::Result<Vec<Option<RobotProgram>>> {
+) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec)?;
-    let mut loader = Loader::new().context("no folder to load programs from")?;
+    let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
     Child::make_room(programs.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
         let begun = program.as_ref().map(|program| Loading::begin(robot, program, exec, &mut loader, debugger));
-        loading.push(begun.transpose().map_err(|error| of_robot(robot, &error))?);
+        loading.push(begun.transpose().map_err(|error| of_robot(robot, error))?);
     }
     let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
-        loading.map(|loading| loading.finish(robot).map_err(|error| of_robot(robot, &error))).transpose()
+        loading.map(|loading| loading.finish(robot).map_err(|error| of_robot(robot, error))).transpose()
     };
     scene.robots.iter().zip(loading).map(finish).collect()
 }
@@ -54,24 +77,25 @@ pub fn load_program(
     program: &Arc<Prepared>,
     exec: Exec,
     loader: &mut Loader,
-) -> anyhow::Result<RobotProgram> {
+) -> Result<RobotProgram, ProgramLoadError> {
     check_room([program], exec)?;
     let loading = Loading::begin(robot, program, exec, loader, None);
-    loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, &error))
+    loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, error))
 }
 
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
 /// copies and stacks of these programs.
-fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> anyhow::Result<()> {
+fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), ProgramLoadError> {
     let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
     if in_host.peek().is_some() {
         damage::check()?;
     }
-    Ok(check_mappings(in_host.filter_map(|program| Some((&**program.image()?, 1))), MAPPINGS_PER_FLOW)?)
+    let images = in_host.filter_map(|program| Some((&**program.image()?, 1)));
+    check_mappings(images, MAPPINGS_PER_FLOW).map_err(ProgramLoadError::Mappings)
 }
 
-fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {
-    anyhow!("{} (`{}`): {error}", robot.id, robot.program_name())
+fn of_robot(robot: &RobotSpec, error: LoadError) -> ProgramLoadError {
+    ProgramLoadError::Robot { robot: robot.id, program: robot.program_name().to_owned(), error }
 }
 
 /// A robot whose program runs under a debugger.

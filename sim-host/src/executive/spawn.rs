@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context, anyhow};
 use sim_core::noise::RadioNoise;
 use sim_core::simulation::{FactoryError, Placeable, RobotFactory, Roster};
 use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
@@ -12,7 +11,7 @@ use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::builtin;
 
-use super::load;
+use super::load::{ProgramLoadError, load_program};
 use super::process::Child;
 use super::program::{Exec, RobotProgram};
 use crate::program::load::Loader;
@@ -76,6 +75,20 @@ pub struct NewRobot {
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
 
+/// Reasons why a robot cannot be added to a run.
+#[derive(Debug, thiserror::Error)]
+pub enum SpawnError {
+    /// The robot whose program it is to run has none.
+    #[error("robot {} has no program", .0.0)]
+    NoProgram(RobotId),
+    /// Its type has values that cannot be simulated.
+    #[error(transparent)]
+    Robot(#[from] FactoryError),
+    /// Its program cannot be loaded.
+    #[error(transparent)]
+    Program(#[from] ProgramLoadError),
+}
+
 impl Spawner {
     /// Creates the spawner for a run of `scene` with these programs.
     pub fn new(scene: Arc<SceneSpec>, programs: &Programs, options: RobotOptions) -> Self {
@@ -120,24 +133,24 @@ impl Spawner {
     ///
     /// # Errors
     /// The program cannot be loaded, or the robot `program_of` has none.
-    pub fn robot(&mut self, spec: RobotSpec, program_of: Option<RobotId>, since: Time) -> anyhow::Result<NewRobot> {
+    pub fn robot(&mut self, spec: RobotSpec, program_of: Option<RobotId>, since: Time) -> Result<NewRobot, SpawnError> {
         let prepared = program_of.and_then(|id| self.programs[id.index()].clone());
         if let (Some(id), None) = (program_of, &prepared) {
-            return Err(anyhow!("robot {} has no program", id.0));
+            return Err(SpawnError::NoProgram(id));
         }
         let (robot, heard) = self.make(&spec, prepared.as_ref(), since)?;
-        let program = prepared.map(|prepared| Ok::<_, anyhow::Error>((self.load(&spec, &prepared)?, prepared)));
+        let program = prepared.map(|prepared| Ok::<_, SpawnError>((self.load(&spec, &prepared)?, prepared)));
         Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
     }
 
     /// Loads the program of a spawned robot.
-    fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> anyhow::Result<RobotProgram> {
+    fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> Result<RobotProgram, ProgramLoadError> {
         Child::make_room(self.programs.len() + 1);
         let loader = match &mut self.loader {
             Some(loader) => loader,
-            None => self.loader.insert(Loader::new().context("no folder to load programs from")?),
+            None => self.loader.insert(Loader::new().map_err(ProgramLoadError::Folder)?),
         };
-        load::load_program(spec, prepared, self.options.exec, loader)
+        load_program(spec, prepared, self.options.exec, loader)
     }
 
     /// Registers a robot that was added to the run.

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::Context as _;
 use sim_core::spec::SceneSpec;
 
 use super::ready::Ready;
@@ -45,13 +44,13 @@ impl BuiltScene {
     /// Creates the robots and loads their programs.
     ///
     /// # Errors
-    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::InvalidRequest`] for
+    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Frames`] for
     /// a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
         let Self { options, settings, scene, scenery, inputs, programs } = self;
         let frames = |folder: &PathBuf| {
             let frames = Frames::create(folder, scene.robots.len());
-            frames.with_context(|| format!("--frames `{}`", folder.display())).map_err(Error::invalid_request)
+            frames.map_err(|error| Error::Frames { folder: folder.clone(), error })
         };
         let mut frames = options.frames.as_ref().map(frames).transpose()?;
         if options.keep_frames {
@@ -71,8 +70,7 @@ impl BuiltScene {
         };
         let mut spawner = Spawner::new(Arc::clone(&scene), &programs, robot_options);
         let (world, robots) = spawner.start()?;
-        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref());
-        let loaded = loaded.map_err(|error| Error::Load(format!("{error:#}")))?;
+        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref())?;
         Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs: loaded })
     }
 }

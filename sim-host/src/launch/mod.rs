@@ -8,6 +8,7 @@ mod built;
 pub mod check;
 mod child;
 mod finished;
+mod option_error;
 mod options;
 mod ready;
 mod scene;
@@ -16,14 +17,20 @@ pub mod settings;
 pub use built::BuiltScene;
 pub use child::serve_child;
 pub use finished::Finished;
+pub use option_error::{CostsRefusal, OptionError, UnknownRobot};
 pub use options::{DEFAULT_UNTIL, Options};
 pub use ready::{Observers, Ready, Running};
-pub use scene::Scene;
+pub use scene::{NotAScene, Scene};
+
+use std::path::PathBuf;
 
 use sim_core::simulation::FactoryError;
 use sim_format::{Diagnostic, InputFile};
 
+use crate::executive::load::ProgramLoadError;
+use crate::program::scene::ProgramsError;
 use crate::record::RecordError;
+use crate::record::frame::FolderError;
 
 /// Reasons why a scene cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -31,28 +38,43 @@ pub enum Error {
     /// Its files have mistakes.
     #[error(transparent)]
     Rejected(#[from] Rejected),
-    /// The request makes no sense: a path that is no scene, an option that does not fit the scene, a program that cannot be built.
-    #[error("{0}")]
-    InvalidRequest(String),
+    /// The path is that of something else than a scene.
+    #[error(transparent)]
+    NotAScene(#[from] NotAScene),
+    /// An option does not fit the scene.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// A folder that the run needs is missing.
+    #[error("no {purpose}: {error}")]
+    Folder {
+        /// Purpose of the folder.
+        purpose: &'static str,
+        /// The reason.
+        error: std::io::Error,
+    },
+    /// Programs cannot be found or built.
+    #[error(transparent)]
+    Programs(#[from] ProgramsError),
+    /// The folder for images cannot be used.
+    #[error("--frames `{}`: {error}", folder.display())]
+    Frames {
+        /// The folder.
+        folder: PathBuf,
+        /// The reason.
+        error: FolderError,
+    },
     /// A robot's type, or the noise model of its drive, has values that cannot be simulated.
     #[error(transparent)]
     Robot(#[from] FactoryError),
     /// A program that was built cannot be loaded.
-    #[error("{0}")]
-    Load(String),
+    #[error(transparent)]
+    Load(#[from] ProgramLoadError),
     /// The system has no room for the robots.
     #[error("cannot start the robots: {0}")]
-    Start(String),
+    Start(std::io::Error),
     /// A file of the run's record cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
-}
-
-impl Error {
-    /// [`Error::InvalidRequest`] with the message of `error` and all its causes.
-    pub(crate) fn invalid_request(error: anyhow::Error) -> Self {
-        Self::InvalidRequest(format!("{error:#}"))
-    }
 }
 
 /// A scene that cannot be run because of mistakes in its files.

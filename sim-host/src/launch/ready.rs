@@ -131,7 +131,7 @@ impl Ready {
             sinks,
             interrupt,
         };
-        let scheduler = Scheduler::start(parts, &limits).map_err(|error| Error::Start(error.to_string()))?;
+        let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
         Ok(Running { scheduler, settings, scene, scenery, inputs })
     }
 
@@ -207,8 +207,8 @@ fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
-/// Sink that reports mistakes in the meshes and images read for the first camera, in the slot in which that is used, and ends the run
-/// if they do not allow it to go on.
+/// Sink that reports mistakes in the meshes and images that cameras need, at the end of the slot in which a camera is
+/// first used. Ends the run if these mistakes reject the scene.
 struct SceneryWatch {
     scenery: Arc<LazyScenery>,
     is_strict: bool,

@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context as _, bail, ensure};
 use sim_core::spec::{CostsRef, SceneSpec};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
 use super::built::BuiltScene;
 use super::ready::Ready;
 use super::settings::{Settings, assign_noise};
-use super::{Error, Options, Rejected, check};
+use super::{Error, OptionError, Options, Rejected, check};
 use crate::files::{DiskFiles, read_regular};
 use crate::program::find::SearchPath;
 use crate::program::scene::Programs;
@@ -31,18 +30,18 @@ impl Scene {
     /// [`Scene::diagnostics`].
     ///
     /// # Errors
-    /// [`Error::InvalidRequest`] for a path that is no scene, and for options that name an unknown noise profile.
+    /// [`Error::NotAScene`]; [`Error::Option`] for an unknown noise profile.
     pub fn open(path: impl AsRef<Path>, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
-        expect_scene(path).map_err(Error::invalid_request)?;
+        expect_scene(path)?;
         Self::read(path, DiskFiles::of_environment(), options)
     }
 
-    /// As [`Scene::open`], for a scene given as `text`, as if it were the file `path`, which need not exist: its name determines the
+    /// Reads a scene as [`Scene::open`], but from `text`. The file `path` need not exist: its name determines the
     /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors
-    /// [`Error::InvalidRequest`] for options that name an unknown noise profile.
+    /// [`Error::Option`] for an unknown noise profile.
     pub fn of_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path, DiskFiles::of_environment().with_text(path, text), options)
@@ -52,7 +51,7 @@ impl Scene {
         let mut loaded = load_scene_with(&files.name(path), options.seed, &files);
         loaded.scene.run.contact = options.contact.or(loaded.scene.run.contact);
         if let Some(noise) = &options.noise {
-            assign_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::invalid_request)?;
+            assign_noise(&mut loaded, noise, &mut files)?;
         }
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
@@ -94,9 +93,9 @@ impl Scene {
     /// Builder for its programs, with the compilers, flags and cache folder of this process's environment.
     ///
     /// # Errors
-    /// [`Error::InvalidRequest`] if no cache folder can be used.
+    /// [`Error::Folder`] if no cache folder can be used.
     pub fn builder(&self) -> Result<Builder, Error> {
-        let cache = Cache::of_user().context("no folder for built programs").map_err(Error::invalid_request)?;
+        let cache = Cache::of_user().map_err(folder("folder for built programs"))?;
         let mut tools = Tools::of_environment();
         if self.options.debug.is_some() {
             // Unoptimised, so that every line and variable exists for the debugger; the user's own flags follow and take precedence.
@@ -117,22 +116,22 @@ impl Scene {
     /// Finds its programs and builds them with `builder`, each once.
     ///
     /// # Errors
-    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::InvalidRequest`] for an option
-    /// that does not fit the scene, and for programs that cannot be built.
+    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Option`] for an option
+    /// that does not fit the scene; [`Error::Programs`] for programs that cannot be built.
     pub fn build(mut self, builder: &Builder) -> Result<BuiltScene, Error> {
         let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
         if self.is_rejected() {
             return Err(reject(self.loaded.diagnostics, self.loaded.inputs));
         }
-        let settings = self.settings().map_err(Error::invalid_request)?;
-        let search = check::search_path(&self.files).context("no working folder").map_err(Error::invalid_request)?;
+        let settings = self.settings()?;
+        let search = check::search_path(&self.files).map_err(folder("working folder"))?;
         let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
         let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
         if !missing.is_empty() {
             return Err(reject(missing, inputs));
         }
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
-        let programs = Programs::build(&scene, &search, builder).map_err(Error::invalid_request)?;
+        let programs = Programs::build(&scene, &search, builder)?;
         let read = read_files(&inputs, settings.costs_input.as_ref(), &programs);
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
@@ -143,7 +142,7 @@ impl Scene {
     ///
     /// # Errors
     /// An option does not fit the scene.
-    pub(crate) fn settings(&mut self) -> anyhow::Result<Settings> {
+    pub(crate) fn settings(&mut self) -> Result<Settings, OptionError> {
         Settings::new(&self.options, &mut self.loaded.scene)
     }
 
@@ -156,22 +155,43 @@ impl Scene {
     }
 }
 
+/// A path that is not that of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotAScene {
+    /// It is a folder.
+    #[error("`{}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)", .0.display())]
+    Folder(PathBuf),
+    /// It is a TOML file without the tables of a scene.
+    #[error("`{}` is no scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
+    OtherToml(PathBuf),
+    /// Its extension is that of another kind of file.
+    #[error(
+        "`{}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type and a program",
+        .0.display()
+    )]
+    OtherFile(PathBuf),
+}
+
+/// Conversion to [`Error::Folder`].
+fn folder(purpose: &'static str) -> impl Fn(std::io::Error) -> Error {
+    move |error| Error::Folder { purpose, error }
+}
+
 /// Refuses a path that is no scene, such as that of a program, before it is read as one.
-fn expect_scene(path: &Path) -> anyhow::Result<()> {
-    let name = path.display();
+fn expect_scene(path: &Path) -> Result<(), NotAScene> {
+    let path_buf = || path.to_owned();
     if path.is_dir() {
-        bail!("`{name}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)");
+        return Err(NotAScene::Folder(path_buf()));
     }
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("toml") {
         // The reader reports a file that cannot be read.
         let is_scene = read_regular(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
-        ensure!(is_scene, "`{name}` is no scene: it has none of `scene`, `world` and `robot` at its top level");
+        if !is_scene {
+            return Err(NotAScene::OtherToml(path_buf()));
+        }
     } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
-        bail!(
-            "`{name}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type \
-             and a program"
-        );
+        return Err(NotAScene::OtherFile(path_buf()));
     }
     Ok(())
 }

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use anyhow::{Context, anyhow, bail, ensure};
 use sim_core::simulation::DEFAULT_SLOT;
 use sim_core::spec::{CostsRef, NoiseRef, Preset, RobotSpec, SceneSpec};
 use sim_core::time::Time;
-use sim_format::{InputFile, Loaded, PRESETS, load_noise, preset, unknown_sensors};
+use sim_format::{InputFile, Loaded, load_noise, preset, unknown_sensors};
 
 use super::Options;
+use super::option_error::{CostsRefusal, OptionError, UnknownRobot};
 use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::Generation;
 use crate::program::scene::program_of_command_line;
@@ -39,14 +39,14 @@ impl Settings {
     /// Settings of a run of `scene`; gives its robots the programs and arguments of `options`.
     ///
     /// # Errors
-    /// A robot does not exist, keys, words or costs cannot be read, or no robot needs a program of the options.
-    pub fn new(options: &Options, scene: &mut SceneSpec) -> anyhow::Result<Self> {
+    /// A robot does not exist, keys, arguments or costs cannot be read, or no robot needs a program of the options.
+    pub fn new(options: &Options, scene: &mut SceneSpec) -> Result<Self, OptionError> {
         let mut keys = Vec::new();
         for script in &options.keys {
-            keys.extend(parse_script(script).context("--keys")?);
+            keys.extend(parse_script(script)?);
         }
         for press in &keys {
-            press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
+            press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).map_err(OptionError::robot("--keys"))?;
         }
         assign_programs(scene, &options.programs)?;
         scene.robots.iter_mut().for_each(|robot| robot.api = options.api.map(Generation::number).or(robot.api));
@@ -126,18 +126,18 @@ impl std::fmt::Display for ProgramOption {
 }
 
 /// Gives the robots of `scene` the programs of the command line. An option with a robot's number takes precedence over one with the
-/// name of its program, and that over one with its type.
+/// name of a program, and an option with the name of a program over one with the name of a type.
 ///
 /// # Errors
 /// An option fits no robot.
-pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
+pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Result<(), OptionError> {
     let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
-        let (rank, robots) = robots_of(scene, &option.selector).context("--program")?;
+        let (rank, robots) = robots_of(scene, &option.selector)?;
         for index in robots {
             let before = given.get(&index).filter(|(before, _)| *before >= rank);
             if before.is_some_and(|(before, _)| *before == rank) {
-                bail!("--program: robot {} gets two programs", scene.robots[index].id.0);
+                return Err(OptionError::TwoPrograms { robot: scene.robots[index].id.0 });
             }
             if before.is_none() {
                 given.insert(index, (rank, &option.program));
@@ -147,19 +147,14 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyh
     let mut for_all = options.iter().filter(|option| option.selector == RobotSelector::Without);
     if let Some(option) = for_all.next() {
         if let Some(second) = for_all.next() {
-            bail!(
-                "--program: one program for all robots without one, not `{}` and `{}`",
-                option.program,
-                second.program
-            );
+            let (first, second) = (option.program.clone(), second.program.clone());
+            return Err(OptionError::TwoProgramsForAll { first, second });
         }
         let is_without = |index: &usize| scene.robots[*index].program.is_none() && !given.contains_key(index);
         let without: Vec<usize> = (0..scene.robots.len()).filter(is_without).collect();
-        ensure!(
-            !without.is_empty(),
-            "--program {0}: every robot has a program; `--program 1={0}` replaces that of robot 1",
-            option.program
-        );
+        if without.is_empty() {
+            return Err(OptionError::UnneededProgram { program: option.program.clone() });
+        }
         given.extend(without.into_iter().map(|index| (index, (Rank::Type, option.program.as_str()))));
     }
     for (index, (_, program)) in given {
@@ -173,17 +168,15 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyh
 ///
 /// # Errors
 /// `name` is neither a preset nor a file.
-pub fn assign_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
+pub fn assign_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> Result<(), OptionError> {
     let noise = match preset(name) {
         Some(preset) => NoiseRef::Preset(preset),
         None => {
             let path = Path::new(name);
             let is_file = path.extension().is_some_and(|it| it.eq_ignore_ascii_case("toml")) || path.exists();
-            ensure!(
-                is_file,
-                "`{name}` is no noise profile: expected one of {}, or a file NAME.toml",
-                PRESETS.join(", ")
-            );
+            if !is_file {
+                return Err(OptionError::UnknownNoise { name: name.to_owned() });
+            }
             let (noise, read) = load_noise(&files.name(path), files);
             loaded.diagnostics.extend(read.diagnostics);
             // The scene may name the same file.
@@ -209,10 +202,12 @@ enum Rank {
 }
 
 /// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::Without`], which [`assign_programs`] handles.
-fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> anyhow::Result<(Rank, Vec<usize>)> {
+fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Rank, Vec<usize>), OptionError> {
     match selector {
         RobotSelector::Without => Ok((Rank::Type, Vec::new())),
-        RobotSelector::Robot(robot) => Ok((Rank::Number, vec![index_of(scene, *robot)?])),
+        RobotSelector::Robot(robot) => {
+            Ok((Rank::Number, vec![index_of(scene, *robot).map_err(OptionError::robot("--program"))?]))
+        }
         RobotSelector::Name(name) => {
             let places = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
                 (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
@@ -223,7 +218,9 @@ fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> anyhow::Result<(Ran
             }
             let by_type =
                 places(&|robot| robot.robi.name == *name || names_of_file(&robot.robi.file).any(|known| known == name));
-            ensure!(!by_type.is_empty(), "no robot has a program or a type `{name}`: the scene has {}", known(scene));
+            if by_type.is_empty() {
+                return Err(OptionError::UnknownName { name: name.clone(), known: known(scene) });
+            }
             Ok((Rank::Type, by_type))
         }
     }
@@ -251,16 +248,17 @@ fn known(scene: &SceneSpec) -> String {
 }
 
 /// Replaces the arguments of the robots that `options` name; several options for one robot are appended to each other.
-fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<()> {
+fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> Result<(), OptionError> {
     let mut replaced = vec![false; scene.robots.len()];
     for text in options {
         let (robot, words) = split_robot(text, ':');
-        let words = split_words(words).with_context(|| format!("--args {text}"))?;
+        let words = split_words(words).map_err(|error| OptionError::Words { text: text.clone(), error })?;
         let robots = match robot {
             Some(robot) => {
-                let index = index_of(scene, robot).context("--args")?;
-                let has_program = scene.robots[index].program.is_some();
-                ensure!(has_program, "--args: robot {robot} has no program: `--program {robot}=FILE` gives it one");
+                let index = index_of(scene, robot).map_err(OptionError::robot("--args"))?;
+                if scene.robots[index].program.is_none() {
+                    return Err(OptionError::NoProgram { robot });
+                }
                 index..index + 1
             }
             None => 0..scene.robots.len(),
@@ -280,14 +278,9 @@ fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result
 ///
 /// # Errors
 /// The scene has no robot with this number.
-pub fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
-    let known = match scene.robots.len() {
-        0 => "no robots".to_owned(),
-        1 => "robot 1 alone".to_owned(),
-        count => format!("robots 1 to {count}"),
-    };
-    let place = scene.robots.iter().position(|spec| spec.id.0 == robot);
-    place.ok_or_else(|| anyhow!("there is no robot {robot}: the scene has {known}"))
+pub fn index_of(scene: &SceneSpec, robot: u32) -> Result<usize, UnknownRobot> {
+    let index = scene.robots.iter().position(|spec| spec.id.0 == robot);
+    index.ok_or(UnknownRobot { robot, count: scene.robots.len() })
 }
 
 /// The robot's number before `separator`, if there is one, and the rest.
@@ -300,18 +293,18 @@ fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
     split().map_or((None, text), |(robot, rest)| (Some(robot), rest))
 }
 
-fn read_costs(path: &Path) -> anyhow::Result<(Costs, Option<InputFile>)> {
-    let name = || format!("cost table `{}`", path.display());
-    let bytes = read_regular(path).with_context(name)?;
-    let text = std::str::from_utf8(&bytes).with_context(name)?;
-    let costs = Costs::with(text).with_context(name)?;
+fn read_costs(path: &Path) -> Result<(Costs, Option<InputFile>), OptionError> {
+    let refuse = |reason: CostsRefusal| OptionError::Costs { file: path.display().to_string(), reason };
+    let bytes = read_regular(path).map_err(|error| refuse(error.into()))?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| refuse(error.into()))?;
+    let costs = Costs::with(text).map_err(|error| refuse(error.into()))?;
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
 /// The costs given by the scene, with the built-in ones for all other calls.
-fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
+fn costs_of(scene: &SceneSpec) -> Result<Costs, OptionError> {
     let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
-    Costs::of_table(table).with_context(|| format!("cost table in `{}`", table.file))
+    Costs::of_table(table).map_err(|error| OptionError::SceneCosts { file: table.file.clone(), error })
 }
 
 #[cfg(test)]
@@ -348,7 +341,7 @@ mod tests {
     fn programs(options: &[&str]) -> Result<Vec<String>, String> {
         let mut scene = scene();
         let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
-        assign_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        assign_programs(&mut scene, &options).map_err(|error| error.to_string())?;
         Ok(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect())
     }
 
@@ -356,7 +349,7 @@ mod tests {
         let mut scene = scene();
         scene.robots[1].program = Some(program_of_command_line("b.c"));
         let options: Vec<String> = options.iter().map(|&text| text.to_owned()).collect();
-        assign_arguments(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        assign_arguments(&mut scene, &options).map_err(|error| error.to_string())?;
         Ok(scene.robots.into_iter().map(|robot| robot.arguments).collect())
     }
 
@@ -376,7 +369,7 @@ mod tests {
         let programs = |options: &[&str]| {
             let mut scene = scene.clone();
             let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
-            assign_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+            assign_programs(&mut scene, &options).map_err(|error| error.to_string())?;
             Ok::<_, String>(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect::<Vec<_>>())
         };
         for name in ["maze", "maze.x"] {

@@ -49,7 +49,7 @@ impl Surface for SVGBackend<'_> {
     }
 }
 
-/// Colour in which a pixel of an image on the floor is shown: on white, and lighter.
+/// Colour of a pixel of an image on the floor: laid over white by its opacity, then lightened.
 pub fn lightened([red, green, blue, opacity]: [u8; 4]) -> [u8; 3] {
     let part = f64::from(opacity) / 255.0 * (1.0 - WHITENESS);
     [red, green, blue].map(|colour| (f64::from(colour) * part + 255.0 * (1.0 - part)).round() as u8)
@@ -117,7 +117,8 @@ impl<'b, B: Surface> Canvas<'b, B> {
             return Ok(());
         }
         let style = self.stroke(line);
-        // The backend of pixels joins all segments by mitres, which are long spikes where a path turns back: it is cut there.
+        // The pixel backend joins segments with mitres, which are long spikes where a path turns back: the path is cut
+        // there.
         let turns_back = |at: &usize| {
             let [before, after] = [points[*at] - points[at - 1], points[at + 1] - points[*at]];
             before.dot(after) < -0.7 * before.length() * after.length()

@@ -20,7 +20,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
 ];
-/// Width of the legend's column without its longest name, in pixels.
+/// Width of the legend's column in pixels, to which the width of its longest name is added.
 const LEGEND: u32 = 34;
 /// Most powers of ten on a logarithmic axis.
 const DECADES: f64 = 20.0;
@@ -145,7 +145,7 @@ impl Axis {
         if is_log {
             let is_short = high - low < SHORT;
             let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
-            // Extended to the next marks outside, and by one decade for 0.
+            // The axis extends to the next marks outside, and by one more decade if it holds 0.
             let mark = |place: f64, up: f64| {
                 let near =
                     (-1..=1).flat_map(|d| marks.iter().map(move |mark| place.floor() + f64::from(d) + mark.log10()));
@@ -180,7 +180,7 @@ impl Axis {
 
     fn label(&self, place: f64) -> String {
         match self.scale {
-            // Plotters' steps have few digits; their sums do not.
+            // The steps of plotters have few digits, but their sums carry rounding errors.
             Scale::Linear => format!("{}", (place * 1e9).round() / 1e9),
             Scale::Logarithmic if self.holds_zero && place == self.low => "0".to_owned(),
             Scale::Logarithmic => {

@@ -42,7 +42,8 @@ pub struct Shape {
     pub fill: Option<Paint>,
     /// Its outline.
     pub line: Option<Line>,
-    /// Size in metres of a detail, which is left out if that is too few pixels; infinite for a shape that is always drawn.
+    /// Size of a detail in metres: the shape is left out if this size is too few pixels. Infinite for a shape that is
+    /// always drawn.
     pub detail: f64,
 }
 

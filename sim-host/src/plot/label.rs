@@ -39,13 +39,13 @@ pub struct Labels<'a> {
 }
 
 impl<'a> Labels<'a> {
-    /// No labels yet; `named` are all bodies that will get one.
+    /// Placement without labels so far; `named` are all bodies that will get a label.
     pub fn new(frame: &'a Frame, named: Vec<Obstacle>) -> Self {
         Self { frame, taken: Vec::new(), named }
     }
 
-    /// Upper left corner of the label in pixels, and its text: at the first free one of some places around its body, else at the
-    /// first that covers no other label. `None` if there is no room.
+    /// Upper left corner of the label in pixels, and its text. Of some places around the body, the first free place is
+    /// taken, else the first place that covers no other label. `None` if there is no room.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.frame.contains(label.at) {
             return None;

@@ -26,8 +26,8 @@ use std::path::{Path, PathBuf};
 use crate::record::report::write_atomically;
 
 pub use drawing::Drawing;
-pub use run::{RunObject, RunPicture, RunRobot, draw_run};
-pub use scene::{draw_object_type, draw_robi, draw_scene};
+pub use run::{RunObject, RunPicture, RunRobot, draw_paths, draw_run};
+pub use scene::{draw_ground, draw_object_type, draw_robi, draw_scene};
 
 /// Error when making a picture.
 #[derive(Debug, thiserror::Error)]

@@ -47,11 +47,11 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
         let mut backend = SVGBackend::with_string(&mut svg, units);
         Painter { frame: &frame, canvas: Canvas::new(&mut backend, UNIT) }.paint(drawing)?;
     }
-    // Drawn in fine units, shown at its size in pixels.
+    // The picture is drawn in fine units and shown at its size in pixels.
     let fine = format!("width=\"{}\" height=\"{}\"", units.0, units.1);
     let mut svg = svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1);
     if let Some(backdrop) = &drawing.backdrop {
-        // Above the paper, the first rectangle, and below all else.
+        // The image lies above the paper, which is the first rectangle, and below all other shapes.
         let place = svg.find("/>\n").map_or(svg.len(), |place| place + 3);
         svg.insert_str(place, &svg_image(backdrop, &frame)?);
     }

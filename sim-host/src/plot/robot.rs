@@ -112,7 +112,8 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     }
     let radius = 0.5 * robi.diameter;
     if let Some(lidar) = &robi.lidar {
-        // Its full range would hide the other sensors: short rays around its position, over its sweep.
+        // The scanner's full range would hide the other sensors: only short rays are drawn around its position, over
+        // its sweep.
         let place = pose.transform_point(scanner_place(robi, lidar).position.truncate());
         let steps = (36.0 * lidar.sweep / TAU).ceil().max(1.0) as u32;
         let middle = scanner_place(robi, lidar).forward();
@@ -259,7 +260,7 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         drawing.labels.push(Label { text, at, clearance: 0.0, least: 4.0, direction: pose.transform_vector(way) });
     };
     let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
-    // At the edge of the body, where the beam leaves it: the sensors themselves are close together.
+    // Labels stand at the edge of the body, where the beams leave it, since the sensors themselves are close together.
     let edge = |position: DVec2, way: DVec2, range: f64| {
         let (along, radius) = (position.dot(way), 0.5 * robi.diameter);
         let beyond = along * along + radius * radius - position.length_squared();

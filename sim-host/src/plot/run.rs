@@ -1,5 +1,6 @@
 //! Picture of a finished run: the world with the trails of robots and objects.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -12,6 +13,8 @@ use super::ground;
 use super::object::{collider_shape, draw_object};
 use super::robot::{RobotStyle, draw_body, draw_heading};
 use super::scene::{MAX_LABELS, robot_label};
+use crate::record::diff::PathPair;
+use crate::record::trail::Trail;
 
 /// A robot of a run.
 #[derive(Clone, Debug)]
@@ -97,6 +100,21 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     for (index, robot) in robots.iter().enumerate() {
         let line = Line { width: 3.0, ..line(index) };
         drawing.add_legend(Symbol::Line(line), format!("r{} {}", robot.id, robot.robi.name));
+    }
+    drawing
+}
+
+/// Draws the paths of the robots of two runs, by their numbers: those of the first in colour, those of the second in black above them.
+pub fn draw_paths(mut drawing: Drawing, paths: &BTreeMap<u32, PathPair>) -> Drawing {
+    for (index, (robot, paths)) in paths.iter().enumerate() {
+        let lines = [Line::solid(colour::robot(index), 4.0), Line::solid(INK, 1.2)];
+        for (trail, line) in paths.trails.iter().zip(lines) {
+            draw_trails(&mut drawing, &trail.iter().map(Trail::points).collect::<Vec<_>>(), line);
+        }
+        drawing.add_legend(Symbol::Line(lines[0]), format!("A: r{robot}"));
+        if paths.trails[1].is_some() {
+            drawing.add_legend(Symbol::Line(lines[1]), "B");
+        }
     }
     drawing
 }

@@ -21,12 +21,17 @@ pub const MAX_LABELS: usize = 100;
 /// Most robots whose sensors are drawn: more sensors would hide the picture.
 const MAX_SENSING: usize = 30;
 
+/// Draws the world and its markers, without robots and objects, into `drawing`.
+pub fn draw_ground(mut drawing: Drawing, scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
+    ground::draw_world(&mut drawing, &scene.world, mesh_reader.floor(&scene.world));
+    ground::draw_markers(&mut drawing, &scene.markers);
+    drawing
+}
+
 /// Draws the world with robots at their starts, objects and markers.
 pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
-    let mut drawing = Drawing::new(title(scene));
-    ground::draw_world(&mut drawing, world, mesh_reader.floor(world));
-    ground::draw_markers(&mut drawing, &scene.markers);
+    let mut drawing = draw_ground(Drawing::new(title(scene)), scene, mesh_reader);
     // An arrow adds nothing to a robot at the same place.
     let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
     ground::draw_starts(&mut drawing, world.starts.iter().filter(|start| !is_taken(&start.pose)));

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use anyhow::anyhow;
 use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
 
 use super::build::Builder;
@@ -24,12 +23,20 @@ pub struct Programs {
     pub remarks: Vec<String>,
 }
 
+/// Programs of a scene that cannot be found or built.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{}", mistakes.join("\n"))]
+pub struct ProgramsError {
+    /// A message for each program, with the line of the sim file that names it; each message once.
+    pub mistakes: Vec<String>,
+}
+
 impl Programs {
     /// Finds and builds the programs of all robots, each once; `builder` tells its observer of each compilation.
     ///
     /// # Errors
-    /// All programs that cannot be found or built, in one message with the lines of the sim file.
-    pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> anyhow::Result<Self> {
+    /// All programs that cannot be found or built.
+    pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> Result<Self, ProgramsError> {
         // A program named on the command line is searched from the working folder, not from the sim file's.
         let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
@@ -47,8 +54,9 @@ impl Programs {
                 }
             }));
         }
-        fail_with(&mistakes)?;
-
+        if !mistakes.is_empty() {
+            return Err(ProgramsError { mistakes });
+        }
         let mut prepared = prepare(builder, &found.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
         let mut of_robots = Vec::with_capacity(found.len());
         let mut remarks = Vec::new();
@@ -70,7 +78,9 @@ impl Programs {
                 Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program_name())),
             }
         }
-        fail_with(&mistakes)?;
+        if !mistakes.is_empty() {
+            return Err(ProgramsError { mistakes });
+        }
         Ok(Self { of_robots, remarks })
     }
 
@@ -98,8 +108,4 @@ fn push_new(list: &mut Vec<String>, text: String) {
     if !list.contains(&text) {
         list.push(text);
     }
-}
-
-fn fail_with(mistakes: &[String]) -> anyhow::Result<()> {
-    if mistakes.is_empty() { Ok(()) } else { Err(anyhow!("{}", mistakes.join("\n"))) }
 }

@@ -100,7 +100,7 @@ pub struct StoredFrame {
     pub png: Vec<u8>,
 }
 
-/// Data taken by a program of which the trace has only a summary.
+/// Image or scan that a program takes; the trace has only a summary of it.
 #[derive(Clone, Debug)]
 pub enum StoredCapture {
     /// An image.
@@ -109,8 +109,8 @@ pub enum StoredCapture {
     Scan(StoredScan),
 }
 
-/// Destination of all images and scans that programs take: images go into a folder, each written when it is taken; both go into
-/// memory for a recording, which takes them at the slot's end.
+/// Destination of all images and scans that programs take. Images are written to the folder as they are taken. For a
+/// recording, images and scans are stored in memory until the recording takes them at the slot's end.
 #[derive(Debug, Default)]
 pub struct Frames {
     folder: Option<Folder>,
@@ -184,8 +184,9 @@ impl Frames {
         }
     }
 
-    /// Writes and stores an image that `robot` takes. After an image that could not be written, which [`FrameFailures`] reports, no
-    /// later image is written; earlier ones are still tried, so that the first failure does not depend on threads.
+    /// Writes and stores an image that `robot` takes. After an image that could not be written (see [`FrameFailures`]),
+    /// images that are later in order of (time, robot) are not written. Earlier ones are, so that the first failure
+    /// does not depend on threads.
     pub fn write(&self, robot: RobotId, frame: &Frame<'_>) {
         let png = frame.pixels.png(frame.size);
         if let Some(folder) = &self.folder {

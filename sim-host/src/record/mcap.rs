@@ -1,7 +1,8 @@
 //! A run as MCAP, the file format of recordings that Foxglove and rerun open. Channels and schemas are in `docs/mcap.md`.
 //!
-//! Messages of Foxglove are Protocol Buffers, eyesim's own are JSON; their times are virtual, from the run's start. Complete slots
-//! leave the process before the next slot begins, in chunks that readers can recover from a truncated file.
+//! Messages of Foxglove are Protocol Buffers, eyesim's own are JSON. Times are virtual, from the run's start. Each
+//! complete slot is handed to the operating system before the next slot begins, in chunks that readers can recover from
+//! a truncated file.
 
 mod proto;
 pub(crate) mod scene;
@@ -332,7 +333,7 @@ impl Sink for Mcap {
                 at.position_m[2] = self.lifts.get(&robot).copied().unwrap_or(0.0);
                 self.move_to(time, &scene::robot_frame(robot), &at);
             }
-            // Precedes the pose of its slot.
+            // A posture event precedes the pose event of its slot.
             Event::Posture { lift_m, .. } => {
                 self.lifts.insert(robot, lift_m);
             }

@@ -3,6 +3,7 @@
 //! Each is a [`Sink`] of the simulation's records. Nothing here influences the run: its events and its digest are the same with
 //! and without sinks.
 
+pub mod diff;
 pub mod event_store;
 pub mod frame;
 pub mod log;

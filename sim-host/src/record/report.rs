@@ -178,7 +178,7 @@ impl Report {
 
 /// Replaces the file `path` atomically by one with these bytes.
 ///
-/// Other kinds of files, and everything in `/dev` (standard output may be a file), are appended to; a link is followed.
+/// A file that is not regular, or in `/dev` (standard output may be a file), is appended to; a link is followed.
 pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {

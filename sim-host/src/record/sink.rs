@@ -45,7 +45,8 @@ impl RecordError {
 
 /// Consumer of records.
 pub trait Sink: Send {
-    /// Kinds of records that the sink takes, constant during a run; other records only cost it [`Self::end_slot`].
+    /// Kinds of records that the sink takes, constant during a run. In a slot with other records only, the sink gets
+    /// [`Self::end_slot`].
     fn interest(&self) -> KindSet;
 
     /// Takes one record of the slot, in the order (virtual time, robot, sequence).
@@ -121,7 +122,8 @@ impl<'s> Sinks<'s> {
         Self { sinks: vec![(sink.interest(), Box::new(sink))] }
     }
 
-    /// Ends the slot of `recorder` at `end`, and gives its records and digest to the sinks; the recorder must have their interest.
+    /// Ends the slot of `recorder` at `end`, and gives its records and digest to the sinks. The recorder must record
+    /// all kinds of records that the sinks take.
     ///
     /// # Errors
     /// The first error of a sink; its record of the slot is then incomplete.

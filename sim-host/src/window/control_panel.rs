@@ -1,4 +1,4 @@
-//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`] of runs.
+//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`].
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -116,8 +116,8 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
     }
 }
 
-/// Accepted speeds, in simulated seconds for each second of real time: slower, nothing seems to happen; faster, an idle run
-/// would reach the end of simulated time within days.
+/// Accepted speeds, in simulated seconds for each second of real time. At a lower speed nothing would seem to happen;
+/// at a higher speed an idle run would reach the end of simulated time within days.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 
 const OVER: &str = "the run is over: start it again";

@@ -33,7 +33,7 @@ pub struct Details {
 }
 
 impl Details {
-    /// Detail of robot `id` now; `panel` is its display if the run has ended and handed it over.
+    /// Detail of robot `id` now; `panel` is the robot's display, if the run has ended and handed the display over.
     pub fn of(&mut self, run: &Run, world: &World, id: RobotId, panel: Option<PanelRef<'_>>) -> Detail {
         let at = world.slot_start();
         let mut robot = run.robot(id);

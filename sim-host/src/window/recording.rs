@@ -292,8 +292,8 @@ impl DisplayHistory {
 /// Bound on the rows, more than any display has.
 const MOST_ROWS: usize = 256;
 
-/// Collects the track of a body and drops redundant points. Keeps the range of slopes of all lines through the last corner that
-/// pass all later points within the tolerance (swinging door, Bristol 1990).
+/// Collects the track of a body and drops redundant points. Keeps the range of slopes of those lines through the last
+/// corner that pass all later points within the tolerance (swinging door, Bristol 1990).
 #[derive(Default)]
 struct TrackBuilder {
     corners: Vec<Corner>,
@@ -310,7 +310,8 @@ struct Corner {
 }
 
 impl TrackBuilder {
-    /// Adds `pose` at `t_s`; after a gap the body has rested until one slot (of length `slot`) before.
+    /// Adds `pose` at `t_s`. If the last point is older than 1.5 slots, the body has rested until one slot (of length
+    /// `slot`) before `t_s`.
     fn push(&mut self, t_s: f64, pose: [f64; 3], slot: f64) {
         if let Some(last) = self.last()
             && t_s - last.t_s > 1.5 * slot
@@ -320,7 +321,7 @@ impl TrackBuilder {
         self.add(Corner { t_s, pose });
     }
 
-    /// Moves the body to `pose` at `t_s` in no time.
+    /// Places the body at `pose` at `t_s`, without motion in between.
     fn jump(&mut self, t_s: f64, pose: [f64; 3]) {
         if let Some(last) = self.last() {
             self.add(Corner { t_s, pose: last.pose });

@@ -78,7 +78,7 @@ pub struct Moment<'a> {
     pub run: &'a Run,
     /// Its world.
     pub world: &'a World,
-    /// Simulated time that the run has reached: the start of a slot, not before that of the world's slot.
+    /// Simulated time that the run has reached: the start of a slot, which is not before the world's slot.
     pub now: Time,
     /// State of the run.
     pub state: RunState,
@@ -91,7 +91,7 @@ pub struct Moment<'a> {
 }
 
 impl Show {
-    /// A show of which pages have received nothing yet.
+    /// Creates a show; pages have received nothing of it yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
@@ -134,7 +134,7 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Has RoBIOS calls recorded for the robots of which a page requests them.
+    /// Records the RoBIOS calls of those robots whose calls a page requests, and of no others.
     fn look(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {

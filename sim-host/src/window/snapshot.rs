@@ -41,7 +41,7 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
     }
 }
 
-/// Motion of a robot to the end of the slot.
+/// Pieces of motion of a robot from the slot's start to its end.
 fn legs(world: &World, id: RobotId) -> Vec<Leg> {
     let end = world.slot_end();
     let leg = |Stretch { start, from, twist, after }: Stretch| Leg {
@@ -77,8 +77,8 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
     beams
 }
 
-/// Sights of the robot's range sensors, then of its infrared sensors, each with its index in this list, which is also its index
-/// in the robot's list of sensors; sensors that are switched off are left out.
+/// Views of the robot's range sensors, then of its infrared sensors, without those that are switched off. Each has its
+/// index in the list of all of them, which is also its index in the robot's list of sensors.
 fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
     let simulation::Robot { devices, motion, .. } = &mut robot.state;
     let ranges = devices.ranges.views(&devices.servos, motion, world, at);

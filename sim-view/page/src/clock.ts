@@ -7,7 +7,8 @@ const SETTLE_MS = 120;
 
 /**
 * Advances smoothly at the measured rate, while snapshots arrive in steps. A snapshot describes the motion of bodies until its slot
-* ends: at the pace of snapshots the clock is inside that slot; in a faster run it lags, between the last two snapshots.
+* ends. While every slot has a snapshot, the displayed time is within the latest slot; in a faster run it is between the last two
+* snapshots.
 */
 export class Clock {
   /** The displayed time, in seconds. */

@@ -15,10 +15,10 @@ const NODE: u32 = 18;
 /// Files of the page: path and content of each.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
-/// Returns the page built in `folder`; builds it first, and tells `say`, if its sources have changed since the last build. Only
-/// one process at a time reads or builds.
+/// Returns the page built in `folder`. If its sources have changed since the last build, calls `say` and builds it
+/// first. Only one process at a time reads or builds.
 ///
-/// If the build fails, an older page is used if there is one, and `say` is told.
+/// If the build fails, calls `say` and uses an older page if there is one.
 pub(crate) fn built(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<Files, String> {
     let io = |error: io::Error| format!("cannot build the page in `{}`: {error}", folder.display());
     let lock = File::create(folder.join(".lock")).map_err(io)?;

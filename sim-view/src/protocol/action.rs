@@ -56,7 +56,7 @@ pub enum Action {
     },
     /// Adds a robot of a type that the scene knows.
     AddRobot {
-        /// Name of the type, from the scene's workshop.
+        /// Name of the type, one of those that can be added (`workshop` of the scene).
         kind: String,
         /// Number of the robot whose program it runs; none for a robot without a program.
         program_of: Option<u32>,
@@ -74,7 +74,7 @@ pub enum Action {
     },
     /// Adds a movable object of a type that the scene knows.
     AddObject {
-        /// Name of the type, from the scene's workshop.
+        /// Name of the type, one of those that can be added (`workshop` of the scene).
         kind: String,
         /// World coordinate to the right.
         x_m: f64,

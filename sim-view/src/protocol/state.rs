@@ -50,7 +50,7 @@ pub enum RunState {
 pub struct RobotState {
     /// Its number.
     pub id: u32,
-    /// Motion from the snapshot's time to the slot's end; the first leg holds at the snapshot's time.
+    /// Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time.
     pub legs: Vec<Leg>,
     /// State of its program.
     pub standing: Standing,
@@ -75,7 +75,7 @@ pub enum Standing {
     NoProgram,
 }
 
-/// Motion at constant rates, in the body's frame.
+/// Piece of motion of a body, with constant rates in the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Leg {

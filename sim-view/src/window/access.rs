@@ -20,9 +20,10 @@ pub enum Access {
 ///
 /// # Errors
 /// If the system has no random numbers.
-pub fn random_token() -> Result<String, String> {
+pub fn random_token() -> std::io::Result<String> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| format!("the system has no random numbers for a token: {error}"))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|error| std::io::Error::other(format!("the system has no random numbers for a token: {error}")))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 

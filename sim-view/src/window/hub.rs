@@ -1,7 +1,7 @@
 //! State shown to all pages, and the queue of their commands.
 //!
-//! The simulation never waits for a page: each kind of message has one place, where a later message replaces the earlier, and
-//! events a ring buffer. Texts are serialised when the first page needs them, on the server's thread, and shared.
+//! The simulation never waits for a page: for each kind of message only the latest one is kept, and events are kept in
+//! a ring buffer. Texts are serialised when the first page needs them, on the server's thread, and shared.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};

@@ -30,7 +30,7 @@ use crate::page::Page;
 
 /// Most pages served at a time.
 const PAGES: usize = 64;
-/// Most further pages refused by a close frame with the reason; others get an HTTP error.
+/// Most pages beyond [`PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
 const REFUSED: usize = 32;
 /// Most connections that are not pages yet; a new one replaces the oldest.
 const CONNECTIONS: usize = 128;

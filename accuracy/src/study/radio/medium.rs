@@ -75,8 +75,8 @@ pub fn token_ring(effort: Effort) -> Part {
     Part { rows, picture }
 }
 
-/// Mean wait in a ring of `stations`, s. The service time of a message is its excess over a token frame, which goes from each
-/// station to the next in any case.
+/// Mean wait in a ring of `stations`, s. The service time of a message is the time by which it exceeds a token frame,
+/// since a token frame goes from each station to the next in any case.
 fn expected_wait(stations: u32, load: f64) -> f64 {
     let frame = air_time(0, BAUD).seconds();
     let service = air_time(BYTES, BAUD).seconds() - frame;
@@ -85,8 +85,9 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
     (rate * service * service + frame * (f64::from(stations) + busy)) / (2.0 * (1.0 - load))
 }
 
-/// Messages at random instants with offered load `load` (messages in the air time of one). In a token ring each goes from a random
-/// one of `stations` to the next, else from the robots from 2 on in turn to robot 1.
+/// Messages at random instants with offered load `load`: the mean number of messages in the air time of one. In a token
+/// ring each goes from a random one of the `stations` to the next one. On other media the robots from 2 on send in
+/// turn, all to robot 1.
 pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<SentMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;

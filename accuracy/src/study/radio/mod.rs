@@ -1,9 +1,10 @@
 //! `radio` and `radio-latency`: the channel compared with the formulas of its media, and the effect of the slot length.
 //!
-//! All messages go through `sim_core`'s own channel, some of them also through stations, slot by slot. Measured are the share of
-//! intact messages, the throughput, and the waiting time relative to its formula. The error is the absolute difference from the
-//! formula. Chance alone gives a mean error of a quarter of the half width of the interval in the picture: 0.8 of its 3.29 standard
-//! errors. Sample sizes do not depend on the effort, so pictures are always the same; only timings are repeated more often.
+//! All messages go through `sim_core`'s own channel, some of them also through stations, slot by slot. The study
+//! measures the share of intact messages, the throughput, and the waiting time relative to its formula. The error is
+//! the absolute difference from the formula. By chance alone the mean error is a quarter of the half width of the
+//! interval in the picture (0.8 of 3.29 standard errors). Sample sizes do not depend on the effort, so pictures are
+//! always the same; only timings are repeated more often.
 
 mod delivery;
 mod latency;

@@ -18,7 +18,7 @@ const ACK: usize = 1;
 const SLOTS: [(Time, &str); 3] =
     [(Time(1), "slot of 1 us"), (Time::from_millis(10), "slot of 10 ms"), (Time::from_millis(50), "slot of 50 ms")];
 
-/// Throughput against P_p.
+/// Throughput against the packet loss P_p.
 pub fn against_loss(effort: Effort) -> Part {
     let errors = |packet_loss| RadioNoise { packet_loss, bit_error_rate: 0.0 };
     let steps: Vec<f64> = (0..=80).map(|step| f64::from(step) / 100.0).collect();
@@ -27,7 +27,7 @@ pub fn against_loss(effort: Effort) -> Part {
     measure(effort, ("radio-stop-and-wait", title, labels), Scale::Linear, "P_p", &LOSSES, &steps, errors)
 }
 
-/// Throughput against P_b.
+/// Throughput against the bit error rate P_b.
 pub fn against_bit_errors(effort: Effort) -> Part {
     let errors = |bit_error_rate| RadioNoise { packet_loss: 0.0, bit_error_rate };
     let steps: Vec<f64> = (0..=70).map(|step| 1e-6 * ten_to(f64::from(step) / 20.0)).collect();

@@ -1,9 +1,10 @@
 //! Default appearance of robots without a mesh.
 //!
-//! The hull has the robot's colour. It is round with the robot's diameter, for cars and Mecanum drives a box of that
-//! diagonal, or the colliders of the file. Marks show its heading from every side: a bright wedge pointing ahead, white
-//! lamps in front and red ones behind, as on ships a green lamp at the right and a red one at the left; a sloping
-//! display towards the rear, the camera at its place, and dark wheels according to the drive. Source: our choice.
+//! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is round with the robot's
+//! diameter, or for cars and Mecanum drives a box of that diagonal. Marks show the heading from every side: a bright
+//! wedge that points ahead; white lamps in front and red lamps behind; a green lamp at the right and a red lamp at the
+//! left, as on ships; a sloping display towards the rear; the camera; dark wheels that match the drive. Source: our
+//! choice.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -45,7 +46,7 @@ const HULL_SIDES: u32 = 36;
 /// Ratios of the height of a round hull, and of a box hull, to the robot's diameter.
 const ROUND_HEIGHT: f64 = 0.4;
 const BOX_HEIGHT: f64 = 0.26;
-/// Least such ratio, for a hull under a low camera.
+/// Least ratio of the hull's height to the robot's diameter, for a hull under a low camera.
 const LEAST_HEIGHT: f64 = 0.15;
 /// Scale of the hull within its outline, so that lamps protrude.
 const INSET: f64 = 0.98;
@@ -109,7 +110,7 @@ impl Hull {
     fn of_drive(robi: &RobiSpec) -> Self {
         let (diameter, wheel) = (robi.diameter, robi.wheel.diameter);
         let radius = 0.5 * diameter;
-        // A legged body sits on its hips.
+        // The underside of a legged robot's hull is at its belly.
         let belly = build::legs(robi).map_or(0.0, |legs| legs.belly);
         // Wheels are visible below the hull, and for a car also beside it.
         let (outline, bottom, half, height) = match robi.drive.kind {
@@ -148,7 +149,7 @@ impl Hull {
                 corners.map(|corner| middle + corner + shift * corner.signum()).collect()
             }
         };
-        // A rounded hull recedes from its outline away from its middle height.
+        // A rounded hull is narrower than its outline above and below its middle height, so its lamps are lower.
         let lamp = if is_flat { 0.15 } else { 0.06 } * height;
         Self { outline, bottom, top, centre: middle, half, lamp }
     }

@@ -32,7 +32,7 @@ struct Meeting {
     shares: [f64; 3],
 }
 
-/// Relative margin by which a face must be nearer to cover an earlier one: of coplanar faces, the first is seen.
+/// Relative margin by which a face must be nearer to cover an earlier one, so that the first of coplanar faces is seen.
 const COPLANAR: f64 = 1e-7;
 
 pub fn render(posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Reference {

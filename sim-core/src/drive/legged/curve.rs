@@ -14,8 +14,8 @@ use crate::math;
 const SAMPLES: usize = 50;
 /// Phase of toe-off, as a fraction of the cycle since heel strike.
 pub(super) const TOE_OFF: f64 = 0.6;
-/// Phases between which the foot is flat, from the end of heel strike to heel-off: within
-/// a degree and a half of the source in between. Our choice.
+/// The foot is flat from the phase `FLAT`, the end of heel strike, to `HEEL_OFF`. In the source its pitch is below 1.5
+/// degrees in between. Our choice.
 const FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
 /// Phase from which the heel rises as in the source.
@@ -112,7 +112,7 @@ impl NaturalGait {
         Some(natural)
     }
 
-    /// Height of the hip above the ground, m, at `phase` of one leg; the other leg is half a cycle apart.
+    /// Height of the hip above the ground, m, at `phase` of one leg; the other leg's phase differs by half a cycle.
     pub fn height(&self, phase: f64) -> f64 {
         periodic(&self.heights, 2.0 * phase)
     }

@@ -45,7 +45,7 @@ impl Gait {
 /// stride. Our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clock {
-    /// Start of validity: the clock's first decision instant comes after it.
+    /// Start of validity: the first decision instant of the clock comes after `opened`.
     pub opened: Time,
     /// Time of instant 0; at most one instant after `opened`.
     since: Time,

@@ -1,8 +1,8 @@
 //! The sequence of footholds of a walk.
 //!
 //! All decisions about the feet are made at instants of the gait's own clock, 48 per period, from pose and twist just
-//! before the instant: so they depend neither on slots nor on the times of queries. Decisions before the present slot
-//! are final; those ahead are repeated whenever the plan of the motion changes.
+//! before the instant. So the decisions depend neither on slots nor on the times of queries. Decisions before the
+//! present slot are final; later ones are made anew whenever the plan of the motion changes.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ const MOST_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
 const MOST_TURNED: f64 = 1.6;
 /// Greatest scale of the natural curves. Our choice.
 const MOST_LEVEL: f64 = 1.2;
-/// Changes of that scale below this are ignored. Our choice.
+/// Changes of the scale of the natural curves below this value are ignored. Our choice.
 const SAME_LEVEL: f64 = 0.02;
 /// Number of places tried for a foot between its goal and the body.
 const TRIED_PLACES: i32 = 16;
@@ -54,7 +54,7 @@ pub(in crate::drive) struct Course {
     pub piece: Piece,
     /// Offset from the robot's centre to its axle along x, m.
     pub axis_offset: f64,
-    /// The robot was placed here.
+    /// The piece begins with a placement of the robot.
     pub is_placed: bool,
 }
 
@@ -99,13 +99,13 @@ pub(in crate::drive) struct Walk {
     ground: Arc<Ground>,
     /// By leg, its natural gait; `None` for a leg without a foot.
     natural: Vec<Option<NaturalGait>>,
-    /// Settings with their start times, in ascending order; the first holds since the start of all times.
+    /// Settings with their start times, in ascending order; the first also applies before its start.
     orders: VecDeque<(Time, LegSettings)>,
     /// Number of commands that changed the settings.
     revision: u64,
     /// Final decisions, for instants before the present slot.
     firm: Steps,
-    /// Tentative decisions beyond, valid for these revisions of the motion and of the settings.
+    /// Tentative decisions after the final ones, valid for these revisions of the motion and of the settings.
     ahead: Option<((u64, u64), Steps)>,
     /// Time up to which footfalls have been taken.
     taken: Time,
@@ -121,7 +121,7 @@ struct Foothold {
 /// One step of a foot: lift-off, swing, and stance until the next step.
 #[derive(Clone, Debug)]
 struct Step {
-    /// Start of the roll-off over the toe; equal to `lift_off` without one.
+    /// Start of the roll-off over the toe; equal to `lift_off` if there is no roll-off.
     heel_off: Time,
     /// Planned duration of the roll-off, which may be cut short.
     roll: Time,
@@ -136,7 +136,7 @@ struct Step {
     level: f64,
     /// Goal and clearance height, each with the instant from which it is in force; the first from lift-off.
     goals: Vec<(Time, Foothold, f64)>,
-    /// The robot was placed there.
+    /// The foot got here by a placement of the robot, not by a step.
     is_placed: bool,
 }
 
@@ -416,7 +416,8 @@ impl Steps {
         let soon = (clock.instant(index + 2) - at).seconds();
         let last = self.feet[number].back().expect("a foot stands somewhere");
         if at <= last.lift_off && last.heel_off < at {
-            // The foot rolls off, and its goal is still open; the roll-off is cut short if the leg would not reach.
+            // The foot rolls off and its goal may still change. The roll-off is cut short if the leg would not reach
+            // otherwise.
             let is_cut = at < last.lift_off && self.is_out_of_reach_soon(inputs, number, present, soon);
             let touch_down = if is_cut { at + (last.touch_down - last.lift_off) } else { last.touch_down };
             let goal = self.goal(inputs, present, number, clock, touch_down);
@@ -477,7 +478,7 @@ impl Steps {
         (speed * gait.period.seconds() / natural.stride).clamp(0.0, MOST_LEVEL)
     }
 
-    /// Adapts the bob of the body to its speed.
+    /// Adapts the bob of the body (its natural rise and fall) to the speed.
     fn follow_speed(&mut self, inputs: &DecisionInputs, present: &BodyState) {
         let Some((clock, level)) = self.clocks.last() else { return };
         let gait = &inputs.legs.gaits[clock.gait];
@@ -798,8 +799,8 @@ fn foot_yaw(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
 }
 
-/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes; and the foot's
-/// yaw to the body.
+/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes, m; and the yaw
+/// of the foot relative to the body, rad.
 fn hip_to_point(leg: &Leg, foot: &FootState, pose: &Pose, lift: f64) -> (DVec3, f64) {
     let point = pose.inverse_transform_point(foot.point.truncate()).extend(foot.point.z - lift);
     let yaw = Heading::default().turned(foot.heading - pose.heading.remainder()).remainder();

@@ -1,4 +1,4 @@
-//! The legs of a robot's motion.
+//! Commands and queries of the legs of a walking robot.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ impl Motion {
         self.walk.as_ref().map(|walk| walk.legs())
     }
 
-    /// What the robot's legs walk on; `None` without legs.
+    /// The ground under the robot's feet; `None` for a robot without legs.
     pub fn ground(&self) -> Option<&Ground> {
         self.walk.as_ref().map(|walk| walk.ground())
     }
@@ -36,16 +36,16 @@ impl Motion {
         self.walk.as_ref().map_or(0, |walk| walk.orders_at(at).gait)
     }
 
-    /// Tells the legs something at `at`, not before the command before.
+    /// Obeys a leg command at `at`, which must not precede the last leg command.
     ///
     /// # Errors
-    /// A [`LegCommandError`] for what these legs cannot do; nothing changes then.
+    /// A [`LegCommandError`] for a command that these legs cannot obey; nothing changes then.
     pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
         let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
         walk.command(at, command)
     }
 
-    /// Feet, joints and height of the body at `at`; for a robot without legs only the height: that of a hull in the water, else 0.
+    /// Feet, joints and height of the body at `at`; for a robot without legs empty, with the height of a hull in the water, else 0.
     pub fn stance(&mut self, at: Time) -> Stance {
         let Some(mut walk) = self.walk.take() else {
             let is_afloat = self.hull().is_some();
@@ -68,7 +68,7 @@ impl Motion {
         Some(ceiling - self.lift(at))
     }
 
-    /// The feet that have come down before `until`, since this was asked last; in the order of time, then of legs.
+    /// The footfalls before `until` that no earlier call has returned, in the order of time, then of legs.
     pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
         let Some(mut walk) = self.walk.take() else { return Vec::new() };
         let footfalls = walk.take_footfalls(self, until);

@@ -1,7 +1,8 @@
 //! Energy limit of a step: energy that the solver added is removed, island by island.
 //!
-//! Motion relative to the rigid motion with the island's momentum and angular momentum is scaled, so that momentum is conserved. An
-//! island that touches an immovable body passes its momentum to that body, and is scaled as a whole.
+//! The motion of an island is split into the rigid motion that has the island's momentum and angular momentum, and the
+//! rest. Only the rest is scaled, so that momentum is conserved. An island that touches an immovable body passes its
+//! momentum to that body, and its whole motion is scaled.
 
 use glam::DVec2;
 
@@ -23,7 +24,8 @@ impl IslandBody {
     }
 }
 
-/// Scales the velocities of an island so that its energy is at most `limit`; `is_held` if it touches an immovable body.
+/// Scales the velocities of an island so that its energy is at most `limit`; `is_held` states that the island touches
+/// an immovable body.
 pub(super) fn limit(members: &mut [IslandBody], limit: f64, is_held: bool) {
     let energy: f64 = members.iter().map(IslandBody::energy).sum();
     if energy <= limit {
@@ -41,7 +43,8 @@ pub(super) fn limit(members: &mut [IslandBody], limit: f64, is_held: bool) {
         relative += IslandBody { velocity: rest, ..*member }.energy();
     }
     let factor = if relative > 0.0 { ((limit - shared).max(0.0) / relative).sqrt().min(1.0) } else { 0.0 };
-    // The common motion can exceed the limit only by rounding, or because the arms changed during the step.
+    // The common motion can exceed the limit only by rounding, or because distances between the bodies changed in the
+    // step.
     let shared_factor = if shared > limit { (limit / shared).sqrt() } else { 1.0 };
     for member in members {
         let rigid = common.at(member.centre);

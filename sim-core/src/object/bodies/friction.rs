@@ -7,7 +7,8 @@ use crate::object::floor::{ARM, Velocity};
 impl Velocity {
     pub const ZERO: Self = Self { linear: DVec2::ZERO, omega: 0.0 };
 
-    /// Velocity after friction that would slow a sliding body without rotation by `speed`, m/s; exactly zero at the end.
+    /// Velocity after friction that would slow a sliding body without rotation by `speed`, m/s; exactly zero if
+    /// friction stops the body.
     pub fn slowed(self, speed: f64, gyration_squared: f64) -> Self {
         let sliding = self.sliding(gyration_squared);
         if sliding <= speed {
@@ -18,8 +19,9 @@ impl Velocity {
     }
 }
 
-/// Parts of the loss of speed `whole` that friction removes before and after a step, m/s, such that the object moves at its mean
-/// speed during the step. So constant deceleration is exact, and so is its end within a step.
+/// Splits `whole`, the loss of speed by friction in a step, m/s, into a part before and a part after the step, so that
+/// the object moves at its mean speed during the step. So the distance is exact for constant deceleration, even if the
+/// object comes to rest within the step.
 pub(super) fn split(sliding: f64, whole: f64) -> (f64, f64) {
     let before =
         if sliding >= whole { 0.5 * whole } else { sliding - sliding * sliding / (2.0 * whole).max(f64::MIN_POSITIVE) };

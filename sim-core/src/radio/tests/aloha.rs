@@ -7,8 +7,8 @@ use crate::noise::{Purpose, Stream};
 const ALOHA: RadioModel =
     RadioModel { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 
-/// Share of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval. Messages begin at
-/// random, on average `g` in the duration of one, each from another robot.
+/// Share of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval.
+/// Messages begin at random, each from another robot; on average `g` messages begin during the transmission of one.
 ///
 /// Outcomes of neighbouring messages are correlated, so the variance is estimated between batches longer than any correlation.
 fn heard(g: f64, slot: Time) -> (f64, f64) {

@@ -103,7 +103,7 @@ fn what_has_not_begun_when_its_station_is_switched_off_is_never_sent() {
     for medium in MEDIA {
         let mut pair = Pair::new(RadioModel { medium, ..RadioModel::default() });
         pair.end_slot(slot);
-        // Long before the token arrives, 4 frames after the slot's end.
+        // The token arrives only 4 frames after the slot's end.
         for _ in 0..3 {
             pair.send(slot, &[0; 100]);
         }
@@ -129,7 +129,7 @@ fn a_free_medium_sends_what_it_has_taken_and_aloha_stops() {
     for (medium, second) in [(Medium::Free, Ok(())), (Medium::Aloha, Err(Loss::Unsent))] {
         let slot = Time::from_millis(1);
         let mut pair = Pair::new(RadioModel { medium, ..RadioModel::default() });
-        // 9.3 ms each.
+        // Each transmission takes 9.3 ms.
         pair.send(Time::ZERO, &[0; 100]);
         pair.send(Time::ZERO, &[0; 100]);
         let mut fates = pair.end_slot(slot);
@@ -158,7 +158,7 @@ fn who_is_switched_off_hears_nothing_of_what_was_on_its_way() {
         (pair.stations[1].switch_off(Time::from_millis(61)), pair.stations[1].next_visible()),
         (vec![], Time::NEVER)
     );
-    // A message of a station to itself has no receiver.
+    // A message of a station to its own address has no receiver.
     pair.stations[0].send(Time::from_millis(70), Address::One(1), b"me", Vec::new()).expect("there is room");
     assert_eq!(outcomes(&pair.end_slot(slot + slot)), [(2, Err(Loss::Nobody))]);
 }
@@ -183,7 +183,7 @@ fn a_buffer_that_is_full_takes_nothing_more() {
     let full = Err(Loss::Overflow);
     assert_eq!(outcomes(&settled), [(1, Ok(())), (2, full), (3, Ok(())), (4, full)]);
     assert_eq!(station.waiting(), 2);
-    // Likewise for the outgoing buffer, which has room again as transmissions end.
+    // The outgoing buffer also frees space as transmissions end.
     let baud = RadioModel::default().baud;
     pair.send(Time::ZERO, &[0; BUFFER]);
     let end = air_time(BUFFER, baud);

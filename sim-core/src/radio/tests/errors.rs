@@ -63,7 +63,7 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     all().for_each(|bit| positions[usize::from(*bit)] += 1.0);
     found.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
 
-    // The messages are joined without a gap: the gaps between errors are geometric throughout.
+    // Joining the messages without a gap keeps the gaps between errors geometric.
     let places = messages
         .iter()
         .enumerate()
@@ -142,7 +142,7 @@ fn the_same_tests_catch_biased_generators() {
         (0..20_000).map(|_| message()).collect()
     };
     let is_before = |bit: u16, wrong: &[u16], by: u16| bit >= by && wrong.contains(&(bit - by));
-    // Only the first differs in the overall rate.
+    // Only the first of these alternatives has another overall rate.
     let higher_rate = make(&mut |_, _, _| 1.05 * P);
     let first_of_byte = make(&mut |bit, _, _| if bit % 8 == 0 { 1.7 * P } else { 0.9 * P });
     let towards_the_end = make(&mut |bit, _, _| P * (0.85 + 0.3 * f64::from(bit) / (BITS as f64 - 1.0)));
@@ -156,7 +156,7 @@ fn the_same_tests_catch_biased_generators() {
         }
         rate
     });
-    // Gaps are the sum of two dice: the rate is right, the distribution of the gaps is not.
+    // The gaps are sums of two dice: the error rate is right, but the distribution of the gaps is wrong.
     let regular: Vec<Vec<u16>> = {
         let mut places = vec![Vec::new(); 20_000];
         let (mut place, mut dice) = (0, Random::new(8));
@@ -180,7 +180,7 @@ fn the_same_tests_catch_biased_generators() {
     catches(&echo, "bits 8 apart");
     catches(&fading, "one message after another");
     catches(&regular, "gaps");
-    // A plain generator, bit by bit, passes all tests.
+    // Errors that are drawn bit by bit pass all tests.
     for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
         assert!(value > LEAST, "{what}: {value}");
     }

@@ -1,4 +1,5 @@
-//! Oracle for stations and channel: the same rules, evaluated microsecond by microsecond; slow, and shares no code with the channel.
+//! Oracle for stations and channel: evaluates the same rules microsecond by microsecond, and shares no code with the
+//! channel.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -188,7 +189,7 @@ impl Oracle<'_> {
         let is_kept = |place: &usize| self.schedule.model.medium == Medium::Free && self.sent[*place].at < slot_start;
         let queue = std::mem::take(&mut self.queues[robot.index()]);
         self.queues[robot.index()] = queue.iter().copied().filter(is_kept).collect();
-        // The arrival is that of a transmission that begins as soon as the transmitter is free.
+        // The reported arrival assumes that the transmission begins as soon as the transmitter is free.
         let mut free = self.sent.iter().filter(|sent| sent.from == robot).filter_map(Self::ends).max();
         for place in queue {
             let is_kept = self.queues[robot.index()].contains(&place);
@@ -263,7 +264,7 @@ impl Oracle<'_> {
     /// Creates a token at `maker` after silence that began at `silent`.
     fn make_token(&mut self, maker: RobotId, silent: Time) {
         let (_, baud) = *self.ring.iter().find(|(robot, _)| *robot == maker).expect("it is in the ring");
-        // Two frames of silence, a poll, an answer from each of the others.
+        // Two frames of silence, a poll, and an answer from each other station.
         let frames = 2 + 1 + (self.ring.len() as i64 - 1);
         let mut stream = Stream::new(self.schedule.seed, RobotId(0), Purpose::Token, 0, self.tokens);
         self.tokens += 1;

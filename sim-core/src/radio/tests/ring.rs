@@ -118,7 +118,8 @@ fn an_idle_ring_loses_its_token_as_often_however_it_is_asked() {
 
 #[test]
 fn who_leaves_with_the_token_does_not_keep_it() {
-    // The boundary falls twice into the turn of each of the three robots; robot 2 leaves, twice while it has the token.
+    // The slot boundary falls into the turn of each of the three robots, twice each. Robot 2 leaves; twice it has the
+    // token then.
     let mut has_left_with_it = 0;
     for passes in 0..6 {
         let mut channel = ring(Vec::new(), 3);
@@ -136,7 +137,7 @@ fn who_leaves_with_the_token_does_not_keep_it() {
         };
         if owner == 2 {
             has_left_with_it += 1;
-            // 3 waits, polls, and 1 answers.
+            // Robot 3 waits and polls, and robot 1 answers.
             assert_eq!(begins(3), at + Time((SILENCE + 2) * frame().0));
             assert_eq!(begins(1), begins(3) + frame());
         } else {
@@ -174,7 +175,7 @@ fn the_speed_of_each_is_that_of_its_frames() {
     let fates = channel.exchange(Time::from_millis(1_000), vec![of(1, 9_600), of(2, 115_200)]);
     let first = start + air_time(10, 9_600);
     assert_eq!(fates.iter().map(|fate| fate.arrives).collect::<Vec<_>>(), [first + air_time(10, 115_200), first]);
-    // The token is received at every speed, messages are not.
+    // Tokens are received at every speed; messages are not.
     assert!(fates.iter().all(|fate| fate.outcome == Err(Loss::Baud)));
 }
 
@@ -192,7 +193,7 @@ fn the_buffer_is_free_once_a_message_was_sent() {
     assert_eq!(station.unsent(time), 2);
     let sendings = station.take_sent();
     let mut left = Vec::new();
-    // Each takes 45 ms.
+    // Each message takes 45 ms.
     for slot in 0..3 {
         time += SLOT;
         channel.exchange(time, if slot == 0 { sendings.clone() } else { Vec::new() });

@@ -103,7 +103,7 @@ fn schedule(seed: u64) -> Schedule {
         let mut at = if is_steady { 0 } else { random.below(end as usize / 2) as i64 };
         deeds.push((Time(at), id, on(robot, &mut random)));
         loop {
-            // Often at the same instant as others, or at a slot's end.
+            // Operations often coincide with others, or with a slot's end.
             at += 1 + random.below(busy) as i64;
             if random.chance(0.2) {
                 at = Time(at + slot.0 - 1).floor_to(slot).0;
@@ -180,7 +180,7 @@ fn check_times(schedule: &Schedule, story: &Story) {
         let of = |fate: &&Delivery| (fate.to, fate.from, fate.sequence) == (*reader, *from, *sequence);
         let fate = story.fates.iter().find(of).expect("it was heard");
         assert!(fate.visible <= *at && fate.outcome.is_ok());
-        // Received messages that were visible and had arrived earlier were read before.
+        // Every message that was visible and had arrived earlier was read before this one.
         let is_earlier = |it: &&Delivery| {
             (it.arrives, it.from, it.sequence) < (fate.arrives, fate.from, fate.sequence)
                 && (it.to, it.outcome.is_ok()) == (*reader, true)

@@ -31,7 +31,7 @@ struct Collapse {
     costs: [f32; WIDTH - 1],
     /// Share of the left subtree in at most 2, 3, ... 8 children; 0 if one child fewer is as good.
     left: [usize; WIDTH - 1],
-    /// As one child, the subtree is cheapest as a batch of triangles.
+    /// The subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
 }
 
@@ -92,7 +92,7 @@ impl Binary {
             return Collapse { costs: [batch; WIDTH - 1], left: [0; WIDTH - 1], is_leaf: true };
         };
         let mut best = Collapse::default();
-        // By the number of parts.
+        // Indexed by the number of parts.
         let mut costs = [f32::INFINITY; WIDTH + 1];
         for (parts, least) in costs.iter_mut().enumerate().skip(2) {
             for share in 1..parts {
@@ -125,11 +125,11 @@ impl Subtree {
     }
 }
 
-/// Partitions `order` where the expected cost is least, and returns the size of the first part, which is neither empty
-/// nor everything.
+/// Partitions `order` where the expected cost is least, and returns the size of the first part. Both parts are
+/// non-empty.
 ///
-/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007; split in half by count if all
-/// middles coincide.
+/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007. If all middles coincide, the
+/// boxes are split in half by count.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
     let middles = order.iter().fold(Box3::EMPTY, |all, &place| all.union(Box3::at(boxes[place].middle())));
     let size = middles.high - middles.low;

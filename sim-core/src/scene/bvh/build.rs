@@ -15,7 +15,7 @@ const BALANCED_FROM: usize = 14;
 /// Cost of testing a batch relative to a node.
 const BATCH_COST: f32 = 1.0;
 
-/// The tree over those of `triangles` whose indices are in `indices`.
+/// The tree over the triangles whose indices are in `indices`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], indices: &[u32], frame: &Frame) -> Tree {
     let tree_corners: Vec<[Vec3; 3]> = indices
         .iter()
@@ -35,7 +35,7 @@ fn padded(corners: &[Vec3; 3]) -> Box3 {
 struct Builder<'a> {
     /// Corners of all triangles, by index.
     triangles: &'a [[DVec3; 3]],
-    /// Indices of the triangles of the tree; a position in this list is an index of the next two as well.
+    /// Indices of the triangles of the tree; the next two lists have the same order.
     indices: &'a [u32],
     /// Corners in the coordinates of the tree.
     tree_corners: &'a [[Vec3; 3]],
@@ -105,7 +105,7 @@ impl Builder<'_> {
     /// Adds an empty node at `depth` (0: the root) and returns its index.
     fn reserve(&mut self, depth: usize) -> usize {
         self.tree.depth = self.tree.depth.max(depth + 1);
-        // Boxes that no ray enters: their entry is at infinity.
+        // The entry of these boxes is at infinity, so no ray enters them.
         let planes = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
         self.tree.nodes.push(Node { planes, children: [Child::default(); WIDTH] });
         self.tree.nodes.len() - 1

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh: the
-/// rounding of `f32` is then the same everywhere, and nothing overflows.
+/// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh. So the
+/// rounding of `f32` is the same for every mesh, and nothing overflows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     /// Bounds of the mesh.
@@ -48,11 +48,11 @@ impl Frame {
         (point - self.centre) * self.scale
     }
 
-    /// Entry of the ray into the bounds: its origin if that lies within. `None` if the ray misses them or ends before
-    /// them. `reciprocal` is that of the direction.
+    /// Entry of the ray into the bounds; the origin itself if it lies within them. `None` if the ray misses the bounds
+    /// or ends before them. `reciprocal` is the reciprocal of the direction.
     pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
         let offset = origin - self.centre;
-        // The second term exceeds the rounding of what follows.
+        // The second term exceeds the rounding of the computations below.
         let reach = self.half + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
         if offset.abs().cmple(reach).all() {
             return Some(Entry { distance: 0.0, origin });

@@ -25,7 +25,7 @@ use ray::Ray;
 pub struct MeshHit {
     /// Metres from the ray's origin to the triangle; not negative.
     pub distance: f64,
-    /// The triangle's number; ties in distance go to the lowest.
+    /// Number of the triangle; of several at the same distance, the lowest number.
     pub triangle: u32,
     /// Unit normal of the triangle on the side from which the ray comes. For a ray within the triangle's
     /// plane, the side from which its corners are counter-clockwise.
@@ -40,10 +40,10 @@ pub struct MeshHit {
 ///
 /// # Definition of a hit
 /// Both sides of a triangle can be hit, edges and corners included. Where triangles share corners (equal to the bit),
-/// no ray slips through between them: projected along the ray, the offset of a shared edge from the ray is the same
-/// number for both triangles, and its sign is never wrong, only 0 (hits both) where rounding leaves it open. A ray
-/// within a triangle's plane hits it where it enters it. A ray that starts on a triangle, nearer to it than 4 units in
-/// the last place (2^-52) of the coordinates involved, hits it at distance 0.
+/// no ray slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is
+/// the same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which
+/// hits both. A ray within a triangle's plane hits the triangle where it enters it. A ray that starts on a triangle
+/// hits it at distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
 ///
 /// Distances are exact within rounding (some 10^-15 of the mesh's extent, over the cosine of the incidence angle). A
 /// ray from outside the mesh's bounds is followed from its entry into them, so a distant origin adds only its own
@@ -121,8 +121,8 @@ fn has_area(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|&corner| is_usable(corner)) && area_vector(corners) != DVec3::ZERO
 }
 
-/// Vector normal to the triangle, on the side from which its corners are counter-clockwise; its length is twice the
-/// area over the square of the greatest coordinate extent of its edges, so that nothing overflows.
+/// Vector normal to the triangle, on the side from which its corners are counter-clockwise. Its length is twice the
+/// triangle's area divided by the square of the greatest coordinate extent of its edges, so that nothing overflows.
 fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (*b - *a, *c - *a);
     let extent = ab.abs().max(ac.abs()).max_element();

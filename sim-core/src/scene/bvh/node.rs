@@ -24,7 +24,7 @@ pub(super) struct Tree {
     pub depth: usize,
 }
 
-/// Eight boxes, coordinate by coordinate; the box of a missing child is one that no ray enters.
+/// Eight boxes, coordinate by coordinate; no ray enters the box of a missing child.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {

@@ -40,15 +40,15 @@ const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
 const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Limit of twice the area of a triangle projected along the ray, over the square of the distance of its farthest
-/// corner from the ray, up to which the triangle is treated as a line.
+/// Least ratio of twice a triangle's area, projected along the ray, to the square of the distance of its farthest
+/// corner from the ray. With a smaller ratio the triangle is treated as a line.
 ///
-/// A corner's weight, three products, is off by 2^-50 of that square at most, so a hit by 2^-50 / `SLIVER` = 2^-24 of
-/// the triangle's extent; for a triangle treated as a line, by its width, which is 2^-25 of its extent at most. Neither
-/// exceeds 2^-22 tree units, which the margin of the boxes covers.
+/// The weight of a corner (three products) has an error of at most 2^-50 of that square, which shifts a hit by at most
+/// 2^-50 / `SLIVER` = 2^-24 of the triangle's extent. Treating a triangle as a line shifts a hit by at most its width,
+/// 2^-25 of its extent. Neither shift exceeds 2^-22 tree units, which the margin of the boxes covers.
 const SLIVER: f64 = 1.0 / (1 << 26) as f64;
 
-/// A corner in ray coordinates: sheared, so that the ray runs along the last axis through 0.
+/// A corner in ray coordinates, sheared so that the ray runs along the last axis through 0.
 #[derive(Clone, Copy)]
 struct Corner {
     x: f64,
@@ -100,7 +100,7 @@ impl Ray {
         self.shear
     }
 
-    /// Distance of the nearest hit so far, m; the range without one.
+    /// Distance of the nearest hit so far, m; the range of the ray if there is no hit.
     pub fn distance(&self) -> f64 {
         self.nearest.distance
     }
@@ -122,7 +122,7 @@ impl Ray {
         }
     }
 
-    /// Distance to a triangle, m, unlimited in range; `None` for no hit.
+    /// Distance to a triangle, m, without the limit of the range; `None` if the ray misses the triangle.
     #[inline(always)]
     pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
         let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
@@ -157,8 +157,8 @@ impl Ray {
         distance >= -BEHIND / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 
-    /// Distance to a triangle that projects almost to a line. `ahead`, an estimate, may be anywhere within the
-    /// triangle, or NaN.
+    /// Distance to a triangle that projects almost to a line. `ahead` is an estimate of the distance, anywhere within
+    /// the triangle, or NaN.
     #[cold]
     fn through_sliver(&self, seen: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
         let edges = [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[0])];

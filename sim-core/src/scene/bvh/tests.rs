@@ -187,7 +187,7 @@ fn nothing_is_lost_from_far_away() {
             let truth =
                 oracle::nearest_triangle(&levels.triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
             let expected = target + (30.0 - truth) * from;
-            // Of two slopes that a grazing ray hits, rounding of the origin may choose either.
+            // If a grazing ray hits two slopes, rounding of the origin may choose either.
             let grazing = hit.normal.dot(from) < 0.05;
             assert!(grazing || (met - expected).length() < 1e-14 * far + 1e-9, "{far}: {met} for {expected}");
         }
@@ -379,7 +379,7 @@ fn slivers_are_met_within_themselves() {
 #[test]
 fn many_triangles_in_one_place_make_no_deep_tree() {
     let mut triangles = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 500];
-    // Nested, each half as large as the one before.
+    // Nested triangles, each half as large as the one before.
     triangles.extend((0..300).map(|step| {
         let size = f64::from_bits((1023 - step) << 52);
         [DVec3::ZERO, DVec3::X * size, DVec3::new(0.0, size, size)]
@@ -415,7 +415,8 @@ fn a_room_is_as_large_as_it_is_at_any_pose() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Coordinates on a coarse grid: shared corners, coplanar and degenerate triangles, rays along edges and planes.
+    /// Coordinates on a coarse grid give shared corners, coplanar and degenerate triangles, and rays along edges and
+    /// planes.
     #[test]
     fn on_a_grid_all_levels_give_what_every_triangle_says(
         corners in prop::collection::vec(prop::array::uniform9(-3_i8..4), 1..60),

@@ -7,8 +7,8 @@ use super::ray::Ray;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 
-/// Limit to which reciprocals of a direction's components are clamped: none is infinite, and over the whole mesh the
-/// ray shifts sideways by less than 2^-38.
+/// Limit to which reciprocals of a direction's components are clamped, so that none is infinite. Over the whole mesh
+/// the clamping shifts the ray sideways by less than 2^-38 tree units.
 pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
 /// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
@@ -43,7 +43,7 @@ struct Probe<S: Simd> {
 
 /// A ray on one axis.
 struct Slab<S: Simd> {
-    /// Reciprocal of the direction, and that times the origin.
+    /// Reciprocal of the direction, and that reciprocal times the origin.
     reciprocal: f32x8<S>,
     moved: f32x8<S>,
     /// Side of a box (low 0, high 1) through which the ray enters.
@@ -108,7 +108,7 @@ impl<S: Simd> Probe<S> {
         (near.into(), near.simd_le(far).to_bitmask() as u32)
     }
 
-    /// One corner of each of a batch's triangles in ray coordinates: sheared, so that the ray runs through 0.
+    /// One corner of each of a batch's triangles in ray coordinates, sheared so that the ray runs through 0.
     #[inline(always)]
     fn seen(&self, simd: S, batch: &TriangleBatch, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
@@ -120,9 +120,9 @@ impl<S: Simd> Probe<S> {
 
     /// Bit mask of the triangles of a batch that the ray's line may hit.
     ///
-    /// In units u of rounding of 1: a corner relative to the origin is off by 4.1 u, sheared by 17 u on each axis; with
-    /// m, the greatest of those coordinates, at most 4.2, the offset of an edge is off by 4 (17 u) m + 4 m^2 u < 86 u
-    /// m, and another 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
+    /// In units u of rounding of 1: a corner relative to the origin has an error of 4.1 u, and 17 u on each axis after
+    /// shearing. Let m, at most 4.2, be the greatest of these coordinates. Then the offset of an edge has an error of
+    /// 4 (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
     #[inline(always)]
     fn triangles(&self, simd: S, batch: &TriangleBatch) -> u32 {
         let (ax, ay) = self.seen(simd, batch, 0);

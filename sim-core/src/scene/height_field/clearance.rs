@@ -7,11 +7,11 @@ use crate::scene::Bounds;
 use crate::scene::distance::segment_to_triangle;
 
 impl HeightField {
-    /// Distance of the segment between two points of the world from the ground, in metres: 0 if they touch; for a
-    /// segment below the ground, minus the greatest height of the ground above a point of it.
+    /// Distance of the segment between two points of the world from the ground, in metres; 0 if they touch. For a
+    /// segment below the ground, the result is minus the greatest height of the ground above a point of the segment.
     ///
-    /// Exact up to `within`; a greater distance gives some value of at least `within`. Beyond the rectangle the height
-    /// above the ground replaces the distance. NaN if a coordinate is NaN.
+    /// The distance is exact up to `within`; if it is greater, the result is some value of at least `within`. Beyond
+    /// the rectangle the height above the ground replaces the distance. NaN if a coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         let (gap, _) = self.least_gap(ends);
         if gap.is_nan() || gap <= 0.0 {
@@ -44,17 +44,18 @@ impl HeightField {
         least
     }
 
-    /// Least height of a point of the segment above the ground, in metres, negative if it is below; and that point.
+    /// Least height of the points of the segment above the ground, in metres, negative if the point is below; and the
+    /// point with that height.
     ///
-    /// Both heights are linear between the lines of the grid and the diagonals, so only crossings count. NaN if a
-    /// coordinate is NaN.
+    /// Segment and ground are linear between the lines of the grid and the diagonals, so only the crossings must be
+    /// tested. NaN if a coordinate is NaN.
     pub fn least_gap(&self, [a, b]: [DVec3; 2]) -> (f64, DVec3) {
         if a.is_nan() || b.is_nan() {
             return (f64::NAN, a);
         }
         let along = b - a;
         let place = |share: f64| (a + share * along).truncate();
-        // The crossed coordinate is set exactly, so that both sides of a step count.
+        // The crossed coordinate is set exactly, so that both sides of a step are tested.
         let crossings = |axis: &[f64], from: f64, way: f64, snap: fn(DVec2, f64) -> DVec2| -> Vec<(f64, DVec2)> {
             let at = |line: &f64| ((line - from) / way, *line);
             let inside = axis.iter().map(at).filter(|(share, _)| 0.0 < *share && *share < 1.0);
@@ -91,8 +92,8 @@ impl HeightField {
         (least.0, a + least.1 * along)
     }
 
-    /// Bounds of the height of the ground in a disc, in metres: least and greatest height at its centre and at the
-    /// corners of the cells that it touches. Never too narrow.
+    /// Bounds of the height of the ground in a disc, in metres: the least and the greatest height among the disc's
+    /// centre and the corners of the cells that the disc touches. The bounds are never too narrow.
     pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         let middle = self.height(centre.x, centre.y);
         let (mut least, mut greatest) = (middle, middle);
@@ -203,7 +204,7 @@ mod tests {
         assert!((slope.clearance(ends(-0.2), 1.0) + 0.2).abs() < 1e-12);
         assert_eq!(slope.clearance(ends(2.0), 0.1), 0.1);
         assert!(slope.clearance([DVec3::NAN, DVec3::ZERO], 0.1).is_nan());
-        // Beside it, the height above its border.
+        // Beyond the border, the height above the border counts.
         assert!((slope.clearance([DVec3::new(5.0, 1.0, 3.25), DVec3::new(6.0, 1.0, 4.0)], 1.0) - 0.25).abs() < 1e-12);
     }
 

@@ -62,7 +62,7 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
         let field = rough(seed);
         let rays = index(&field);
         let (columns, rows) = field.size();
-        // Not on the border: a ray may pass beside it within rounding.
+        // Points on the border are left out, because a ray may pass beside it within rounding.
         for row in 1..rows - 2 {
             for column in 1..columns - 2 {
                 let corner = field.corner(column, row);
@@ -75,11 +75,11 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                     }
                     let hit = rays.cast(DVec3::new(place.x, place.y, 3.0), DVec3::NEG_Z, 20.0);
                     let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {place}"));
-                    // At a step, the ray hits its upper edge, or passes it within rounding.
+                    // At a step, the ray hits its upper edge, or passes the edge within rounding.
                     let height = 3.0 - hit.distance;
                     assert!(height <= field.height(place.x, place.y) + 1e-9, "seed {seed} at {place}");
-                    // A ray may pass over a ridge within rounding: steep rays hit the ground behind it, at most 0.8 m
-                    // lower.
+                    // A steep ray may pass over a ridge within rounding; it then hits the ground behind the ridge, at
+                    // most 0.8 m lower.
                     let Bounds { min, max } = field.bounds();
                     let inner = Bounds { min: min + 0.15, max: max - 0.15 };
                     for offset in [DVec3::new(0.3, -0.2, 3.0), DVec3::new(-0.1, 0.4, 3.0)] {

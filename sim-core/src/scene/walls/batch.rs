@@ -16,8 +16,8 @@ use super::WallId;
 const WIDTH: usize = 4;
 
 /// The walls of each cell of a grid. Lengths are in cells, counted from half a cell outside the grid's lower left
-/// corner: a position rounded to whole numbers is a cell index, from 1 on; a ring of sentinel cells around the grid
-/// ends every walk.
+/// corner, so that a position rounded to whole numbers is a cell index, starting at 1. A ring of sentinel cells around
+/// the grid ends every walk.
 #[derive(Clone, Debug)]
 pub(super) struct WallBatches {
     corner: DVec2,
@@ -27,10 +27,10 @@ pub(super) struct WallBatches {
     /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
     batches: Vec<WallBatch>,
-    /// Bound of the `f32` error, which with the [margin](super::Walls) of the walls allows for 16 units of rounding of
-    /// the farthest coordinate. A wall's end is off by 1 (its coordinate) + 1 (the direction) + 1 (the product) on each
-    /// axis, 1 for their sum and 1 for the ray's own position; for a grid of 3 by 3 cells, ring included, 5 are left
-    /// for the margin.
+    /// Bound of the `f32` error; together with the [margin](super::Walls) of the walls it allows for 16 units of
+    /// rounding of the farthest coordinate. On each axis the end of a wall has an error of 1 (its coordinate) + 1 (the
+    /// direction) + 1 (the product); their sum and the ray's own position add 1 each. For a grid of 3 by 3 cells, ring
+    /// included, 5 units remain for the margin.
     slack: f32,
 }
 
@@ -57,14 +57,14 @@ const NO_WALL: u32 = u32::MAX;
 const EMPTY: WallBatch =
     WallBatch { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
 
-/// Added to a position in cells, it leaves the nearest whole number in the lowest bits.
+/// Rounding constant: added to a position in cells, it leaves the nearest whole number in the lowest bits.
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
 
 /// Prevents 0 times infinity from giving NaN; too small to change any result.
 const ANY: f64 = 1e-300;
 
 impl WallBatches {
-    /// The walls whose numbers `cells` holds for each cell of `grid`.
+    /// The batches of the walls that `cells` lists for each cell of `grid`.
     pub fn new(grid: &Grid, cells: &Cells<u32>, segments: &[Segment]) -> Self {
         let per_cell = 1.0 / grid.cell();
         let corner = grid.bounds().min - DVec2::splat(0.5 * grid.cell());
@@ -88,10 +88,10 @@ impl WallBatches {
         Self { corner, per_cell, columns, rows, first, batches, slack }
     }
 
-    /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately by distance; a
-    /// wall may come several times. `test` returns the distance up to which the walk has to continue.
+    /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately in order of
+    /// distance and possibly several times. `test` returns the distance up to which the walk must continue.
     ///
-    /// `start` lies within the grid, or outside it by no more than rounding. Distances, up to `farthest` at first,
+    /// `start` lies within the grid, or outside it by no more than rounding. Distances, at first up to `farthest`,
     /// count from a point `passed` metres before `start`.
     #[inline(always)]
     pub fn walk(
@@ -147,7 +147,7 @@ impl WallBatches {
             if limit <= exit {
                 return;
             }
-            // Bit masks replace a branch that could not be predicted: either border may come first.
+            // Bit masks replace a branch that could not be predicted, because either border may come first.
             let is_column = u64::from(exits.x < exits.y).wrapping_neg();
             cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
             exits.x += f64::from_bits(per.x.to_bits() & is_column);
@@ -204,7 +204,7 @@ struct Probe {
     left: Vec4,
     /// Coordinate of the ray's start along its line.
     start: f64,
-    /// `start` less the slack.
+    /// `start` minus the slack.
     behind: Vec4,
     slack: f32,
 }
@@ -230,8 +230,8 @@ impl Probe {
         Vec4::splat((self.start + limit) as f32 + self.slack)
     }
 
-    /// Bit mask of the walls with ends on both sides of the ray, or on it, that are neither behind its start nor beyond
-    /// its end.
+    /// Bit mask of the walls whose ends lie on both sides of the ray, or on it, and that are neither behind its start
+    /// nor beyond its end.
     #[inline(always)]
     fn may_hit(&self, batch: &WallBatch, end: Vec4) -> u32 {
         let Self { x, y, .. } = *self;

@@ -10,7 +10,7 @@ use super::{WallHit, WallId};
 pub(super) struct Ray {
     pub origin: DVec2,
     pub direction: DVec2,
-    /// Upper bound of the distance at which the ray touches a point of a wall.
+    /// Greatest distance from a wall's point at which the ray touches it.
     pub rounding_error: f64,
     /// Upper bound of the product of a wall's length and the distance within which an origin counts as on the wall.
     pub area_rounding_error: f64,
@@ -32,7 +32,7 @@ impl Ray {
         End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
     }
 
-    /// Distance to a wall on the ray's line, unlimited in range; negative for no hit.
+    /// Distance to a wall on the ray's line, without the limit of the range; negative if the ray misses the wall.
     // `|` joins conditions where a branch would be mispredicted half of the time.
     #[inline(always)]
     pub fn distance(self, segment: &Segment) -> f64 {
@@ -50,7 +50,8 @@ impl Ray {
         }
     }
 
-    /// Distance to a wall whose end the ray's line may touch, or on which the origin may lie; negative for no hit.
+    /// Distance to a wall whose end the ray's line may touch, or on which the origin may lie; negative if the ray
+    /// misses the wall.
     #[cold]
     #[inline(never)]
     fn touching(self, segment: &Segment, a: End, b: End) -> f64 {
@@ -60,7 +61,7 @@ impl Ray {
             return -1.0;
         }
         let length = (segment.b - segment.a).abs().element_sum();
-        // The part of the touch tolerance that depends only on the origin.
+        // This part of the touch tolerance depends only on the origin.
         let at_origin = ROUNDING * self.origin.abs().element_sum();
         let touches =
             |end: End, point: DVec2| end.side.abs() <= at_origin + ROUNDING * (point - self.origin).abs().element_sum();
@@ -68,7 +69,7 @@ impl Ray {
             return 0.0;
         }
         match (touches(a, segment.a), touches(b, segment.b)) {
-            // The ray runs along the wall, which lies ahead of or behind the origin.
+            // The ray's line runs along the wall, which lies ahead of the origin or behind it.
             (true, true) => a.ahead.min(b.ahead),
             _ if a.side * b.side < 0.0 => (a.ahead * b.side - b.ahead * a.side) / (b.side - a.side),
             (true, false) => a.ahead,
@@ -81,7 +82,7 @@ impl Ray {
 /// The nearest wall so far.
 #[derive(Clone, Copy)]
 pub(super) struct Nearest {
-    /// Distance of the wall, or the range without one.
+    /// Distance of the wall; the range of the ray if there is no wall.
     pub distance: f64,
     /// The wall, or [`NO_WALL`].
     wall: WallId,

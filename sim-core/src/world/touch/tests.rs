@@ -74,7 +74,7 @@ fn bodies_are_touched_as_brute_force_finds() {
         let centre = if unit() < 0.5 { DVec2::new(-2.0, -2.0) } else { DVec2::new(-2.0, 1.0) };
         let mut point = || DVec3::new(centre.x + 2.4 * unit() - 1.2, centre.y + 2.4 * unit() - 1.2, unit());
         let capsule = Capsule { ends: [point(), point()], radius: 0.08 };
-        // Sampled along the axis; neighbouring points are at most 7 mm apart.
+        // Samples along the axis; neighbouring points are at most 7 mm apart.
         let distance = |number: u32| {
             let (pose, figure) = &world.indexed_space.space.fixed[number as usize];
             let mut least = f64::INFINITY;
@@ -172,7 +172,7 @@ fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
 fn legs_that_stand_on_the_floor_touch_nothing() {
     let standing = leg_clearance([8.0, -8.0], Ground::Flat);
     assert_eq!(standing.contacts, []);
-    // The shanks count down to 90 mm above their tips, and are 30 mm thick; they stand nearly upright.
+    // The shanks count down to 90 mm above their tips, are 30 mm thick, and stand nearly upright.
     assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
     let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
     assert_eq!(world().leg_clearance(&mut gliding, Time::ZERO, 0.5), None);

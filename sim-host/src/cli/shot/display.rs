@@ -47,7 +47,7 @@ fn enlarged(display: &Canvas, scale: usize) -> Canvas {
     picture
 }
 
-/// Draws the display in its frame, with the four keys below the columns where touches press them.
+/// Draws the display in its frame, with each of the four keys below the columns in which a touch presses that key.
 fn framed(display: &Canvas, caption: &Caption) -> Canvas {
     let [width, height] = display.size();
     let (left, right) = (SIDE as i32, (SIDE + width) as i32 - 1);

@@ -42,7 +42,7 @@ pub struct ShotArgs {
     /// Look from this point of the world, in millimetres as in a sim file, z upwards
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "to", conflicts_with = "lcd")]
     from: Option<DVec3>,
-    /// Look at this point of the world; straight down, the top of the picture is where y grows
+    /// Look at this point of the world; in a view straight down, y points to the top of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "from")]
     to: Option<DVec3>,
     /// Angle that the picture's width covers, in degrees, with --from [default: 60]
@@ -51,19 +51,20 @@ pub struct ShotArgs {
     /// Pixels of the picture [default: as the program has set the camera, else 320x240; with --from 640x480]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "lcd")]
     size: Option<[u32; 2]>,
-    /// Points at which each side of a pixel is looked at [default: those of the camera; with --from 4]
+    /// Samples along each side of a pixel [default: those of the camera; with --from 4]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=8), conflicts_with = "lcd")]
     samples: Option<u32>,
     /// Show how far away things are: 16 bits a pixel, in mm along the line of sight, 0 for the sky
     #[arg(long, conflicts_with_all = ["lcd", "labels"])]
     depth: bool,
-    /// Show what each pixel is, with a colour for each: the numbers of the palette are those of CAMGetLabels
+    /// Show the label of each pixel as a colour; the palette's indices are the labels of CAMGetLabels
     #[arg(long, conflicts_with = "lcd")]
     labels: bool,
     /// The picture [default: view.png, of a display lcd.png]
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
-    /// Pixels of the picture in each direction for a pixel of the display [default: 2, for the small display of RoBIOS 6 4]
+    /// Pixels of the picture along each side of a pixel of the display [default: 4 for the small display of RoBIOS 6,
+    /// else 2]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=16), requires = "lcd")]
     scale: Option<u8>,
     /// Show the display's pixels alone, without the frame around them

@@ -66,7 +66,8 @@ pub struct ShotPicture {
     pub file: Vec<u8>,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Time of the picture; differs from the requested time if the run ended earlier or the world does not remember that far back.
+    /// Time of the picture; differs from the requested time if the run ended earlier or the stored motion of the world
+    /// begins later.
     pub time: Time,
 }
 
@@ -90,7 +91,7 @@ impl Shot<'_> {
     pub fn take(&self, ran: &Ran) -> anyhow::Result<ShotPicture> {
         let run = &ran.finished.ended.run;
         let world = run.world();
-        // Nothing moves after the end; before it, the world remembers motion for `HISTORY`.
+        // Nothing moves after the end. Motion before the end is stored for `HISTORY`.
         let time =
             self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
         let (view, by) = match self.camera {

@@ -1,7 +1,7 @@
 //! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors by which a file declares them.
 //!
-//! One table serves both, from JSON values: an absent field is not written, and null is an infinite number. Names and numbers are
-//! those of Foxglove's schemas; fields that are never filled are left out.
+//! One table serves both. Messages are encoded from JSON values: an absent field is not written, and null is an
+//! infinite number. Names and numbers are those of Foxglove's schemas; fields that are never filled are left out.
 //!
 //! Source: protobuf.dev, encoding; descriptor.proto.
 
@@ -48,7 +48,8 @@ const COLOUR: Type = Type::Message("foxglove.Color");
 const DELETIONS: &[&str] = &["MATCHING_ID", "ALL"];
 const LEVELS: &[&str] = &["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
 
-/// Fields of each message. Its package is the name without the last word; each of Google's messages has its own file.
+/// Fields of each message. A message's package is its name without the last word. Each of Google's messages has its own
+/// file.
 const MESSAGES: &[(&str, &[Field])] = &[
     ("google.protobuf.Timestamp", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),
     ("google.protobuf.Duration", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),

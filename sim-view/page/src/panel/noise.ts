@@ -7,7 +7,7 @@ import { button, choice, numberField, numberOf, section, setOptions, setReason, 
 import { act, onRights, whyNot } from "./notice";
 
 const STEPS = 1000;
-/** Sliders of wider ranges resolve small numbers more finely. */
+/** Width of a range above which its slider resolves small numbers more finely. */
 const WIDE = 200;
 
 interface Row {

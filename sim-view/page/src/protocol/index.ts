@@ -38,7 +38,7 @@ export type Action = { "do": "press",
   sensor: string,
   /** True for on. */
   on: boolean, } | { "do": "add_robot",
-  /** Name of the type, from the scene's workshop. */
+  /** Name of the type, one of those that can be added (`workshop` of the scene). */
   kind: string,
   /** Number of the robot whose program it runs; none for a robot without a program. */
   program_of: number | null,
@@ -50,7 +50,7 @@ export type Action = { "do": "press",
   phi_rad: number, } | { "do": "remove_robot",
   /** Number of the robot. */
   robot: number, } | { "do": "add_object",
-  /** Name of the type, from the scene's workshop. */
+  /** Name of the type, one of those that can be added (`workshop` of the scene). */
   kind: string,
   /** World coordinate to the right. */
   x_m: number,
@@ -204,7 +204,7 @@ export type Lcd = {
   /** True for the display of RoBIOS-7, which has colours and a touch screen. */
   has_colours: boolean, };
 
-/** Motion at constant rates, in the body's frame. */
+/** Piece of motion of a body, with constant rates in the body's frame. */
 export type Leg = {
   /** Start time. */
   t_s: number,
@@ -406,7 +406,7 @@ export type RobotHistory = {
 export type RobotState = {
   /** Its number. */
   id: number,
-  /** Motion from the snapshot's time to the slot's end; the first leg holds at the snapshot's time. */
+  /** Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time. */
   legs: Array<Leg>,
   /** State of its program. */
   standing: Standing,

@@ -7,7 +7,7 @@ import type { Bodies } from "./bodies";
 import { Pen, type Colour } from "./pen";
 import { Sprites } from "./sprite";
 
-/** Real times for which a message flies, and is visible altogether, whatever its time of flight in the simulation. */
+/** Real times for which a message is shown in flight and is visible altogether, whatever its simulated time of flight. */
 const FLIGHT_MS = 550;
 const SHOWN_MS = 1200;
 const CONTACT_MS = 900;

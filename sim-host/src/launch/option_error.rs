@@ -1,0 +1,126 @@
+//! Options of a run that do not fit the scene, or whose files cannot be read.
+
+use sim_format::PRESETS;
+
+use crate::program::words::WordsError;
+use crate::robios::cost::CostError;
+use crate::robios::key::ScriptError;
+
+/// An option of a run that does not fit the scene, or whose file cannot be read. The message names the option of the command line.
+#[derive(Debug, thiserror::Error)]
+pub enum OptionError {
+    /// A script of key presses cannot be read.
+    #[error("--keys: {0}")]
+    Keys(#[from] ScriptError),
+    /// An option names a robot that the scene does not have.
+    #[error("{option}: {robot}")]
+    UnknownRobot {
+        /// The option, as on the command line.
+        option: &'static str,
+        /// The robot.
+        robot: UnknownRobot,
+    },
+    /// Two options give one robot a program.
+    #[error("--program: robot {robot} gets two programs")]
+    TwoPrograms {
+        /// Number of the robot.
+        robot: u32,
+    },
+    /// Two options give a program to all robots without one.
+    #[error("--program: one program for all robots without one, not `{first}` and `{second}`")]
+    TwoProgramsForAll {
+        /// The first program.
+        first: String,
+        /// The second program.
+        second: String,
+    },
+    /// A program is meant for robots without one, and every robot has one.
+    #[error("--program {program}: every robot has a program; `--program 1={program}` replaces that of robot 1")]
+    UnneededProgram {
+        /// The program.
+        program: String,
+    },
+    /// A program is meant for robots with a program or type that no robot has.
+    #[error("--program: no robot has a program or a type `{name}`: the scene has {known}")]
+    UnknownName {
+        /// Name of the program or type.
+        name: String,
+        /// The programs and types of the scene.
+        known: String,
+    },
+    /// The arguments of a program cannot be split into words.
+    #[error("--args {text}: {error}")]
+    Words {
+        /// The option's value.
+        text: String,
+        /// The mistake.
+        error: WordsError,
+    },
+    /// Arguments for a robot without a program.
+    #[error("--args: robot {robot} has no program: `--program {robot}=FILE` gives it one")]
+    NoProgram {
+        /// Number of the robot.
+        robot: u32,
+    },
+    /// A noise profile that is neither a preset nor a file.
+    #[error("--noise: `{name}` is no noise profile: expected one of {}, or a file NAME.toml", PRESETS.join(", "))]
+    UnknownNoise {
+        /// The option's value.
+        name: String,
+    },
+    /// A file with the costs of calls cannot be used.
+    #[error("cost table `{file}`: {reason}")]
+    Costs {
+        /// The file.
+        file: String,
+        /// The reason.
+        reason: CostsRefusal,
+    },
+    /// The costs in the scene cannot be used.
+    #[error("cost table in `{file}`: {error}")]
+    SceneCosts {
+        /// The file with the table.
+        file: String,
+        /// The mistake.
+        error: CostError,
+    },
+}
+
+impl OptionError {
+    /// Conversion of [`UnknownRobot`] for an option.
+    pub(super) fn robot(option: &'static str) -> impl Fn(UnknownRobot) -> Self {
+        move |robot| Self::UnknownRobot { option, robot }
+    }
+}
+
+/// The scene has no robot with this number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no robot {robot}: the scene has {}", known_robots(*count))]
+pub struct UnknownRobot {
+    /// The number.
+    pub robot: u32,
+    /// Number of robots in the scene.
+    pub count: usize,
+}
+
+/// Reasons why a file with costs cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum CostsRefusal {
+    /// It cannot be read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// It is no text in UTF-8.
+    #[error(transparent)]
+    Text(#[from] std::str::Utf8Error),
+    /// Its table has a mistake.
+    #[error(transparent)]
+    Table(#[from] CostError),
+}
+
+fn known_robots(count: usize) -> String {
+    match count {
+        0 => "no robots".to_owned(),
+        1 => "robot 1 alone".to_owned(),
+        count => format!("robots 1 to {count}"),
+    }
+}

@@ -1,0 +1,205 @@
+//! Comparison of two recorded runs: the first event in which they differ, and how far apart their robots get.
+
+use std::collections::BTreeMap;
+use std::io::BufRead;
+
+use glam::DVec2;
+use sim_core::math;
+use sim_core::record::Kind;
+use sim_core::time::Time;
+
+use super::read::{Line, RecordedEvent, TraceError, TraceReader};
+use super::trail::Trail;
+
+/// Comparison of two traces, A and B.
+#[derive(Debug, Default)]
+pub struct TraceDiff {
+    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes, which alone do not make runs different.
+    pub headers: Vec<String>,
+    /// First difference between the events; none if they are equal as far as both traces reach.
+    pub first: Option<Difference>,
+    /// Ends of the runs A and B; none for a trace that breaks off.
+    pub ends: [Option<Time>; 2],
+    /// End of the last slot that was compared.
+    pub compared_until: Time,
+    /// Paths of each robot with poses in either trace, by its number.
+    pub paths: BTreeMap<u32, PathPair>,
+}
+
+/// First difference between the events of two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// Virtual time of the earlier of both events.
+    pub at: Time,
+    /// End of the slot in which they lie.
+    pub slot_end: Time,
+    /// Number of the robot; none for the world.
+    pub robot: Option<u32>,
+    /// The robot's last event before the difference, equal in both runs.
+    pub last_common: Option<RecordedEvent>,
+    /// The events in A and in B; none if the robot has no further event in this slot.
+    pub events: [Option<RecordedEvent>; 2],
+}
+
+/// Paths of one robot in both runs.
+#[derive(Clone, Debug, Default)]
+pub struct PathPair {
+    /// Paths in A and in B, in the world, m; none if the trace has no pose of the robot.
+    pub trails: [Option<Trail>; 2],
+    /// Greatest distance in m between the positions at the end of a slot, and the end of that slot.
+    pub farthest: Option<(f64, Time)>,
+    positions: [Option<DVec2>; 2],
+}
+
+/// Events of one slot.
+struct Slot {
+    end: Time,
+    events: Vec<RecordedEvent>,
+}
+
+impl TraceDiff {
+    /// Compares the rest of two traces. Notes, which are not in the digest, are not compared.
+    ///
+    /// # Errors
+    /// [`TraceError`] for an invalid line.
+    pub fn of<R: BufRead>(mut readers: [TraceReader<R>; 2]) -> Result<Self, TraceError> {
+        let mut diff = Self { headers: header_differences(&readers), ..Self::default() };
+        let mut last_events = BTreeMap::new();
+        let mut next = [diff.next_slot(&mut readers, 0)?, diff.next_slot(&mut readers, 1)?];
+        // A trace that breaks off is compared up to there.
+        while (0..2).all(|run| next[run].is_some() || diff.ends[run].is_some()) {
+            let Some(end) = next.iter().flatten().map(|slot| slot.end).min() else { break };
+            let mut slots = [Vec::new(), Vec::new()];
+            for run in 0..2 {
+                if let Some(slot) = next[run].take_if(|slot| slot.end == end) {
+                    slots[run] = slot.events;
+                    next[run] = diff.next_slot(&mut readers, run)?;
+                }
+            }
+            diff.compare(end, slots, &mut last_events);
+        }
+        Ok(diff)
+    }
+
+    /// Returns true if no difference was found, and both runs end at the same time as far as both ends are known.
+    pub fn is_equal(&self) -> bool {
+        self.first.is_none() && !self.ends_differ()
+    }
+
+    /// Returns true if both runs have an end, and these differ.
+    pub fn ends_differ(&self) -> bool {
+        matches!(self.ends, [Some(a), Some(b)] if a != b)
+    }
+
+    /// The next slot of a run; none at its end or where its trace breaks off.
+    fn next_slot<R: BufRead>(
+        &mut self,
+        readers: &mut [TraceReader<R>; 2],
+        run: usize,
+    ) -> Result<Option<Slot>, TraceError> {
+        let mut events = Vec::new();
+        while let Some(line) = readers[run].next_line()? {
+            match line {
+                // Notes have no sequence number.
+                Line::Event(event) if event.fields["seq"].is_null() => {}
+                Line::Event(event) => events.push(event),
+                Line::Slot { end, .. } => return Ok(Some(Slot { end, events })),
+                Line::End { end, .. } => self.ends[run] = Some(end),
+            }
+        }
+        Ok(None)
+    }
+
+    fn compare(
+        &mut self,
+        end: Time,
+        slots: [Vec<RecordedEvent>; 2],
+        last_events: &mut BTreeMap<Option<u32>, RecordedEvent>,
+    ) {
+        self.compared_until = end;
+        for (run, events) in slots.iter().enumerate() {
+            for event in events.iter().filter(|event| is_position(event)) {
+                self.paths.entry(event.robot.unwrap_or_default()).or_default().push(run, event);
+            }
+        }
+        self.paths.values_mut().for_each(|paths| paths.measure(end));
+        if self.first.is_none() {
+            self.first = first_difference(end, slots, last_events);
+        }
+    }
+}
+
+impl PathPair {
+    fn push(&mut self, run: usize, event: &RecordedEvent) {
+        let coordinate = |name: &str| event.fields[name].as_f64().unwrap_or(f64::NAN);
+        let position = DVec2::new(coordinate("x_m"), coordinate("y_m"));
+        self.positions[run] = Some(position);
+        match &mut self.trails[run] {
+            Some(trail) => trail.push(position),
+            trail => *trail = Some(Trail::new(position)),
+        }
+    }
+
+    fn measure(&mut self, at: Time) {
+        let [Some(a), Some(b)] = self.positions else { return };
+        let distance = math::hypot(a.x - b.x, a.y - b.y);
+        if distance > self.farthest.map_or(0.0, |(farthest, _)| farthest) {
+            self.farthest = Some((distance, at));
+        }
+    }
+}
+
+fn is_position(event: &RecordedEvent) -> bool {
+    event.robot.is_some() && (event.kind == Kind::Pose.name() || event.kind == Kind::Placed.name())
+}
+
+/// First difference in the slot that ends at `slot_end`: the earliest by time, then by robot. Adds to `last_events` the last event of each robot.
+fn first_difference(
+    slot_end: Time,
+    slots: [Vec<RecordedEvent>; 2],
+    last_events: &mut BTreeMap<Option<u32>, RecordedEvent>,
+) -> Option<Difference> {
+    // Within a slot robots are independent of each other, so each robot's events are compared by themselves.
+    let mut of_robots: BTreeMap<Option<u32>, [Vec<RecordedEvent>; 2]> = BTreeMap::new();
+    for (run, events) in slots.into_iter().enumerate() {
+        for event in events {
+            of_robots.entry(event.robot).or_default()[run].push(event);
+        }
+    }
+    let mut first: Option<Difference> = None;
+    for (robot, [a, b]) in of_robots {
+        let equal = a.iter().zip(&b).take_while(|(a, b)| a.fields == b.fields).count();
+        if let Some(event) = equal.checked_sub(1).and_then(|last| a.get(last)) {
+            last_events.insert(robot, event.clone());
+        }
+        let events = [a.into_iter().nth(equal), b.into_iter().nth(equal)];
+        let at = events.iter().flatten().map(|event| event.at).min();
+        if let Some(at) = at.filter(|at| first.as_ref().is_none_or(|first| *at < first.at)) {
+            first = Some(Difference { at, slot_end, robot, last_common: last_events.get(&robot).cloned(), events });
+        }
+    }
+    first
+}
+
+fn header_differences<R: BufRead>(readers: &[TraceReader<R>; 2]) -> Vec<String> {
+    let mut differences = Vec::new();
+    let mut compare = |name: &str, a: String, b: String| {
+        if a != b {
+            differences.push(format!("{name}: {a} in A, {b} in B"));
+        }
+    };
+    let [a, b] = readers;
+    compare("eyesim", a.version().to_owned(), b.version().to_owned());
+    let (a, b) = (a.header(), b.header());
+    compare("seed", a.seed.to_string(), b.seed.to_string());
+    compare("slot", Time(a.slot_us).to_string(), Time(b.slot_us).to_string());
+    compare("robots", a.robots.len().to_string(), b.robots.len().to_string());
+    compare("arguments", a.run.join(" "), b.run.join(" "));
+    for input in &a.inputs {
+        let other = b.inputs.iter().find(|other| other.path == input.path);
+        if other.is_some_and(|other| other.sha256 != input.sha256) {
+            differences.push(format!("`{}` has other contents", input.path));
+        }
+    }
+    differences
+}
