@@ -1,8 +1,8 @@
 /* Drives the submarine Mako one lap around a pool, along the wall at its right, then surfaces.
  *
  * The thrusters give forces, not speeds, and the hull coasts: so all control is proportional to an error and to the rate at which it
- * changes. Two PSD sensors to the right, ahead of each other, give the angle to the wall and the distance from it, one down the
- * height above the floor. At a corner Mako turns to the left until the way ahead is clear, and lines up with the next wall. */
+ * changes. Two PSD sensors to the right, one behind the other, give the angle to the wall and the distance from it, one down the
+ * height above the floor. At a corner Mako turns to the left until it lines up with the next wall. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -70,12 +70,27 @@ static void follow_wall(int until)
   }
 }
 
+/* Mako comes nearer to the wall at the right if it goes ahead. */
+static int nears_wall(void)
+{
+  return PSDGet(PSD_FRONT_RIGHT) < PSDGet(PSD_BACK_RIGHT);
+}
+
+static void step_left(void)
+{
+  thrust(0, TURN);
+  hold_height(HEIGHT);
+  OSWait(STEP);
+}
+
+/* Turns to the left on the spot until the wall that was ahead lies at the right, in parallel. */
 static void turn_left(void)
 {
-  while (PSDGet(PSD_AHEAD) < CLEAR) {
-    thrust(0, TURN);
-    hold_height(HEIGHT);
-    OSWait(STEP);
+  while (PSDGet(PSD_AHEAD) < CLEAR || !nears_wall()) {
+    step_left();
+  }
+  while (nears_wall()) {
+    step_left();
   }
 }
 
