@@ -3,8 +3,8 @@
 //! Their texts are files of the usual formats, compiled in. Sizes and devices are those of the published robots; values without a
 //! source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
 
-use super::spec::{ObjectType, RobiSpec};
 use super::form::robot::read_robot_type;
+use super::spec::{ObjectType, RobiSpec};
 use super::{Diagnostic, read_companion, read_esobj, read_robi};
 
 /// Names of the built-in robot types.
@@ -61,14 +61,9 @@ mod tests {
             assert_eq!((diagnostics, robi.name.as_str(), robi.file.as_str()), (vec![], name, name));
             let ids: Vec<_> = robi.psds.iter().map(|psd| (psd.name.as_str(), psd.id)).collect();
             let expected: &[&str] = match name {
-                "Mako" => &[
-                    "PSD_FRONT",
-                    "PSD_FRONT_LEFT",
-                    "PSD_FRONT_RIGHT",
-                    "PSD_BACK_LEFT",
-                    "PSD_BACK_RIGHT",
-                    "PSD_DOWN",
-                ],
+                "Mako" => {
+                    &["PSD_FRONT", "PSD_FRONT_LEFT", "PSD_FRONT_RIGHT", "PSD_BACK_LEFT", "PSD_BACK_RIGHT", "PSD_DOWN"]
+                }
                 _ => &["PSD_FRONT", "PSD_LEFT", "PSD_RIGHT", "PSD_BACK"],
             };
             assert_eq!(ids, expected.iter().copied().zip((1..).map(Some)).collect::<Vec<_>>());

@@ -172,8 +172,8 @@ codes! {
     WldPushArity = "wld-push-arity": "`push` with too few numbers",
     WldWallArity = "wld-wall-arity": "a wall of neither 4, 6 nor 9 numbers",
     WldWallLength = "wld-wall-length": "a wall whose ends are equal",
-    WldWidthArity = "wld-width-arity": "`width` without its number",
     WldWaterArity = "wld-water-arity": "`water` without its number",
+    WldWidthArity = "wld-width-arity": "`width` without its number",
     WordExtra = "word-extra": "a word too many in a line",
 }
 

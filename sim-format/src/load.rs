@@ -575,7 +575,9 @@ impl Loader<'_> {
     fn hulls_in_water(&mut self, scene: &SceneSpec) {
         let mut sink = Sink::new(&scene.file);
         let depth = scene.world.water.unwrap_or_default();
-        for robot in scene.robots.iter().filter(|robot| build::hull(&robot.robi, depth).is_some_and(|hull| hull.ceiling < 0.0)) {
+        for robot in
+            scene.robots.iter().filter(|robot| build::hull(&robot.robi, depth).is_some_and(|hull| hull.ceiling < 0.0))
+        {
             let height = mm_from_metres(build::hull_height(&robot.robi));
             let message = match scene.world.water {
                 None => format!("robot {} has thrusters, and the world no water", robot.id.0),
@@ -584,7 +586,9 @@ impl Loader<'_> {
                     format!("the water is {depth:.0} mm deep, the hull of robot {} {height:.0} mm high", robot.id.0)
                 }
             };
-            let expected = format!("a world with `water DEPTH` in its .wld, or `water_mm` in its table, of {height:.0} mm or more");
+            let expected = format!(
+                "a world with `water DEPTH` in its .wld, or `water_mm` in its table, of {height:.0} mm or more"
+            );
             sink.error(Code::WaterMissing, robot.span, message, expected);
         }
         self.diagnostics.extend(sink.finish());

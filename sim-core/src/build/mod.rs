@@ -15,8 +15,8 @@ use crate::pose::{Link, Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
-    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, HullSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec,
-    MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, HullSpec, LegSpec, LegsSpec, LidarSpec,
+    LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
 use crate::world::{Space, ThickWall};

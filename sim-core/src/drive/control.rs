@@ -78,7 +78,7 @@ pub(super) struct Actuation {
     pub sums: Wheels,
     /// For each wheel whose own controller is active, its rate one tick before, rad/s.
     pub last: Wheels,
-    /// Of a hull under water, whose velocity stands in the place of the rates of wheels.
+    /// State of a hull in the water; its mean velocity stands in the place of the rates of wheels.
     pub afloat: Afloat,
 }
 

@@ -69,7 +69,12 @@ impl Hull {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
         };
         check("thrust", self.thrust, "a number greater than 0", self.thrust.is_finite() && self.thrust > 0.0)?;
-        check("depth of the water over the hull", self.ceiling, "0 or more", self.ceiling.is_finite() && self.ceiling >= 0.0)?;
+        check(
+            "depth of the water over the hull",
+            self.ceiling,
+            "0 or more",
+            self.ceiling.is_finite() && self.ceiling >= 0.0,
+        )?;
         for Drag { linear, quadratic } in self.drag {
             check("linear drag", linear, "a number greater than 0", linear.is_finite() && linear > 0.0)?;
             check("quadratic drag", quadratic, "0 or more", quadratic.is_finite() && quadratic >= 0.0)?;
@@ -217,7 +222,11 @@ mod tests {
 
     fn hull() -> Hull {
         let drag = |linear, quadratic| Drag { linear, quadratic };
-        Hull { thrust: 20.0, drag: [drag(12.0, 30.0), drag(30.0, 90.0), drag(3.0, 6.0), drag(30.0, 90.0)], ceiling: 1.5 }
+        Hull {
+            thrust: 20.0,
+            drag: [drag(12.0, 30.0), drag(30.0, 90.0), drag(3.0, 6.0), drag(30.0, 90.0)],
+            ceiling: 1.5,
+        }
     }
 
     /// dv/dt = f - a v - b |v| v by 20,000 steps of the classic method of Runge and Kutta.
@@ -316,7 +325,9 @@ mod tests {
 
     #[test]
     fn a_curve_is_within_a_hundredth_of_a_millimetre_of_the_reference() {
-        for (rates, ticks) in [([10.0, 0.0, 2.0, 0.0], 1000), ([-10.0, 0.0, 10.0, 0.0], 300), ([3.0, 0.0, 10.0, 0.0], 100)] {
+        for (rates, ticks) in
+            [([10.0, 0.0, 2.0, 0.0], 1000), ([-10.0, 0.0, 10.0, 0.0], 300), ([3.0, 0.0, 10.0, 0.0], 100)]
+        {
             let seconds = 0.01 * ticks as f64;
             let [x, y, phi, ..] = reference(rates, seconds, 100 * ticks);
             let (pose, _) = moved(rates, ticks);

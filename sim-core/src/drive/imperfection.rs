@@ -165,7 +165,7 @@ pub(super) struct Vehicle {
     /// `None` for perfect motion.
     pub errors: Option<Box<Errors>>,
     pub contact: ContactRule,
-    /// Of a robot under water.
+    /// Hull of a robot in the water.
     pub hull: Option<Hull>,
 }
 
@@ -193,7 +193,9 @@ impl Vehicle {
     pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
         match &self.errors {
             // The errors are those of wheels and legs.
-            Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => errors.apply(&self.model, start, orders, during, belief),
+            Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
+                errors.apply(&self.model, start, orders, during, belief)
+            }
             _ => Erring { truth: belief, odometry: belief, is_drawn: false },
         }
     }

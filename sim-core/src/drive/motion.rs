@@ -267,8 +267,11 @@ impl Motion {
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
-        let (state, orders, before) =
-            (stage.state(&self.vehicle.model, at), stage.orders_at(at), stage.actuation_before(&self.vehicle.model, at));
+        let (state, orders, before) = (
+            stage.state(&self.vehicle.model, at),
+            stage.orders_at(at),
+            stage.actuation_before(&self.vehicle.model, at),
+        );
         let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
         let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
         self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
@@ -600,7 +603,15 @@ impl Motion {
         }
         let state = stage.state(&self.vehicle.model, at);
         let orders = stage.orders_at(at);
-        let next = Stage::open(&self.vehicle, at, state, orders, stage.actuation_before(&self.vehicle.model, at), touching, Grip::FREE);
+        let next = Stage::open(
+            &self.vehicle,
+            at,
+            state,
+            orders,
+            stage.actuation_before(&self.vehicle.model, at),
+            touching,
+            Grip::FREE,
+        );
         if next.blocker().is_some() {
             return false;
         }
@@ -682,8 +693,15 @@ impl Motion {
         let stage = &self.stages[index];
         let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
         let state = stage.state(&self.vehicle.model, at);
-        let mut next =
-            Stage::open(&self.vehicle, at, state, stage.orders_at(at), stage.actuation_before(&self.vehicle.model, at), &[], grip);
+        let mut next = Stage::open(
+            &self.vehicle,
+            at,
+            state,
+            stage.orders_at(at),
+            stage.actuation_before(&self.vehicle.model, at),
+            &[],
+            grip,
+        );
         next.is_placed = stage.is_placed && stage.piece.start == at;
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);

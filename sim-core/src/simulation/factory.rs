@@ -84,7 +84,7 @@ impl RobotFactory {
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }
-        // At the surface. Without water there is none over the hull, which the check of the hull tells.
+        // A hull starts at the surface. Its check refuses a world without water.
         if let Some(hull) = build::hull(&spec.robi, self.water.unwrap_or_default()) {
             motion = motion.with_hull(hull, hull.ceiling).map_err(failed(""))?;
         }

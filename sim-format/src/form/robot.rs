@@ -12,8 +12,8 @@ use crate::Diagnostic;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{drive_devices, usual_wheelbase};
-use crate::table::{Reader, Section};
 use crate::spec::{HullSpec, LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use crate::table::{Reader, Section};
 use sim_core::drive::DriveKind;
 
 /// Greatest number of links of a robot, more than ten times what any robot needs.
@@ -180,8 +180,7 @@ fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
 }
 
 /// Linear and quadratic drag.
-const DRAG: [Quantity; 2] =
-    [Quantity::number("linear drag", 1e-6, 1e6), Quantity::number("quadratic drag", 0.0, 1e6)];
+const DRAG: [Quantity; 2] = [Quantity::number("linear drag", 1e-6, 1e6), Quantity::number("quadratic drag", 0.0, 1e6)];
 
 impl Form for HullSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {

@@ -9,11 +9,11 @@ use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::path;
-use crate::world::WATER;
 use crate::print::print_maze;
 use crate::spec::{
     DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
 };
+use crate::world::WATER;
 
 /// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];

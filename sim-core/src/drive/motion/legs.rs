@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Motion {
-    /// True if the height of the robot's frame above the floor changes.
+    /// Returns true if the height of the robot's frame above the floor can change.
     pub fn has_height(&self) -> bool {
         self.walk.is_some() || self.vehicle.hull.is_some()
     }
