@@ -44,14 +44,14 @@ fn the_lap_is_the_same_on_threads_in_processes_and_for_every_slot() {
     }
 }
 
-/// Dives, runs into a wall at a slant, slides along it and rises and sinks there; prints where it is.
+/// Runs into a wall at a slant, slides along it sinks to the floor and rises there; prints where it is.
 const BUMP: &str = r#"
 #include "eyebot.h"
 int main() {
     int x, y, z, phi;
     for (int i = 0; i < 6; i++) {
         MOTORDrive(1, 100); MOTORDrive(3, 100);
-        MOTORDrive(2, i % 2 ? 60 : -60); MOTORDrive(4, i % 2 ? 60 : -60);
+        MOTORDrive(2, i < 3 ? -60 : 60); MOTORDrive(4, i < 3 ? -60 : 60);
         OSWait(1500);
         SIMGetRobot(0, &x, &y, &z, &phi);
         printf("%d %d %d %d\n", x, y, z, phi);
