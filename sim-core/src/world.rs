@@ -90,11 +90,11 @@ pub struct World {
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
-    /// Published stances of the legged robots.
+    /// Published stances of the robots with legs and of those in the water.
     stances: BTreeMap<RobotId, PublishedStance>,
 }
 
-/// Published stance of a legged robot: its posture at the start of the present slot.
+/// Published stance of a robot with legs or in the water: its posture at the start of the present slot.
 #[derive(Clone, Debug, PartialEq)]
 struct PublishedStance {
     lift: f64,
@@ -420,9 +420,9 @@ impl World {
         self.refresh_index();
     }
 
-    /// Publishes the stance of a legged robot at `now`.
+    /// Publishes the stance of a robot with legs or in the water at `now`.
     fn publish_stance(&mut self, motion: &mut Motion, now: Time) {
-        if motion.legs().is_none() {
+        if !motion.has_height() {
             return;
         }
         let stance = motion.stance(now);

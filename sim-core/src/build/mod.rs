@@ -9,14 +9,14 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::drive::legged::{Gait, Leg, Legs};
-use crate::drive::{ContactRule, DriveKind, Model};
+use crate::drive::{ContactRule, DriveKind, Hull, Model};
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Link, Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
-    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec,
-    MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, HullSpec, LegSpec, LegsSpec, LidarSpec,
+    LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
 use crate::world::{Space, ThickWall};
@@ -373,11 +373,25 @@ pub fn model(robi: &RobiSpec) -> Model {
     model
 }
 
-/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects.
+/// The hull of a robot type in water of this depth in metres; `None` for a robot without one.
+///
+/// The hull is as high as its colliders, or as its diameter without any.
+pub fn hull(robi: &RobiSpec, water: f64) -> Option<Hull> {
+    let HullSpec { thrust, drag } = robi.hull;
+    (robi.drive.kind == DriveKind::Thrusters).then(|| Hull { thrust, drag, ceiling: water - hull_height(robi) })
+}
+
+/// Height of a hull over the origin of its robot's frame, in metres.
+pub fn hull_height(robi: &RobiSpec) -> f64 {
+    robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
+}
+
+/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects. A hull always
+/// slides, since it may rise and sink meanwhile.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
-        ContactKind::Slide => ContactRule::Slide { friction: robi.friction.min(wall_friction) },
-        ContactKind::Stall => ContactRule::Stall,
+        ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,
+        ContactKind::Slide | ContactKind::Stall => ContactRule::Slide { friction: robi.friction.min(wall_friction) },
     }
 }
 
