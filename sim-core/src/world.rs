@@ -216,6 +216,14 @@ impl World {
         self.objects().pose(object, at)
     }
 
+    /// Constant properties of a movable object.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn object_properties(&self, object: ObjectId) -> &Properties {
+        self.objects().properties(object)
+    }
+
     /// State of a movable object at the end of the last completed step of 1 ms.
     ///
     /// # Panics

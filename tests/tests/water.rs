@@ -132,3 +132,51 @@ fn worlds_with_water_are_converted() {
         assert!(scratch.read(to).lines().any(|read| read == line), "{}", scratch.read(to));
     }
 }
+
+/// Prints the height of each object, then what Mako's PSD ahead sees at the surface and on the floor; then pushes the buoy. Objects are numbered on from the robots.
+const LOOK: &str = r#"
+#include "eyebot.h"
+int main() {
+    int x, y, z, phi;
+    for (int i = 1; i <= SIMGetObjectCount(); i++) {
+        SIMGetObject(i + 1, &x, &y, &z, &phi);
+        printf("object %d at height %d\n", i, z);
+    }
+    printf("at the surface %d\n", PSDGet(1));
+    MOTORDrive(2, -100); MOTORDrive(4, -100);
+    OSWait(8000);
+    SIMGetRobot(0, &x, &y, &z, &phi);
+    printf("at height %d %d\n", z, PSDGet(1));
+    MOTORDrive(1, 100); MOTORDrive(3, 100);
+    OSWait(15000);
+    MOTORDrive(1, 0); MOTORDrive(3, 0);
+    OSWait(20000);
+    SIMGetObject(2, &x, &y, &z, &phi);
+    printf("pushed %s, height %d\n", x > 4500 ? "away" : "not", z);
+    return 0;
+}
+"#;
+
+#[test]
+fn objects_float_by_their_buoyancy() {
+    let scratch = Scratch::new();
+    scratch.write("look.c", LOOK);
+    // A cube of 0.4 m displaces 0.064 m3; of 32 kg a half of its height is under water.
+    let cube = |mass: u32| {
+        format!(
+            "name Cube{mass}\ncollider box 0 200 0 400 400 400\nmass {mass} 0 200 0\nbuoyancy 0.064\nfriction 0.4\n"
+        )
+    };
+    scratch.write("light.esObj", &cube(32));
+    scratch.write("heavy.esObj", &cube(80));
+    scratch.write("pool.wld", "floor 12000 6000\nwater 2000\n12000 0 12000 6000\n");
+    scratch.write(
+        "float.sim",
+        "world pool.wld\nobject light.esObj\nobject heavy.esObj\nCube32 4000 3000 0\nCube80 4000 500 0\nMako 2000 3000 0 look.c\n",
+    );
+    let ran = scratch.eyesim(&["run", "float.sim"]);
+    for line in ["object 1 at height 1800", "object 2 at height 0", "at the surface 1225", "at height 0 9425"] {
+        assert!(ran.stdout.lines().any(|read| read.ends_with(line)), "{line}: {ran:?}");
+    }
+    assert!(ran.stdout.contains("pushed away, height 1800"), "{ran:?}");
+}

@@ -27,6 +27,9 @@ pub use scenery::{
 /// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
 
+/// Deceleration over gravity of an object that floats: constant, in place of the drag of the water. Source: our choice.
+const WATER_RESISTANCE: f64 = 0.005;
+
 /// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
 pub fn walls(world: &WorldSpec) -> Arc<Walls> {
     let (segments, heights) = segments(world);
@@ -131,14 +134,23 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
 /// footprint.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
-        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
+        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
         _ if kind.colliders.is_empty() => {
             let Part { shape: footprint, object_from_part: body_from_footprint } = no_shape();
             vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]
         }
-        _ => kind.colliders.iter().map(solid).collect(),
+        _ => kind.colliders.iter().map(|collider| solid(&collider.raised(kind.lift))).collect(),
     };
     Figure { solids, surface: kind.surface }
+}
+
+/// `mesh` at this height above its own place, in metres.
+fn raised(mesh: &Arc<Mesh>, lift: f64) -> Arc<Mesh> {
+    let mut mesh = Arc::clone(mesh);
+    if lift > 0.0 {
+        Arc::make_mut(&mut mesh).positions.iter_mut().for_each(|position| position.z += lift);
+    }
+    mesh
 }
 
 /// Ray index over the faces of a mesh.
@@ -188,9 +200,14 @@ pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
         mass: kind.mass,
         centre_of_mass: kind.centre_of_mass.truncate(),
         parts,
-        resistance: kind.rolling.map_or(Resistance::Sliding(object.friction), Resistance::Rolling),
+        resistance: match kind.rolling {
+            _ if kind.lift > 0.0 => Resistance::Rolling(WATER_RESISTANCE),
+            Some(rolling) => Resistance::Rolling(rolling),
+            None => Resistance::Sliding(object.friction),
+        },
         restitution: kind.restitution,
         contact_friction: CONTACT_FRICTION,
+        lift: kind.lift,
     })
 }
 

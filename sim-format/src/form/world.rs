@@ -18,18 +18,8 @@ use crate::world::WATER;
 /// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe an inline world.
-const INLINE: [&str; 10] = [
-    "floor_mm",
-    "wall",
-    "maze",
-    "texture",
-    "texture_turned",
-    "surface",
-    "terrain",
-    "water_mm",
-    "start",
-    "object",
-];
+const INLINE: [&str; 10] =
+    ["floor_mm", "wall", "maze", "texture", "texture_turned", "surface", "terrain", "water_mm", "start", "object"];
 
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]

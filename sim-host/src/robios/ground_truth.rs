@@ -121,15 +121,17 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let pose = match robot.robios.entity_numbers.object(number) {
+    let (pose, height) = match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
             return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
         }
-        Some(NumberedObject::Movable(object)) => world.object_pose(object, robot.now),
-        Some(NumberedObject::Fixed(pose)) => pose,
+        Some(NumberedObject::Movable(object)) => {
+            (world.object_pose(object, robot.now), world.object_properties(object).lift)
+        }
+        Some(NumberedObject::Fixed(pose)) => (pose, 0.0),
         None => return no_object(robot, Call::SIMGetObject, number),
     };
-    give(robot.robios.dialect, &pose, 0.0, into);
+    give(robot.robios.dialect, &pose, height, into);
 }
 
 /// `SIMSetObject`: places the object at the slot's end.
@@ -158,7 +160,7 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.entity_numbers.objects.len() as i32
 }
 
-/// Stores a pose at a height in metres, that of a robot with legs or in the water.
+/// Stores a pose at a height in metres: that of a robot with legs or in the water, or of a floating object.
 fn give(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
     let numbers = [x_mm, y_mm, heading_told(dialect, phi_degrees)];
