@@ -292,14 +292,14 @@ fn a_line_typed_in_the_page_reaches_the_program_and_is_repeated() {
         let robots = page.snapshot.as_ref().map(|snapshot| &snapshot.robots);
         robots.is_some_and(|robots| robots[0].why.starts_with("waits for a line typed"))
     });
-    assert_eq!(page.act(line(1, "250 ü")), None);
+    assert_eq!(page.act(line(1, "100 ü")), None);
     assert_eq!(page.act(line(1, "q")), None);
     page.until("the end", |page| {
         page.snapshot.as_ref().is_some_and(|snapshot| snapshot.robots[0].standing == Standing::Finished)
     });
     page.send(&Request::Look { robot: Some(1), camera: false, calls: false });
     // The rest of its line are a blank, two bytes and the end.
-    page.until("what was read", |page| page.lcd_text.iter().any(|line| line.contains("Ada 250 4")));
+    page.until("what was read", |page| page.lcd_text.iter().any(|line| line.contains("Ada 100 4")));
     assert!(page.act(line(1, "x")).is_some_and(|why| why.contains("runs no program")));
     assert!(page.events.iter().any(|event| event.text == "a hand types `Ada` to r1"));
     assert_eq!(page.act(Action::End {}), None);

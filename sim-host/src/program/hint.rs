@@ -29,16 +29,22 @@ const OF_CURSES: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
 /// Hint on the compiler's message `output` about a header that is missing, after a line feed; empty for others.
 pub fn of_compile(output: &str) -> String {
+    let Some(missing) = output.lines().find_map(missing_header) else { return String::new() };
+    let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
     let mut hints = String::new();
-    for (headers, instead) in ABSENT {
-        let is_missing = |header: &&&str| {
-            [": No such file", "' file not found"].iter().any(|phrase| output.contains(&format!("{header}{phrase}")))
-        };
-        if let Some(header) = headers.iter().find(is_missing) {
-            line(&mut hints, &format!("`{header}`: {instead}"));
-        }
+    if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
+        line(&mut hints, &format!("`{missing}`: {instead}"));
+    } else if let Some(own) = ["eyebot.h", "eyebot++.h", "types.h"].iter().find(|own| own.eq_ignore_ascii_case(name)) {
+        line(&mut hints, &format!("`{missing}`: write `#include \"{own}\"`, which eyesim has"));
     }
     hints
+}
+
+/// The header that the compiler does not find, as the program names it (gcc and clang, `LC_ALL=C`).
+fn missing_header(line: &str) -> Option<&str> {
+    let (_, rest) = line.split_once("fatal error: ")?;
+    let missing = rest.strip_suffix(": No such file or directory").or_else(|| rest.strip_suffix(" file not found"))?;
+    Some(missing.trim_matches('\''))
 }
 
 /// Hints on the linker's message `output`, each in its own line that begins with a line feed; `objects` are the sources with their
@@ -265,6 +271,8 @@ mod tests {
         assert!(gcc.starts_with("\n  `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
         let clang = of_compile("a.c:1:10: fatal error: 'windows.h' file not found\n");
         assert!(clang.starts_with("\n  `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
+        let elsewhere = of_compile("a.c:1:10: fatal error: ../include/EyeBot.h: No such file or directory\n");
+        assert_eq!(elsewhere, "\n  `../include/EyeBot.h`: write `#include \"eyebot.h\"`, which eyesim has");
         assert_eq!(of_compile("a.c:1:10: fatal error: map.h: No such file or directory\n"), "");
         let unlinked = of_link("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
