@@ -159,6 +159,7 @@ fn every_number_of_a_world_is_refused_or_leaves_all_finite() {
         resistance: Resistance::Rolling(0.02),
         restitution: 0.5,
         contact_friction: 0.3,
+        lift: 0.0,
     });
     for number in UGLY {
         let walls = Arc::new(Walls::new(vec![Segment::new(DVec2::new(2.0, -3.0), DVec2::new(2.0, 3.0))]));

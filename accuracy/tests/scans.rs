@@ -142,6 +142,7 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
             resistance: Resistance::Rolling(0.02),
             restitution: 0.5,
             contact_friction: 0.3,
+            lift: 0.0,
         });
         let balls = [Pose::new(1.5, 1.6, 0.0), Pose::new(3.5, 3.0, 0.0), Pose::new(0.4, 5.0, 0.0)];
         let mut world = World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions)

@@ -258,6 +258,7 @@ fn objects_and_robots_have_heights() {
         resistance: Resistance::Sliding(0.4),
         restitution: 0.3,
         contact_friction: 0.3,
+        lift: 0.0,
     });
     let bare = world(Walls::new(Vec::new()), Space::default()).with_objects([(properties, Pose::new(2.0, 0.0, 1.0))]);
     assert_eq!(look(&bare, [0.0, 0.0, 7.0], [1.0, 0.0, 0.0]).unwrap().distance, 1.9, "a footprint has no end above");

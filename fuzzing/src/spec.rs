@@ -167,7 +167,7 @@ pub fn robi(robi: &RobiSpec) {
     let (motors, has_steering) = match drive.kind {
         DriveKind::Differential => (2, false),
         DriveKind::Ackermann => (1, true),
-        DriveKind::Omni => (4, false),
+        DriveKind::Omni | DriveKind::Thrusters => (4, false),
         DriveKind::Legged => (0, false),
     };
     assert_eq!((drive.motors.len(), drive.steering.is_some()), (motors, has_steering), "{drive:?}");

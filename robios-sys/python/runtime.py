@@ -1240,6 +1240,45 @@ def _replace_surroundings():
             if not is_notified and waiter in condition._waiters:
                 condition._waiters.remove(waiter)
 
+    class Lock:
+        def __init__(self):
+            self._lock = _thread.allocate_lock()
+            self.release, self.locked = self._lock.release, self._lock.locked
+            self._at_fork_reinit = self._lock._at_fork_reinit
+
+        def acquire(self, blocking=True, timeout=-1):
+            return acquire(self._lock.acquire, blocking, timeout)
+
+        __enter__ = acquire
+
+        def __exit__(self, *_):
+            self.release()
+
+    class RLock(_thread.RLock):
+        def acquire(self, blocking=True, timeout=-1):
+            return acquire(super().acquire, blocking, timeout)
+
+        __enter__ = acquire
+
+    def acquire(lock, blocking, timeout):
+        if timeout <= 0:
+            return lock(blocking, timeout)
+        if not blocking:
+            raise ValueError("can't specify a timeout for a non-blocking call")
+        until = _now_us() + timeout * 1e6
+        while not lock(False):
+            if not _sleep_towards(until):
+                return False
+        return True
+
+    def join(thread, timeout=None):
+        if timeout is None:
+            return join_for_ever(thread)
+        until = _now_us() + timeout * 1e6
+        join_for_ever(thread, 0)
+        while thread.is_alive() and _sleep_towards(until):
+            pass
+
     class Select:  # no function, which would become a method of a class that has it as attribute
         def __call__(self, readers, writers, others, timeout=None):
             if timeout is None:
@@ -1256,6 +1295,8 @@ def _replace_surroundings():
 
     tell_of_thread, threading.excepthook = threading.excepthook, excepthook
     wait_for_ever, threading.Condition.wait = threading.Condition.wait, wait
+    join_for_ever, threading.Thread.join = threading.Thread.join, join
+    threading.Lock, threading._CRLock = Lock, RLock
     select_for_ever, select.select = select.select, Select()
     # `selectors`, and so asyncio, takes `select` where there is none of these.
     for name in ("epoll", "poll", "devpoll", "kqueue"):
@@ -1266,6 +1307,8 @@ def _replace_surroundings():
     for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
         setattr(_time, name, lambda: _now_us() / 1e6)
         setattr(_time, name + "_ns", lambda: _now_us() * 1000)
+    # The time limits of semaphores, barriers and `wait_for`.
+    threading._time = _time.monotonic
 
 
 _IMPORTING = 32

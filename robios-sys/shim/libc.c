@@ -12,6 +12,7 @@
 #include <sys/timeb.h>
 #include <sys/times.h>
 #include <sys/uio.h>
+#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 #include <wchar.h>
@@ -416,6 +417,18 @@ LIBC(int, isatty, (int descriptor))
 {
     (void)descriptor;
     errno = ENOTTY;
+    return 0;
+}
+/* Programs that read single keys set the terminal for it; standard input needs no setting. */
+LIBC(int, tcgetattr, (int descriptor, struct termios *settings))
+{
+    (void)descriptor;
+    memset(settings, 0, sizeof *settings);
+    return 0;
+}
+LIBC(int, tcsetattr, (int descriptor, int when, const struct termios *settings))
+{
+    (void)descriptor, (void)when, (void)settings;
     return 0;
 }
 

@@ -398,6 +398,7 @@ static __attribute__((noinline)) _Noreturn void run_program(int argc, char **arg
 #ifdef EYESIM_CPP
     eyesim_report_uncaught();
 #endif
+    errno = 0;
     construct(argc, argv);
 #ifdef EYESIM_VOID_MAIN
     main(argc, argv, environment);

@@ -40,6 +40,11 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// e to the power of `x`, less 1, without loss of digits for small x.
+pub fn exp_m1(x: f64) -> f64 {
+    libm::expm1(x)
+}
+
 /// Hyperbolic tangent of `x`.
 pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)

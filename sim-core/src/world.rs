@@ -90,11 +90,11 @@ pub struct World {
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
-    /// Published stances of the legged robots.
+    /// Published stances of the robots with legs and of those in the water.
     stances: BTreeMap<RobotId, PublishedStance>,
 }
 
-/// Published stance of a legged robot: its posture at the start of the present slot.
+/// Published stance of a robot with legs or in the water: its posture at the start of the present slot.
 #[derive(Clone, Debug, PartialEq)]
 struct PublishedStance {
     lift: f64,
@@ -214,6 +214,14 @@ impl World {
     /// If there is no such object.
     pub fn object_pose(&self, object: ObjectId, at: Time) -> Pose {
         self.objects().pose(object, at)
+    }
+
+    /// Constant properties of a movable object.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn object_properties(&self, object: ObjectId) -> &Properties {
+        self.objects().properties(object)
     }
 
     /// State of a movable object at the end of the last completed step of 1 ms.
@@ -420,9 +428,9 @@ impl World {
         self.refresh_index();
     }
 
-    /// Publishes the stance of a legged robot at `now`.
+    /// Publishes the stance of a robot with legs or in the water at `now`.
     fn publish_stance(&mut self, motion: &mut Motion, now: Time) {
-        if motion.legs().is_none() {
+        if !motion.has_height() {
             return;
         }
         let stance = motion.stance(now);

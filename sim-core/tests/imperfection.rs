@@ -469,6 +469,7 @@ fn a_robot_with_errors_pushes_a_crate_and_stalls_at_a_heavy_one() {
             resistance: Resistance::Sliding(0.4),
             restitution: 0.0,
             contact_friction: 0.3,
+            lift: 0.0,
         });
         let scene = |slot: i64| {
             let mut motion = robot(model(), vec![], 5, all());

@@ -18,6 +18,7 @@ fn object(shape: Shape, mass: f64, resistance: Resistance, restitution: f64) -> 
         resistance,
         restitution,
         contact_friction: 0.0,
+        lift: 0.0,
     })
 }
 

@@ -79,6 +79,7 @@ impl Scene {
                 resistance,
                 restitution: 0.5,
                 contact_friction: 0.3,
+                lift: 0.0,
             })
         };
         let crate_ = object(Shape::Rectangle { half: DVec2::splat(0.05) }, Resistance::Sliding(0.4));

@@ -45,6 +45,7 @@ fn ball(radius: f64) -> Arc<Properties> {
         resistance: Resistance::Rolling(0.02),
         restitution: 0.5,
         contact_friction: 0.3,
+        lift: 0.0,
     })
 }
 

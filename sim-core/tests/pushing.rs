@@ -44,6 +44,7 @@ fn object(shape: Shape, mass: f64, resistance: Resistance, restitution: f64) -> 
         resistance,
         restitution,
         contact_friction: 0.3,
+        lift: 0.0,
     })
 }
 

@@ -428,6 +428,7 @@ fn a_movable_mesh_is_seen_beyond_its_footprint() {
         resistance: Resistance::Sliding(0.5),
         restitution: 0.5,
         contact_friction: 0.3,
+        lift: 0.0,
     };
     let objects = [(Arc::new(properties), Pose::new(2.0, 0.0, 0.0))];
     let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), std::iter::empty())

@@ -536,6 +536,7 @@ fn crowd(seed: u64, slot: Time, crates: &[f64]) {
             resistance: Resistance::Sliding(0.4),
             restitution: 0.0,
             contact_friction: 0.3,
+            lift: 0.0,
         })
     };
     let objects = crates.iter().zip([0.75, 1.3]).map(|(mass, x)| (crate_of(*mass), Pose::new(x, 0.75, 0.2)));

@@ -150,7 +150,15 @@ fn properties(kind: usize) -> Arc<Properties> {
         }
     };
     let centre_of_mass = DVec2::new(if kind == 2 { 0.01 } else { 0.0 }, 0.0);
-    Arc::new(Properties { mass: 0.1, centre_of_mass, parts, resistance, restitution: 0.5, contact_friction: 0.3 })
+    Arc::new(Properties {
+        mass: 0.1,
+        centre_of_mass,
+        parts,
+        resistance,
+        restitution: 0.5,
+        contact_friction: 0.3,
+        lift: 0.0,
+    })
 }
 
 fn pose((x, y, heading): Place) -> Pose {

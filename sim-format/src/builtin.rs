@@ -3,11 +3,12 @@
 //! Their texts are files of the usual formats, compiled in. Sizes and devices are those of the published robots; values without a
 //! source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
 
+use super::form::robot::read_robot_type;
 use super::spec::{ObjectType, RobiSpec};
 use super::{Diagnostic, read_companion, read_esobj, read_robi};
 
 /// Names of the built-in robot types.
-pub const ROBOTS: [&str; 2] = ["LabBot", "S4"];
+pub const ROBOTS: [&str; 3] = ["LabBot", "S4", "Mako"];
 
 pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 
@@ -24,6 +25,8 @@ pub fn object(name: &str) -> Option<ObjectType> {
 fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
     let name = named(&ROBOTS, name)?;
     let (robi, companion) = match name {
+        // A robi has neither a hull nor PSDs that look down.
+        "Mako" => return Some(read_robot_type(name, include_str!("builtin/mako.toml"))),
         "LabBot" => (include_str!("builtin/labbot.robi"), include_str!("builtin/labbot.toml")),
         _ => (include_str!("builtin/s4.robi"), include_str!("builtin/s4.toml")),
     };
@@ -57,9 +60,13 @@ mod tests {
             let (robi, diagnostics) = read_robot(name).expect("a built-in robot");
             assert_eq!((diagnostics, robi.name.as_str(), robi.file.as_str()), (vec![], name, name));
             let ids: Vec<_> = robi.psds.iter().map(|psd| (psd.name.as_str(), psd.id)).collect();
-            let expected =
-                [("PSD_FRONT", Some(1)), ("PSD_LEFT", Some(2)), ("PSD_RIGHT", Some(3)), ("PSD_BACK", Some(4))];
-            assert_eq!(ids, expected);
+            let expected: &[&str] = match name {
+                "Mako" => {
+                    &["PSD_FRONT", "PSD_FRONT_LEFT", "PSD_FRONT_RIGHT", "PSD_BACK_LEFT", "PSD_BACK_RIGHT", "PSD_DOWN"]
+                }
+                _ => &["PSD_FRONT", "PSD_LEFT", "PSD_RIGHT", "PSD_BACK"],
+            };
+            assert_eq!(ids, expected.iter().copied().zip((1..).map(Some)).collect::<Vec<_>>());
         }
         for name in OBJECTS {
             let (object, diagnostics) = read_object(name).expect("a built-in object");

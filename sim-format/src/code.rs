@@ -163,6 +163,7 @@ codes! {
     TomlMissing = "toml-missing": "a required key is missing in a TOML file",
     TomlSyntax = "toml-syntax": "a file that is not TOML",
     TomlType = "toml-type": "a value of the wrong type in a TOML file",
+    WaterMissing = "water-missing": "a robot with thrusters has no water, or too little",
     WldFloorArity = "wld-floor-arity": "`floor` with too few numbers",
     WldFloorMissing = "wld-floor-missing": "a world without the size of its floor",
     WldHeightArity = "wld-height-arity": "`height` without its number",
@@ -172,6 +173,7 @@ codes! {
     WldPushArity = "wld-push-arity": "`push` with too few numbers",
     WldWallArity = "wld-wall-arity": "a wall of neither 4, 6 nor 9 numbers",
     WldWallLength = "wld-wall-length": "a wall whose ends are equal",
+    WldWaterArity = "wld-water-arity": "`water` without its number",
     WldWidthArity = "wld-width-arity": "`width` without its number",
     WordExtra = "word-extra": "a word too many in a line",
 }

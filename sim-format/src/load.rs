@@ -15,8 +15,9 @@ use super::{
     CellRules, MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj,
     read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
-use sim_core::build::MeshSource;
+use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
+use sim_core::unit::mm_from_metres;
 
 /// Deviation of the ground from the floor's height, in metres, up to which the ground counts as level for wheels.
 /// Source: our choice.
@@ -171,6 +172,7 @@ pub fn load_scene_with(path: &str, overrides: Overrides, files: &dyn Files) -> L
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.wheels_on_terrain(&scene);
+    loader.hulls_in_water(&scene);
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
     loader.finish(scene)
 }
@@ -572,7 +574,7 @@ impl Loader<'_> {
         let Some(terrain) = &scene.world.terrain else { return };
         let Some(field) = &terrain.field else { return };
         let stands_apart = |robot: &&RobotSpec| {
-            if robot.robi.drive.kind == DriveKind::Legged {
+            if matches!(robot.robi.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
                 return false;
             }
             let (low, high) = field.range_in(robot.start.position, 0.5 * robot.robi.diameter);
@@ -583,6 +585,31 @@ impl Loader<'_> {
             format!("robot {} has wheels: it stands and drives on the plane z = 0, not on the terrain", robot.id.0);
         let mut sink = Sink::new(&scene.world.file);
         sink.warn(Code::TerrainWheels, terrain.span, message, "level ground at height 0 under robots with wheels");
+        self.diagnostics.extend(sink.finish());
+    }
+}
+
+impl Loader<'_> {
+    /// Reports robots with thrusters whose hull the water does not cover.
+    fn hulls_in_water(&mut self, scene: &SceneSpec) {
+        let mut sink = Sink::new(&scene.file);
+        let depth = scene.world.water.unwrap_or_default();
+        for robot in
+            scene.robots.iter().filter(|robot| build::hull(&robot.robi, depth).is_some_and(|hull| hull.ceiling < 0.0))
+        {
+            let height = mm_from_metres(build::hull_height(&robot.robi));
+            let message = match scene.world.water {
+                None => format!("robot {} has thrusters, and the world no water", robot.id.0),
+                Some(depth) => {
+                    let depth = mm_from_metres(depth);
+                    format!("the water is {depth:.0} mm deep, the hull of robot {} {height:.0} mm high", robot.id.0)
+                }
+            };
+            let expected = format!(
+                "a world with `water DEPTH` in its .wld, or `water_mm` in its table, of {height:.0} mm or more"
+            );
+            sink.error(Code::WaterMissing, robot.span, message, expected);
+        }
         self.diagnostics.extend(sink.finish());
     }
 }

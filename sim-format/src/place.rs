@@ -47,6 +47,9 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
     placer.objects(&sim.objects, loader);
     placer.robots(loader);
     placer.objects[of_world..].sort_by_key(|object| object.span);
+    if let Some(depth) = world.and_then(|world| world.water) {
+        float(&mut placer.objects, depth);
+    }
     loader.diagnostics.extend(placer.sink.finish());
     if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
         let mut sink = Sink::new(&sim.file);
@@ -58,6 +61,20 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         loader.diagnostics.extend(sink.finish());
     }
     PlacedEntities { robots: placer.robots, objects: placer.objects, of_world }
+}
+
+/// Raises the objects that float in water of this depth, in metres; those of one type still share it.
+fn float(objects: &mut [ObjectSpec], depth: f64) {
+    // The keys are addresses, so the map must never be iterated; its values keep the types alive.
+    let mut types = BTreeMap::new();
+    for object in objects {
+        let kind = Arc::clone(&object.kind);
+        let afloat = || kind.afloat(depth).map(Arc::new);
+        let (_, raised) = types.entry(Arc::as_ptr(&kind).addr()).or_insert_with(|| (Arc::clone(&kind), afloat()));
+        if let Some(raised) = raised {
+            object.kind = Arc::clone(raised);
+        }
+    }
 }
 
 struct Placer<'a> {

@@ -277,10 +277,11 @@ const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s
 const VR_WHEEL_FORM: &str =
     "`wheel drive DIAMETER MAX_RATE TICKS HALF_TRACK` and `wheel turn ...` in mm, degrees/s, ticks a turn, mm";
 const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
-                          front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, or \
-                          `drive LEGGED_DRIVE` with legs in the companion";
+                          front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, \
+                          `drive THRUSTER_DRIVE` with four motors (left, front, right, back), or `drive LEGGED_DRIVE` \
+                          with legs in the companion";
 /// Drives: the keyword of each, and its default device names.
-pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 4] = [
+pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 5] = [
     ("DIFFERENTIAL_DRIVE", DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
     ("ACKERMANN_DRIVE", DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
     (
@@ -289,6 +290,7 @@ pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 4] = [
         &["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"],
     ),
     ("LEGGED_DRIVE", DriveKind::Legged, &[]),
+    ("THRUSTER_DRIVE", DriveKind::Thrusters, &["MOTOR_LEFT", "MOTOR_FRONT", "MOTOR_RIGHT", "MOTOR_BACK"]),
 ];
 
 /// Default motors and steering servo of a drive.
@@ -301,6 +303,8 @@ pub(super) fn drive_devices(kind: DriveKind) -> (Vec<MotorSpec>, Option<String>)
 fn motors_and_steering(kind: DriveKind, names: &[&str]) -> (Vec<MotorSpec>, Option<String>) {
     match (kind, names) {
         (DriveKind::Ackermann, [motors @ .., servo]) => (MotorSpec::pairs(motors), Some((*servo).to_owned())),
+        // Thrusters have no encoders.
+        (DriveKind::Thrusters, _) => (names.iter().flat_map(|name| MotorSpec::pairs(&[name])).collect(), None),
         _ => (MotorSpec::pairs(names), None),
     }
 }

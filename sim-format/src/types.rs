@@ -151,8 +151,10 @@ impl Types {
     ) {
         let message = format!("there is no type `{}`", reference.text);
         let expected = match self.form {
-            SceneForm::Sim => "LabBot, S4, Can, Soccer, Crate, Golf, or the name of a type that a line above loads",
-            SceneForm::Toml => "LabBot, S4, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene",
+            SceneForm::Sim => {
+                "LabBot, S4, Mako, Can, Soccer, Crate, Golf, or the name of a type that a line above loads"
+            }
+            SceneForm::Toml => "LabBot, S4, Mako, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene",
         };
         let suggestion = self.suggestion(loader, folder, &reference.text);
         sink.report(severity, Code::SimTypeUnknown, reference.span, message, expected).suggestion = suggestion;

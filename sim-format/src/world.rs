@@ -9,7 +9,10 @@ use super::spec::{DEFAULT_WALL_HEIGHT, MAX_LENGTH, StartSpec, WallSpec, WorldSpe
 use crate::path;
 use sim_core::pose::Pose;
 
-const KEYWORDS: [&str; 7] = ["floor", "width", "height", "floor_texture", "position", "push", "pop"];
+const KEYWORDS: [&str; 8] = ["floor", "width", "height", "floor_texture", "water", "position", "push", "pop"];
+
+/// Depth of the water over the floor.
+pub(crate) const WATER: Quantity = Quantity::size("depth of the water");
 
 /// Reads a world file.
 ///
@@ -48,6 +51,7 @@ impl Reader {
             "width" => self.width = self.side(first, rest, Code::WldWidthArity).or(self.width),
             "height" => self.height = self.side(first, rest, Code::WldHeightArity).or(self.height),
             "floor_texture" => self.texture(first, rest),
+            "water" => self.water(first, rest),
             "position" => self.position(first, rest),
             "push" => self.push(first, rest),
             "pop" => self.pop(first, rest),
@@ -97,6 +101,12 @@ impl Reader {
         self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
         // Only with the image turned do the walls of worlds saved by EyeSim VR lie on the lines of the image.
         self.world.texture_is_turned = self.world.texture.is_some();
+    }
+
+    /// Reads the depth of the water: our extension, since no file of EyeSim VR with water is known.
+    fn water(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let depth = self.arguments(keyword, rest, &[WATER], Code::WldWaterArity, "`water DEPTH` in mm");
+        self.world.water = depth.map(|[depth]| depth).or(self.world.water);
     }
 
     fn position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
@@ -180,7 +190,7 @@ impl Reader {
 
     fn unknown(&mut self, word: &Word<'_>) {
         let expected =
-            "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, position, push, pop";
+            "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop";
         let message = format!("unknown keyword `{}`", word.text);
         let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, expected);
         diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));

@@ -53,6 +53,7 @@ fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
         surface: Default::default(),
         solid: Default::default(),
         buoyancy: 0.0,
+        lift: 0.0,
     }
 }
 

@@ -32,6 +32,48 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
          VWDriveTurn(vw, M_PI / 2, 1.0);\n    VWDriveWait(vw);\n    VWGetPosition(vw, &pos);\n    printf(\"%.2f\\n\", pos.phi);\n    return 0;\n}\n",
         &["1.57"],
     ),
+    (
+        "truth.c",
+        "#include \"librobi/librobi.h\"\nBOOL done(int n) { return n > 2 ? TRUE : FALSE; }\nint main()\n{ int n = 0;\n  \
+         while (done(n) == FALSE) { VWStraight(50, 100); VWWait(); n++; }\n  printf(\"%d\\n\", n);\n}\n",
+        &["3"],
+    ),
+    (
+        "own-truth.c",
+        "#include \"eyebot.h\"\ntypedef enum { FALSE, TRUE } BOOL;\nBOOL far(psd) int psd; { return PSDGet(psd) > 100; }\n\
+         main() { printf(\"%d %d\\n\", far(PSD_FRONT), strcmp(\"a\", \"a\")); }\n",
+        &["1 0"],
+    ),
+    (
+        "single-keys.c",
+        "#include <stdio.h>\n#include <termios.h>\n#include <unistd.h>\n#include \"eyebot.h\"\nint getch(void)\n{\n    \
+         struct termios old, raw; int c;\n    if (tcgetattr(STDIN_FILENO, &old)) return -2;\n    raw = old; raw.c_lflag &= ~(ICANON | ECHO);\n    \
+         tcsetattr(STDIN_FILENO, TCSANOW, &raw); c = getchar(); tcsetattr(STDIN_FILENO, TCSANOW, &old);\n    return c;\n}\n\
+         int main() { printf(\"%d\\n\", getch()); return 0; }\n",
+        &["-1"],
+    ),
+    (
+        "locks.py",
+        "import threading, time\nfrom eye import *\ndef now():\n    return round(time.time(), 1)\nlock = threading.Lock()\nlock.acquire()\n\
+         print(lock.acquire(timeout=0.5), lock.acquire(blocking=False), lock.locked(), now())\nthreading.Timer(0.5, lock.release).start()\n\
+         print(lock.acquire(timeout=5), now())\nt = threading.Thread(target=lambda: time.sleep(2))\nt.start()\nt.join(timeout=0.5)\n\
+         print(t.is_alive(), now())\nt.join()\nprint(t.is_alive(), now())\nprint(threading.Semaphore(0).acquire(timeout=0.5), now())\n\
+         try:\n    threading.Barrier(2, timeout=0.5).wait()\nexcept threading.BrokenBarrierError:\n    print('broken', now())\n\
+         barrier = threading.Barrier(2)\nthreading.Timer(0.5, barrier.wait).start()\nbarrier.wait()\nprint('met', now())\n\
+         again = threading.RLock()\nwith again, again:\n    print(again.acquire(timeout=1), again.acquire(False))\n\
+         held = threading.Thread(target=lambda: print(again.acquire(timeout=0.5), now()))\nagain.acquire()\nheld.start()\nheld.join()\n",
+        &[
+            "False False True 0.5",
+            "True 1.0",
+            "True 1.5",
+            "False 3.0",
+            "False 3.5",
+            "broken 4.0",
+            "met 4.5",
+            "True True",
+            "False 5.0",
+        ],
+    ),
 ];
 
 #[test]
@@ -49,7 +91,8 @@ fn programs_in_the_wild_print_what_they_mean() {
         scratch.write(name, text);
         let lines_7 = format!("S4 1000 1000 0 {name}\ncan 3000 3000 0\n");
         let lines_6 = format!("robi bot.robi {name} 1000 1000 0\n");
-        scratch.write("my.sim", &format!("world room.wld\n{}", if name.ends_with(".py") { lines_7 } else { lines_6 }));
+        let is_classic = text.contains("VWInit");
+        scratch.write("my.sim", &format!("world room.wld\n{}", if is_classic { lines_6 } else { lines_7 }));
         let ran = scratch.eyesim(&["run", "my.sim", "--until", "60", "--trace", "t.jsonl"]);
         assert_eq!(ran.code, Some(0), "{name}: {ran:#?}");
         let trace = scratch.trace("t.jsonl");

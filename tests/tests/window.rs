@@ -275,6 +275,42 @@ fn a_key_of_the_page_reaches_the_program() {
 }
 
 #[test]
+fn a_line_typed_in_the_page_reaches_the_program_and_is_repeated() {
+    const READER: &str = "#include \"eyebot.h\"\nint main(void) {\n  char name[20]; int mm, n = 0;\n  scanf(\"%19s\", name);\n  \
+                          scanf(\"%d\", &mm);\n  while (getchar() != 'q') n++;\n  VWStraight(mm, 100);\n  VWWait();\n  \
+                          LCDPrintf(\"%s %d %d\\n\", name, mm, n);\n  return 0;\n}\n";
+    let scratch = scene_of(&[("reader.c", READER), ("waiter.c", WAITER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--paused"]);
+    let mut page = served.page();
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    let line = |robot, line: &str| Action::Type { robot, line: line.to_owned() };
+    assert!(page.act(line(7, "x")).is_some_and(|why| why.contains("no robot 7")));
+    assert_eq!(page.act(line(1, "Ada")), None);
+    assert_eq!(page.ask(Command::Speed { factor: None }), None);
+    assert_eq!(page.ask(Command::Run {}), None);
+    page.until("the wait", |page| {
+        let robots = page.snapshot.as_ref().map(|snapshot| &snapshot.robots);
+        robots.is_some_and(|robots| robots[0].why.starts_with("waits for a line typed"))
+    });
+    assert_eq!(page.act(line(1, "100 ü")), None);
+    assert_eq!(page.act(line(1, "q")), None);
+    page.until("the end", |page| {
+        page.snapshot.as_ref().is_some_and(|snapshot| snapshot.robots[0].standing == Standing::Finished)
+    });
+    page.send(&Request::Look { robot: Some(1), camera: false, calls: false });
+    // The rest of its line are a blank, two bytes and the end.
+    page.until("what was read", |page| page.lcd_text.iter().any(|line| line.contains("Ada 100 4")));
+    assert!(page.act(line(1, "x")).is_some_and(|why| why.contains("runs no program")));
+    assert!(page.events.iter().any(|event| event.text == "a hand types `Ada` to r1"));
+    assert_eq!(page.act(Action::End {}), None);
+    page.until("the end of the run", |page| page.digest().is_some());
+    scratch.write("t.jsonl", &String::from_utf8(served.get("/files/trace.jsonl")).expect("text"));
+    let verified = scratch.eyesim(&["replay", "--verify", "t.jsonl"]);
+    assert_eq!(verified.code, Some(0), "{verified:#?}");
+    assert!(verified.stdout.contains("same digest"), "{verified:#?}");
+}
+
+#[test]
 fn runs_start_again_with_any_seed() {
     start_again(&[]);
 }

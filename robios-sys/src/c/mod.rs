@@ -41,6 +41,8 @@ pub static HEADERS6: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
         "include/robios6" / "protos.h",
         "include/robios6" / "variants.h",
         "include/both" / "eyesim-c-library.h",
+        "include/both" / "eyesim-truth.h",
+        "include/both" / "librobi/librobi.h",
     ];
     generate::headers6().into_iter().map(SourceFile::generated).chain(written).collect()
 });
@@ -53,6 +55,8 @@ pub static HEADERS7: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
         "include/robios7" / "variants.h",
         "include/robios7" / "X11/Xlib.h",
         "include/both" / "eyesim-c-library.h",
+        "include/both" / "eyesim-truth.h",
+        "include/both" / "librobi/librobi.h",
     ];
     generate::headers7().into_iter().map(SourceFile::generated).chain(written).collect()
 });
@@ -60,6 +64,12 @@ pub static HEADERS7: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
 /// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that calls functions of the C library
 /// without a declaration.
 pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
+
+/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`TRUTH`] without a declaration.
+pub const TRUTH_HEADER: &str = "eyesim-truth.h";
+
+/// Names of [`TRUTH_HEADER`].
+pub const TRUTH: [&str; 3] = ["TRUE", "FALSE", "BOOL"];
 
 /// Flag for a source whose names collide with the additional names of RoBIOS-7's `types.h`.
 pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";

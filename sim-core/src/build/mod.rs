@@ -9,14 +9,14 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::drive::legged::{Gait, Leg, Legs};
-use crate::drive::{ContactRule, DriveKind, Model};
+use crate::drive::{ContactRule, DriveKind, Hull, Model};
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Link, Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
-    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec,
-    MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+    self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, HullSpec, LegSpec, LegsSpec, LidarSpec,
+    LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
 use crate::world::{Space, ThickWall};
@@ -26,6 +26,9 @@ pub use scenery::{
 
 /// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
+
+/// Deceleration over gravity of an object that floats: constant, in place of the drag of the water. Source: our choice.
+const WATER_RESISTANCE: f64 = 0.005;
 
 /// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
 pub fn walls(world: &WorldSpec) -> Arc<Walls> {
@@ -131,14 +134,23 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
 /// footprint.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
-        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
+        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
         _ if kind.colliders.is_empty() => {
             let Part { shape: footprint, object_from_part: body_from_footprint } = no_shape();
             vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]
         }
-        _ => kind.colliders.iter().map(solid).collect(),
+        _ => kind.colliders.iter().map(|collider| solid(&collider.raised(kind.lift))).collect(),
     };
     Figure { solids, surface: kind.surface }
+}
+
+/// `mesh` at this height above its own place, in metres.
+fn raised(mesh: &Arc<Mesh>, lift: f64) -> Arc<Mesh> {
+    let mut mesh = Arc::clone(mesh);
+    if lift > 0.0 {
+        Arc::make_mut(&mut mesh).positions.iter_mut().for_each(|position| position.z += lift);
+    }
+    mesh
 }
 
 /// Ray index over the faces of a mesh.
@@ -188,9 +200,14 @@ pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
         mass: kind.mass,
         centre_of_mass: kind.centre_of_mass.truncate(),
         parts,
-        resistance: kind.rolling.map_or(Resistance::Sliding(object.friction), Resistance::Rolling),
+        resistance: match kind.rolling {
+            _ if kind.lift > 0.0 => Resistance::Rolling(WATER_RESISTANCE),
+            Some(rolling) => Resistance::Rolling(rolling),
+            None => Resistance::Sliding(object.friction),
+        },
         restitution: kind.restitution,
         contact_friction: CONTACT_FRICTION,
+        lift: kind.lift,
     })
 }
 
@@ -373,11 +390,25 @@ pub fn model(robi: &RobiSpec) -> Model {
     model
 }
 
-/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects.
+/// The hull of a robot type in water of this depth in metres; `None` for a robot without one.
+///
+/// The hull is as high as its colliders, or as its diameter without any.
+pub fn hull(robi: &RobiSpec, water: f64) -> Option<Hull> {
+    let HullSpec { thrust, drag } = robi.hull;
+    (robi.drive.kind == DriveKind::Thrusters).then(|| Hull { thrust, drag, ceiling: water - hull_height(robi) })
+}
+
+/// Height of a hull over the origin of its robot's frame, in metres.
+pub fn hull_height(robi: &RobiSpec) -> f64 {
+    robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
+}
+
+/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects. A hull always
+/// slides, since it may rise and sink meanwhile.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
-        ContactKind::Slide => ContactRule::Slide { friction: robi.friction.min(wall_friction) },
-        ContactKind::Stall => ContactRule::Stall,
+        ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,
+        ContactKind::Slide | ContactKind::Stall => ContactRule::Slide { friction: robi.friction.min(wall_friction) },
     }
 }
 

@@ -85,6 +85,9 @@ pub enum CommandError {
         /// Number of wheels with a motor.
         wheels: usize,
     },
+    /// Thrusters take forces, no speeds and no places to go to.
+    #[error("thrusters are driven by their motors alone, accepted: rates of single motors")]
+    Thrusters,
     /// Only an omni drive and legs can move sideways.
     #[error("this drive cannot move sideways, accepted: omni drives and legs")]
     Sideways,
@@ -253,6 +256,8 @@ fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
     // Negated, so that NaN is refused as well.
     if !(twist.vx.abs().max(twist.vy.abs()).max(twist.omega.abs()) <= 1e12 && twist.is_finite()) {
         Err(CommandError::NotFinite)
+    } else if model.kind == DriveKind::Thrusters {
+        Err(CommandError::Thrusters)
     } else if twist.vy != 0.0 && !model.is_holonomic() {
         Err(CommandError::Sideways)
     } else {

@@ -1,7 +1,10 @@
 //! Lag of the wheels behind their command, and the controllers that drive the wheels: two PI controllers for speed and
 //! turning speed, or one PID controller per wheel.
 
-use super::model::{Model, Wheels};
+use super::{
+    hull::Afloat,
+    model::{Model, Wheels},
+};
 use crate::{math, pose::Twist, time::TICK};
 
 /// Parameters of the two PI controllers, for the speed (v) and the turning speed (w). The output is V (e + I / T), with
@@ -75,6 +78,8 @@ pub(super) struct Actuation {
     pub sums: Wheels,
     /// For each wheel whose own controller is active, its rate one tick before, rad/s.
     pub last: Wheels,
+    /// State of a hull in the water; its mean velocity stands in the place of the rates of wheels.
+    pub afloat: Afloat,
 }
 
 /// Set points of the wheels.

@@ -11,6 +11,7 @@ use glam::DVec2;
 use super::{
     command::{Orders, Pending},
     control::Actuation,
+    hull::Hull,
     model::{DriveKind, Model, ModelError, Wheels},
 };
 use crate::{
@@ -57,7 +58,7 @@ impl noise::MotionNoise {
             DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
             DriveKind::Ackermann => [Some(self.left), None, None, None],
             DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
-            DriveKind::Legged => [None; 4],
+            DriveKind::Legged | DriveKind::Thrusters => [None; 4],
         };
         let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
         let diameters = sides.map(|side| {
@@ -122,7 +123,7 @@ impl TwistNoise {
             vx: deviation(self.speed, self.speed_share, twist.vx) * ahead,
             vy: match kind {
                 DriveKind::Omni | DriveKind::Legged => deviation(self.speed, self.speed_share, twist.vy) * aside,
-                DriveKind::Differential | DriveKind::Ackermann => 0.0,
+                DriveKind::Differential | DriveKind::Ackermann | DriveKind::Thrusters => 0.0,
             },
             omega: deviation(self.turn, self.turn_share, twist.omega) * turn,
         }
@@ -164,6 +165,8 @@ pub(super) struct Vehicle {
     /// `None` for perfect motion.
     pub errors: Option<Box<Errors>>,
     pub contact: ContactRule,
+    /// Hull of a robot in the water.
+    pub hull: Option<Hull>,
 }
 
 /// An imperfection with its random streams.
@@ -189,7 +192,10 @@ impl Vehicle {
     /// wheels at these rates.
     pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
         match &self.errors {
-            Some(errors) if during.rates != [0.0; 4] => errors.apply(&self.model, start, orders, during, belief),
+            // The errors are those of wheels and legs.
+            Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
+                errors.apply(&self.model, start, orders, during, belief)
+            }
             _ => Erring { truth: belief, odometry: belief, is_drawn: false },
         }
     }

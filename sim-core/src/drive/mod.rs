@@ -6,6 +6,7 @@
 
 mod command;
 mod control;
+mod hull;
 mod imperfection;
 pub mod legged;
 mod model;
@@ -15,6 +16,7 @@ mod stage;
 
 pub use command::{Command, CommandError, arc_to};
 pub use control::{Gains, Pid};
+pub use hull::{Drag, Hull};
 pub use imperfection::{ContactRule, Imperfection};
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub use motion::{Impact, Motion};

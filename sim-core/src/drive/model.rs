@@ -14,6 +14,9 @@ pub enum DriveKind {
     /// Legs without wheels. Where other drives have rates of wheels, legs have the twist itself: m/s ahead, m/s to the
     /// left, rad/s.
     Legged,
+    /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set their rates;
+    /// in the place of rates of wheels stands the velocity: m/s ahead, m/s to the left, rad/s, m/s up.
+    Thrusters,
 }
 
 /// Rates or angles of up to four wheels in the order of the [`DriveKind`]; unused places are 0.
@@ -68,12 +71,12 @@ pub struct ModelError {
 }
 
 impl Model {
-    /// Number of wheels with a motor and an encoder.
+    /// Number of wheels or thrusters with a motor.
     pub fn wheel_count(&self) -> usize {
         match self.kind {
             DriveKind::Differential => 2,
             DriveKind::Ackermann => 1,
-            DriveKind::Omni => 4,
+            DriveKind::Omni | DriveKind::Thrusters => 4,
             DriveKind::Legged => 0,
         }
     }
@@ -127,7 +130,7 @@ impl Model {
                     omega: 0.5 * radius * ((fr - fl) + (br - bl)) / (self.track + self.wheelbase),
                 }
             }
-            DriveKind::Legged => {
+            DriveKind::Legged | DriveKind::Thrusters => {
                 let [vx, vy, omega, _] = *wheels;
                 Twist { vx, vy, omega }
             }
@@ -150,7 +153,7 @@ impl Model {
                 let turn = 0.5 * (self.track + self.wheelbase) * omega;
                 [vx - vy - turn, vx + vy + turn, vx + vy - turn, vx - vy + turn].map(|speed| speed * per_metre)
             }
-            DriveKind::Legged => [vx, vy, omega, 0.0],
+            DriveKind::Legged | DriveKind::Thrusters => [vx, vy, omega, 0.0],
         }
     }
 

@@ -10,6 +10,7 @@ use super::{
     HISTORY,
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
+    hull::{Afloat, Hull},
     imperfection::{ContactRule, Errors, Imperfection, Vehicle},
     legged::Walk,
     model::{DriveKind, Model, ModelError, Wheels},
@@ -182,7 +183,7 @@ impl Motion {
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
         let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
         let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Controllers::default() };
-        let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall };
+        let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall, hull: None };
         let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
         Self {
             id,
@@ -234,6 +235,26 @@ impl Motion {
         Ok(self)
     }
 
+    /// This motion, not yet commanded, of a robot with [`DriveKind::Thrusters`] in the water: at rest, its frame `lift` metres
+    /// above the floor. At walls it slides.
+    ///
+    /// # Errors
+    /// The first number of the hull that makes no sense.
+    pub fn with_hull(mut self, hull: Hull, lift: f64) -> Result<Self, ModelError> {
+        hull.check(&self.vehicle.model)?;
+        self.vehicle.hull = Some(hull);
+        for stage in &mut self.stages {
+            stage.before.afloat.lift = lift.clamp(0.0, hull.ceiling);
+            stage.during.afloat = stage.before.afloat;
+        }
+        Ok(self)
+    }
+
+    /// The robot's hull, if it is in the water.
+    pub fn hull(&self) -> Option<&Hull> {
+        self.vehicle.hull.as_ref()
+    }
+
     /// Behaviour of the body when it is pushed against a wall.
     pub fn contact_rule(&self) -> ContactRule {
         self.vehicle.contact
@@ -250,8 +271,11 @@ impl Motion {
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
-        let (state, orders, before) =
-            (stage.state(&self.vehicle.model, at), stage.orders_at(at), stage.actuation_before(at));
+        let (state, orders, before) = (
+            stage.state(&self.vehicle.model, at),
+            stage.orders_at(at),
+            stage.actuation_before(&self.vehicle.model, at),
+        );
         let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
         let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
         self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
@@ -590,7 +614,15 @@ impl Motion {
         }
         let state = stage.state(&self.vehicle.model, at);
         let orders = stage.orders_at(at);
-        let next = Stage::open(&self.vehicle, at, state, orders, stage.actuation_before(at), touching, Grip::FREE);
+        let next = Stage::open(
+            &self.vehicle,
+            at,
+            state,
+            orders,
+            stage.actuation_before(&self.vehicle.model, at),
+            touching,
+            Grip::FREE,
+        );
         if next.blocker().is_some() {
             return false;
         }
@@ -672,8 +704,15 @@ impl Motion {
         let stage = &self.stages[index];
         let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
         let state = stage.state(&self.vehicle.model, at);
-        let mut next =
-            Stage::open(&self.vehicle, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
+        let mut next = Stage::open(
+            &self.vehicle,
+            at,
+            state,
+            stage.orders_at(at),
+            stage.actuation_before(&self.vehicle.model, at),
+            &[],
+            grip,
+        );
         next.is_placed = stage.is_placed && stage.piece.start == at;
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
@@ -746,7 +785,7 @@ impl Motion {
         let at = at.max(stage.piece.start);
         let present = stage.orders_at(at);
         let mut state = stage.state(&self.vehicle.model, at);
-        let mut before = stage.actuation_before(at);
+        let mut before = stage.actuation_before(&self.vehicle.model, at);
         let orders = match input {
             Input::Command(command) => present.with(&self.vehicle.model, command)?,
             Input::Control(gains) => {
@@ -763,7 +802,8 @@ impl Motion {
             }
             Input::Place(world_from_robot) => {
                 state.world_from_axle = axle_of(&self.vehicle.model, &world_from_robot);
-                before = Actuation::default();
+                let lift = if self.vehicle.hull.is_some() { stage.lift(at) } else { 0.0 };
+                before = Actuation { afloat: Afloat { lift, ..Afloat::default() }, ..Actuation::default() };
                 Orders { pending: Pending::Idle, ..present }
             }
         };

@@ -6,8 +6,9 @@ use super::{
     HISTORY,
     command::{Orders, Pending},
     control::{self, Actuation},
+    hull::{Afloat, Hull},
     imperfection::{ContactRule, Erring, Vehicle},
-    model::Model,
+    model::{DriveKind, Model},
     motion::Passage,
     piece::{Cause, Piece, Rates, State},
 };
@@ -123,7 +124,7 @@ impl Stage {
         grip: Grip,
     ) -> Self {
         let model = &*vehicle.model;
-        let during = actuate(model, start, &orders, before);
+        let during = actuate(vehicle, start, &orders, before);
         let belief = ordered_twist(model, &orders, &during);
         let erring = vehicle.erring(start, &orders, &during, belief);
         let (rates, after, cause) = motion_of(model, &orders, belief, &erring, &during, grip.share);
@@ -427,10 +428,13 @@ impl Stage {
         self.legs.push(Leg { from, after, path, covered, against, is_fresh, meets });
     }
 
-    /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag and robots
-    /// with errors have such stages.
+    /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag, robots with
+    /// errors and hulls in the water have such stages.
     pub fn next(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         let model = &*vehicle.model;
+        if let Some(hull) = &vehicle.hull {
+            return self.next_afloat(vehicle, hull, walls, limit);
+        }
         if self.has_no_ticks(vehicle) {
             return None;
         }
@@ -457,7 +461,7 @@ impl Stage {
 
     /// Returns true if no tick opens another stage after this one.
     fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
-        self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none()
+        self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
     }
 
     /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. The start of
@@ -469,6 +473,40 @@ impl Stage {
         }
         let known = self.explored.min(self.piece.after).max(0.0);
         self.piece.start.saturating_add(Time::from_seconds_ceil(known)) - Time(1)
+    }
+
+    /// The stage of a hull that a tick opens after this one, if that happens up to `limit`. While nothing changes only the
+    /// first tick after a contact with a wall opens one.
+    fn next_afloat(&mut self, vehicle: &Vehicle, hull: &Hull, walls: &Walls, limit: Time) -> Option<Self> {
+        let mut tick = self.next_tick();
+        if tick > limit {
+            return None;
+        }
+        self.steady = swim(&vehicle.model, hull, &self.orders, self.during) == self.during;
+        if self.steady {
+            self.explore(vehicle, walls, (limit - self.piece.start).seconds());
+            let contact = self.piece.start + Time::from_seconds_ceil(self.legs.first()?.from);
+            tick = tick.max((contact + (TICK - Time(1))).floor_to(TICK));
+        } else {
+            self.explore(vehicle, walls, (tick - self.piece.start).seconds());
+        }
+        (tick <= limit && !self.piece.has_ended(tick)).then(|| self.at_tick(vehicle, tick))
+    }
+
+    /// Height of a hull above the floor at `at`, m; of other robots 0.
+    pub fn lift(&self, at: Time) -> f64 {
+        let Afloat { lift, .. } = self.during.afloat;
+        lift - self.during.rates[3] * (self.next_tick() - at).seconds().max(0.0)
+    }
+
+    /// The change of a hull's velocity by what it is pressed against at `at`, in its frame, m/s: it loses that part of its
+    /// speed that the contact takes.
+    fn impulse(&self, model: &Model, at: Time) -> DVec2 {
+        let seconds = self.seconds_at(at);
+        let Some(leg) = self.leg_at(seconds).filter(|leg| leg.against.is_some()) else { return DVec2::ZERO };
+        let Twist { vx, vy, omega } = self.twist_of_centre(model);
+        let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
+        DVec2::new(heading.x, -heading.y).rotate(leg.velocity(seconds)) - DVec2::new(vx, vy)
     }
 
     /// The stage that the first tick opens after errors have moved the body against a wall, if that happens up to
@@ -494,7 +532,8 @@ impl Stage {
 
     fn at_tick(&self, vehicle: &Vehicle, tick: Time) -> Self {
         let (state, orders) = (self.state(&vehicle.model, tick), self.orders_at(tick));
-        let mut next = Self::open(vehicle, tick, state, orders, self.actuation_before(tick), &[], self.grip);
+        let before = self.actuation_before(&vehicle.model, tick);
+        let mut next = Self::open(vehicle, tick, state, orders, before, &[], self.grip);
         if let Some(until) = self.yields.filter(|until| *until > tick) {
             next.yield_to_contact(&vehicle.model, until);
         }
@@ -541,15 +580,23 @@ impl Stage {
         matches!(self.piece.cause, Cause::Arrived(_)).then(|| self.piece.end())
     }
 
-    /// State of wheels and controllers just before `at`.
-    pub fn actuation_before(&self, at: Time) -> Actuation {
+    /// State of wheels, controllers and hull just before `at`.
+    pub fn actuation_before(&self, model: &Model, at: Time) -> Actuation {
         if at == self.piece.start {
-            self.before
-        } else if self.piece.has_ended(at) {
-            Actuation { rates: [0.0; 4], ..self.during }
-        } else {
-            self.during
+            return self.before;
         }
+        let mut before = self.during;
+        let Afloat { velocity: [ahead, aside, turn, _], .. } = &mut before.afloat;
+        if self.piece.has_ended(at) {
+            [*ahead, *aside, *turn] = [0.0; 3];
+            // A hull that is held goes on to rise or sink.
+            before.rates = [0.0, 0.0, 0.0, if model.kind == DriveKind::Thrusters { before.rates[3] } else { 0.0 }];
+        } else if model.kind == DriveKind::Thrusters && at.floor_to(TICK) == at {
+            let impulse = self.impulse(model, at);
+            *ahead += impulse.x;
+            *aside += impulse.y;
+        }
+        before
     }
 
     /// The robot that ends the stage by blocking the body, with the touched point.
@@ -590,16 +637,25 @@ fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     half * (0..4).map(|index| part(half * f64::from(2 * index + 1))).sum::<f64>()
 }
 
-/// State of wheels and controllers from `start` on: wheels without lag follow their orders at once; wheels with a lag
-/// advance one step if `start` is a tick.
-fn actuate(model: &Model, start: Time, orders: &Orders, before: Actuation) -> Actuation {
-    if model.wheel_lag == 0.0 {
+/// State of wheels, controllers and hull from `start` on: wheels without lag follow their orders at once; wheels with a lag
+/// and a hull advance one step if `start` is a tick.
+fn actuate(vehicle: &Vehicle, start: Time, orders: &Orders, before: Actuation) -> Actuation {
+    let model = &*vehicle.model;
+    if let Some(hull) = &vehicle.hull {
+        if start.floor_to(TICK) == start { swim(model, hull, orders, before) } else { before }
+    } else if model.wheel_lag == 0.0 {
         Actuation { rates: orders.pending.target().wheels(model), ..before }
     } else if start.floor_to(TICK) == start {
         control::step(model, &orders.controllers, orders.pending.target(), orders.steering, before)
     } else {
         before
     }
+}
+
+/// One tick of a hull.
+fn swim(model: &Model, hull: &Hull, orders: &Orders, before: Actuation) -> Actuation {
+    let (rates, afloat) = hull.step(model, &orders.pending.target().wheels(model), &before.afloat);
+    Actuation { rates, afloat, ..before }
 }
 
 /// Twist of the axle that the orders ask for.

@@ -75,6 +75,8 @@ pub struct Properties {
     pub restitution: f64,
     /// Coefficient of friction against walls, robots and other objects; between two objects the lower one applies (our choice).
     pub contact_friction: f64,
+    /// Height of the object's frame above the floor, m; 0 unless it floats. Contacts do not depend on it.
+    pub lift: f64,
 }
 
 impl Properties {

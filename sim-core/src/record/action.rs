@@ -16,6 +16,13 @@ pub enum Action {
         /// Key in the notation of a `--keys` script: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
         key: String,
     },
+    /// Types a line to the standard input of a robot's program.
+    Type {
+        /// Number of the robot.
+        robot: u32,
+        /// The line, without its end.
+        line: String,
+    },
     /// Moves a robot to another pose.
     PlaceRobot {
         /// Number of the robot.
@@ -102,6 +109,7 @@ mod tests {
     fn the_canonical_text_is_frozen() {
         let canonical = [
             (Action::Press { robot: 1, key: "KEY1".into() }, r#"{"do":"press","robot":1,"key":"KEY1"}"#),
+            (Action::Type { robot: 1, line: "3 4".into() }, r#"{"do":"type","robot":1,"line":"3 4"}"#),
             (
                 Action::PlaceRobot { robot: 2, x_m: 1.0, y_m: 0.1, phi_rad: -0.5 },
                 r#"{"do":"place_robot","robot":2,"x_m":1.0,"y_m":0.1,"phi_rad":-0.5}"#,

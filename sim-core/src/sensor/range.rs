@@ -126,7 +126,7 @@ impl RangeSensor {
     /// [`RangeModel::read`].
     ///
     /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam), so that walls and bodies count as
-    /// infinitely high; meshes are hit at their true heights.
+    /// infinitely high; meshes and floating objects are hit at their true heights.
     ///
     /// # Panics
     /// As [`link_pose`].

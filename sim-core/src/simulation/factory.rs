@@ -24,6 +24,8 @@ pub struct RobotFactory {
     slot: Time,
     is_verbose: bool,
     walls: Arc<Walls>,
+    /// Depth of the water, m; `None` on dry land.
+    water: Option<f64>,
     /// Ground for legged robots.
     ground: Arc<Ground>,
     /// Rule of contacts with walls, and the coefficient of friction of the walls.
@@ -65,6 +67,7 @@ impl RobotFactory {
             slot,
             is_verbose,
             walls: build::obstacles(scene),
+            water: scene.world.water,
             ground: build::ground(&scene.world),
             contact: scene.run.contact.unwrap_or_default(),
             wall_friction: scene.run.wall_friction.unwrap_or(f64::INFINITY),
@@ -89,6 +92,10 @@ impl RobotFactory {
         let mut motion = motion.with_contact(rule).map_err(failed(""))?;
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
+        }
+        // A hull starts at the surface. Its check refuses a world without water.
+        if let Some(hull) = build::hull(&spec.robi, self.water.unwrap_or_default()) {
+            motion = motion.with_hull(hull, hull.ceiling).map_err(failed(""))?;
         }
         let devices = self.devices.entry(spec.robi.file.clone()).or_insert_with(|| Devices::new(&spec.robi)).clone();
         let mut robot = Robot::new(motion, (Arc::clone(&spec.robi), devices), since, self.seed, self.is_verbose);

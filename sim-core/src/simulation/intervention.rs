@@ -144,7 +144,7 @@ impl Robots for [Robot] {
 
 impl Intervention {
     /// Validates `action` against `world`, at the start of its present slot or of a later slot up to which nothing
-    /// happens. The owner of the run must itself add robots and end the run: these actions give [`Refusal::Other`].
+    /// happens. The owner of the run must itself type to programs, add robots and end the run: these actions give [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
@@ -193,6 +193,10 @@ impl Intervention {
                 Self::AddObject(Box::new(roster.object(kind, pose)?))
             }
             Action::RemoveObject { object } => Self::RemoveObject(object_of(*object, world)?),
+            Action::Type { robot, .. } => {
+                robot_of(*robot, world)?;
+                return Err(Refusal::Other(format!("robot {robot} runs no program that could read a line")));
+            }
             Action::AddRobot { .. } => return Err(Refusal::Other("a robot comes by who owns the run".to_owned())),
             Action::End {} => return Err(Refusal::Other("a simulation ends where its owner leaves it".to_owned())),
         })

@@ -55,7 +55,7 @@ pub struct Robot {
     seed: u64,
     /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// Recorded state of the legs, for a robot with legs.
+    /// Recorded posture, for a robot with legs or in the water.
     pub walk: WalkRecord,
     /// Watch of the floor's edge; `None` in a world without a floor.
     floor: Option<FloorWatch>,
@@ -315,10 +315,10 @@ impl Robot {
         self.journal.record(off, &Event::Hint { text: &text });
     }
 
-    /// Records the footfalls of a legged robot in the slot, and its posture at the slot's end if the posture has
-    /// changed since the last record.
+    /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the
+    /// slot's end if the posture has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
-        if self.motion.legs().is_none() {
+        if !self.motion.has_height() {
             return;
         }
         for Footfall { time, leg, point } in self.motion.take_footfalls(slot_end) {

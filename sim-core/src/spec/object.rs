@@ -19,6 +19,9 @@ pub const DEFAULT_ROLLING: f64 = 0.02;
 /// Default restitution of an object type. Source: our choice.
 pub const DEFAULT_RESTITUTION: f64 = 0.3;
 
+/// Density of water, in kg/m³.
+const WATER_DENSITY: f64 = 1000.0;
+
 /// Diameter and height of an object without a collider, in metres.
 const DEFAULT_SIZE: f64 = 0.1;
 
@@ -59,6 +62,8 @@ pub struct ObjectType {
     pub solid: Solid,
     /// Buoyant volume in cubic metres; 0 for none. Without effect on dry land.
     pub buoyancy: f64,
+    /// Height of the object's frame above the floor, in metres: greater than 0 for one that [floats](Self::afloat).
+    pub lift: f64,
 }
 
 impl Default for ObjectType {
@@ -84,6 +89,7 @@ impl Default for ObjectType {
             surface: Surface::default(),
             solid: Solid::Colliders,
             buoyancy: 0.0,
+            lift: 0.0,
         }
     }
 }
@@ -92,6 +98,21 @@ impl ObjectType {
     /// An object type with all defaults, named by the file's stem.
     pub fn with_defaults(file: &str) -> Self {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
+    }
+
+    /// This type in still water of this depth, in metres, if it floats there: movable, and lighter than its buoyant volume of water.
+    ///
+    /// Its colliders are under water by that share of their height by which it is lighter: exact for upright prisms, our choice for
+    /// others. `None` for one that stands on the floor.
+    pub fn afloat(&self, depth: f64) -> Option<Self> {
+        let submerged = self.mass / (WATER_DENSITY * self.buoyancy);
+        if self.is_fixed || submerged >= 1.0 {
+            return None;
+        }
+        let bottom = self.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or_default();
+        let top = self.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or_default();
+        let lift = depth - bottom - submerged * (top - bottom);
+        (lift > 0.0).then(|| Self { lift, ..self.clone() })
     }
 }
 

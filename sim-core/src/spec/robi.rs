@@ -10,6 +10,7 @@ use super::{
     LidarSpec, LinkSpec, ModelSpec, PsdSpec, RangeSpec, SerialSpec, ServoSpec, Surface, stem,
 };
 
+use crate::drive::Drag;
 use crate::unit::radians_from_degrees;
 
 /// Default mass of a robot type, in kg. Source: our choice.
@@ -30,6 +31,23 @@ const DEFAULT_MAX_RATE_DEG: f64 = 3600.0;
 const DEFAULT_TICKS: f64 = 1000.0;
 const DEFAULT_TRACK: f64 = 0.09;
 const MAX_STEER_DEG: f64 = 45.0;
+
+/// Hull of a robot with [`DriveKind::Thrusters`], which stays upright and neither rises nor sinks by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HullSpec {
+    /// Force of a thruster at its greatest rate, in N.
+    pub thrust: f64,
+    /// Drag ahead, to the side, of a turn, and up.
+    pub drag: [Drag; 4],
+}
+
+impl Default for HullSpec {
+    /// The hull of the built-in Mako. Source: our choice.
+    fn default() -> Self {
+        let drag = |linear, quadratic| Drag { linear, quadratic };
+        Self { thrust: 20.0, drag: [drag(10.0, 40.0), drag(30.0, 150.0), drag(4.0, 12.0), drag(30.0, 150.0)] }
+    }
+}
 
 /// A motor of the drive and its encoder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -135,6 +153,8 @@ pub struct RobiSpec {
     pub friction: f64,
     /// Legs of a robot with [`DriveKind::Legged`]; `None` if no file describes them.
     pub legs: Option<LegsSpec>,
+    /// Hull of a robot with [`DriveKind::Thrusters`]; without meaning for others.
+    pub hull: HullSpec,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.
@@ -187,6 +207,7 @@ impl Default for RobiSpec {
             },
             links: Vec::new(),
             legs: None,
+            hull: HullSpec::default(),
             psds: Vec::new(),
             ranges: Vec::new(),
             camera: None,

@@ -85,6 +85,16 @@ impl Collider {
         }
     }
 
+    /// This collider, higher by `lift` metres.
+    pub fn raised(mut self, lift: f64) -> Self {
+        let (Self::Box { centre, .. }
+        | Self::Sphere { centre, .. }
+        | Self::Cylinder { centre, .. }
+        | Self::Capsule { centre, .. }) = &mut self;
+        centre.z += lift;
+        self
+    }
+
     /// Height of its lowest point in the frame of its body, in metres.
     pub fn bottom(&self) -> f64 {
         match *self {

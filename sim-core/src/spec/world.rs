@@ -63,6 +63,8 @@ pub struct WorldSpec {
     pub surface: Option<Surface>,
     /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it; wheels still drive on the plane.
     pub terrain: Option<TerrainSpec>,
+    /// Depth of the water over the floor, in metres; `None` for dry land.
+    pub water: Option<f64>,
     /// Light, sky and colour of the floor.
     pub looks: LooksSpec,
     /// Side of a maze's cells, in metres; `None` for a `.wld`.

@@ -309,15 +309,17 @@ impl RayCast<'_> {
         let origin = ray.origin.truncate();
         objects.along_ray(origin, ray.trace, self.reach(), at, |object| {
             let (thing, pose) = (Thing::Object(object), objects.pose(object, at));
-            if ray.unlimited != UnlimitedHeight::Nothing {
-                if let Some(distance) = objects.properties(object).cast(&pose, origin, ray.trace) {
-                    self.record(ray.along(distance), thing, || None);
-                }
-            } else {
+            let properties = objects.properties(object);
+            // Rays pass beneath an object that floats.
+            let has_true_height = properties.lift > 0.0 && !ray.origin.z.is_nan();
+            if ray.unlimited == UnlimitedHeight::Nothing || has_true_height {
                 let figure = world.object_figure(object);
                 if !figure.has_mesh() {
-                    self.cast_figure(thing, &pose, &figure);
+                    let hit = figure.cast(&pose, ray.origin, ray.direction, self.range);
+                    self.record_surface(hit, thing, figure.surface);
                 }
+            } else if let Some(distance) = properties.cast(&pose, origin, ray.trace) {
+                self.record(ray.along(distance), thing, || None);
             }
         });
         let hits_meshes = self.hits_figures();

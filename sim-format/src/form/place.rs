@@ -79,7 +79,7 @@ impl Form for RobotLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
-        keys.key("type", "`LabBot`, `S4`, the name of a type of the scene, or a `.robi` file.")
+        keys.key("type", "`LabBot`, `S4`, `Mako`, the name of a type of the scene, or a `.robi` file.")
             .required(ROBOT_FILES, &mut self.kind);
         keys.key(
             "program",

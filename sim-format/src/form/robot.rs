@@ -8,10 +8,12 @@ use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, PartOf, TEXT, Word, Wo
 use super::legs::legs;
 use super::sensor::{PLACE, ranges};
 use super::{Definitions, Form, Keys};
+use crate::Diagnostic;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{drive_devices, usual_wheelbase};
-use crate::spec::{LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use crate::spec::{HullSpec, LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use crate::table::{Reader, Section};
 use sim_core::drive::DriveKind;
 
 /// Greatest number of links of a robot, more than ten times what any robot needs.
@@ -52,6 +54,14 @@ impl Form for RobiSpec {
     }
 }
 
+/// Reads a robot type from the text of its table alone.
+pub(crate) fn read_robot_type(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
+    let mut robi = RobiSpec::with_defaults(file);
+    let (mut reader, root) = Reader::parse(file, text);
+    reader.table(Section::root(&root), |keys| robi.keys(keys));
+    (robi, reader.sink.finish())
+}
+
 /// Declares the keys of a companion except for the PSDs.
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     limits(keys, robi);
@@ -75,6 +85,7 @@ fn frame(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("surface", "How the body reflects.").optional(PART, &mut robi.surface);
     keys.key("link", "Links: parts that sensors sit on.").list(LINKS, &mut robi.links);
     legs(keys, robi);
+    keys.key("hull", "The hull under water; for `kind = \"thrusters\"`.").optional(PART, &mut robi.hull);
 }
 
 /// Declares all devices except for the PSDs.
@@ -127,7 +138,8 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     }
     keys.key(
         "motor",
-        "Motors: left, right; of a car one; of an omni drive front left, front right, back left, back right.",
+        "Motors: left, right; of a car one; of an omni drive front left, front right, back left, back right; thrusters: left, \
+         front, right, back.",
     )
     .items(Motors(drive.motors.len()), &mut drive.motors);
     keys.key("steering", "The servo that steers a car.").maybe(TEXT, &mut steering);
@@ -167,6 +179,23 @@ fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
         .optional(Bounded(Quantity::milliseconds("lag of the wheels")), &mut drive.wheel_lag);
 }
 
+/// Linear and quadratic drag.
+const DRAG: [Quantity; 2] = [Quantity::number("linear drag", 1e-6, 1e6), Quantity::number("quadratic drag", 0.0, 1e6)];
+
+impl Form for HullSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("HullForm", "A hull under water. Drags are linear and quadratic, in N per m/s and per (m/s)^2.");
+        keys.key("thrust_n", "Force of a thruster at its greatest rate in N; 20 if left out.")
+            .optional(Bounded(Quantity::number("thrust", 1e-6, 1e6)), &mut self.thrust);
+        let [ahead, aside, turn, up] = &mut self.drag;
+        keys.key("drag_ahead", "Drag ahead and backwards; [10, 40] if left out.").optional(DRAG, ahead);
+        keys.key("drag_aside", "Drag to the side; [30, 150] if left out.").optional(DRAG, aside);
+        keys.key("drag_turn", "Drag of a turn, in N m per rad/s and per (rad/s)^2; [4, 12] if left out.")
+            .optional(DRAG, turn);
+        keys.key("drag_up", "Drag up and down; [30, 150] if left out.").optional(DRAG, up);
+    }
+}
+
 impl Words for DriveKind {
     const NAME: &'static str = "DriveKindForm";
     const ABOUT: &'static str = "Kinds of drives.";
@@ -175,6 +204,7 @@ impl Words for DriveKind {
         (DriveKind::Ackermann, "ackermann", "A car."),
         (DriveKind::Omni, "omni", "Four Mecanum wheels."),
         (DriveKind::Legged, "legged", "Legs."),
+        (DriveKind::Thrusters, "thrusters", "Four thrusters under water."),
     ];
 }
 

@@ -13,12 +13,13 @@ use crate::print::print_maze;
 use crate::spec::{
     DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
 };
+use crate::world::WATER;
 
 /// Keys that describe an inline world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe an inline world.
-const INLINE: [&str; 9] =
-    ["floor_mm", "wall", "maze", "texture", "texture_turned", "surface", "terrain", "start", "object"];
+const INLINE: [&str; 10] =
+    ["floor_mm", "wall", "maze", "texture", "texture_turned", "surface", "terrain", "water_mm", "start", "object"];
 
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
@@ -149,6 +150,8 @@ impl WorldTable {
              same.",
         )
         .maybe(TerrainTable(world.floor), &mut world.terrain);
+        keys.key("water_mm", "Depth of the water over the floor in mm; dry land if left out.")
+            .maybe(WATER, &mut world.water);
         looks(keys, &mut world.looks);
         if keys.reading().is_none() {
             keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);

@@ -22,6 +22,9 @@ pub fn print_world(world: &WorldSpec) -> Printed {
             None => out.lost.push(format!("the texture `{}`", texture.text)),
         }
     }
+    if let Some(depth) = world.water {
+        let _ = writeln!(out.text, "water {}", written_mm(depth));
+    }
     for start in &world.starts {
         let [x, y] = start.pose.position.to_array().map(written_mm);
         let _ = writeln!(out.text, "position {x} {y} {}", written(heading(start.pose.heading)));

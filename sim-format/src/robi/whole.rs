@@ -24,7 +24,7 @@ pub(crate) fn usual_wheelbase(kind: DriveKind, diameter: f64, track: f64) -> f64
 impl Reader {
     /// Reports missing lines, and lines that EyeSim VR would reject.
     pub(super) fn check_whole(&mut self) {
-        if self.wheel.is_none() && self.robi.drive.kind != DriveKind::Legged {
+        if self.wheel.is_none() && !matches!(self.robi.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
             let wheel = &self.robi.wheel;
             let message = format!(
                 "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are taken",
@@ -117,7 +117,7 @@ impl Reader {
         let axles = match (drive.kind, self.axles.map(|axle| axle.map(|(place, _)| place))) {
             (DriveKind::Omni, _) => [middle - 0.5 * wheel.track, middle + 0.5 * wheel.track],
             (DriveKind::Ackermann, [driven, steered]) => [driven.unwrap_or(middle), steered.unwrap_or(middle)],
-            (DriveKind::Differential | DriveKind::Legged, _) => [middle; 2],
+            (DriveKind::Differential | DriveKind::Legged | DriveKind::Thrusters, _) => [middle; 2],
         };
         let reach = axles.map(|x| math::hypot(x.abs() + 0.5 * wheel.diameter, 0.5 * wheel.track));
         let diameter = (2.0 * reach[0].max(reach[1])).min(MAX_LENGTH);

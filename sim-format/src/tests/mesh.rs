@@ -37,6 +37,7 @@ fn object(model: ModelSpec, scale: f64) -> ObjectType {
         surface: Default::default(),
         solid: Default::default(),
         buoyancy: 0.0,
+        lift: 0.0,
     }
 }
 

@@ -354,7 +354,7 @@ mod tests {
             "line": 2,
             "column": 1,
             "message": "unknown keyword `ush`",
-            "expected": "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, position, push, pop",
+            "expected": "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop",
             "suggestion": "write `push`",
         }]);
         assert_eq!(json, expected);

@@ -104,7 +104,8 @@ pub struct RunArgs {
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
-    /// Standard input of the programs: a file, or `-` for that of eyesim; each robot reads the whole text on its own
+    /// Standard input of the programs: a file, or `-` for that of eyesim, of which each robot reads the whole text; `typed`: lines typed
+    /// in the window, or repeated
     #[arg(long, value_name = "FILE")]
     pub stdin: Option<PathBuf>,
     /// Arguments of a robot's program in place of those of the sim file: `1:"--kp 0.5"`, without a number for all robots

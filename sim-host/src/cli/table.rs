@@ -296,6 +296,7 @@ mod tests {
             exit_code: Some(0),
             virtual_time_s: 12.345_678,
             pose: PlanarPose { x_m: 0.5, y_m: -1.25, phi_rad: -1e-9 },
+            depth_m: None,
             odometry: None,
             path_m: 1.6,
             contacts: 0,

@@ -25,6 +25,7 @@ use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
 use crate::files::DiskFiles;
+use crate::launch::settings::TYPED;
 use crate::launch::{Error, Observers, Ready, Rejected};
 use crate::record::{EventStore, Sink, TraceReader};
 use crate::window::control::Control;
@@ -120,7 +121,8 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
 
 /// Reads, builds and loads the scene of the arguments.
 fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
-    let args = RunArgs { default_until: Time::NEVER, ..args.clone() };
+    let stdin = args.stdin.clone().or_else(|| Some(TYPED.into()));
+    let args = RunArgs { default_until: Time::NEVER, stdin, ..args.clone() };
     Ok(run::build(run::open(&args)?, &args)?.load()?)
 }
 

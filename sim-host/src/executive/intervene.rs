@@ -19,6 +19,8 @@ pub use sim_core::simulation::Refusal;
 pub enum ValidatedAction {
     /// An intervention in the simulation that involves no program.
     Intervention(Intervention),
+    /// Types a line to the standard input of a robot's program.
+    Type(RobotId, String),
     /// Spawns a robot; the flow of its program is suspended.
     AddRobot(Box<NewRobot>),
     /// Ends the run.
@@ -64,6 +66,16 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
             }
             Ok(ValidatedAction::AddRobot(Box::new(new)))
         }
+        Action::Type { robot, line } if world.is_robot_present(RobotId(*robot), at) => {
+            let id = RobotId(*robot);
+            if !run.has_program(id) || run.robot(id).ending.is_some() {
+                Err(Refusal::Other(format!("robot {robot} runs no program that could read a line")))
+            } else if !run.robot(id).robios.input.is_typed() {
+                Err(Refusal::Other("programs read the text of `--stdin`, and nothing else".to_owned()))
+            } else {
+                Ok(ValidatedAction::Type(id, line.clone()))
+            }
+        }
         Action::End {} => Ok(ValidatedAction::End),
         action => {
             let roster = run.spawner().roster().clone();
@@ -77,6 +89,12 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
 pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut Environment) -> RunEffect {
     match action {
         ValidatedAction::Intervention(intervention) => intervene(intervention, at, run, environment),
+        ValidatedAction::Type(id, line) => {
+            let mut robot = run.robot(id);
+            robot.robios.input.type_line(&line);
+            robot.tasks.recheck_input(at);
+            RunEffect { robots: vec![id], ..RunEffect::default() }
+        }
         ValidatedAction::AddRobot(new) => {
             let NewRobot { spec, mut robot, heard, program } = *new;
             let (program, prepared) = program.unzip();

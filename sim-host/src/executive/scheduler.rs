@@ -134,6 +134,8 @@ pub struct RobotEnd {
     pub virtual_time: Time,
     /// True pose of its centre in the world.
     pub pose: Pose,
+    /// Depth of its hull under the surface of the water, m; `None` on dry land.
+    pub depth: Option<f64>,
     /// Pose by its odometry.
     pub odometry: Pose,
     /// Length of its path, m.
@@ -436,6 +438,7 @@ impl Scheduler {
             robots.push(RobotEnd {
                 virtual_time: robot.now,
                 pose: robot.motion.pose(time),
+                depth: robot.motion.depth(time),
                 odometry: robot.motion.odometry(time),
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),

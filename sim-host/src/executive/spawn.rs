@@ -23,7 +23,7 @@ use crate::robios::Robios;
 use crate::robios::camera::CameraOutput;
 use crate::robios::console::Console;
 use crate::robios::ground_truth::EntityNumbers;
-use crate::robios::input::Input;
+use crate::robios::input::{Input, Source};
 use crate::robios::key::Press;
 use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
@@ -42,8 +42,8 @@ pub struct RobotOptions {
     pub may_execute: bool,
     /// Bytes that each program may print.
     pub output_limit: u64,
-    /// Text of the programs' standard input; each robot reads a copy.
-    pub stdin: Option<Arc<[u8]>>,
+    /// Standard input of the programs.
+    pub stdin: Source,
     /// Every call is recorded.
     pub is_verbose: bool,
     /// Scenery for the cameras.

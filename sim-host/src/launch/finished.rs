@@ -40,6 +40,7 @@ impl Finished {
             robi: Arc::clone(&spec.robi),
             start: spec.start,
             end: end.pose,
+            depth: end.depth,
             trails: trail.lines(),
         };
         let robots: Vec<RunRobot> =
@@ -81,6 +82,7 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         exit_code: end.exit_code,
         virtual_time_s: end.virtual_time.seconds(),
         pose: end.pose.into(),
+        depth_m: end.depth,
         odometry: Some(end.odometry.into()),
         path_m: end.path,
         contacts: u64::from(end.contacts),

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read as _;
 use std::path::Path;
-use std::sync::Arc;
 
 use sim_core::simulation::DEFAULT_SLOT;
 use sim_core::spec::{CostsRef, NoiseRef, Preset, RobotSpec, SceneSpec};
@@ -17,7 +16,11 @@ use crate::program::Generation;
 use crate::program::scene::program_of_command_line;
 use crate::program::words::split_words;
 use crate::robios::cost::Costs;
+use crate::robios::input::Source;
 use crate::robios::key::{Press, parse_script};
+
+/// Value of `--stdin` for lines that the user types.
+pub const TYPED: &str = "typed";
 
 /// Settings of a run from its scene and options; the options take precedence.
 pub struct Settings {
@@ -35,8 +38,8 @@ pub struct Settings {
     pub costs: Costs,
     /// File with the costs, if the options name one.
     pub costs_input: Option<InputFile>,
-    /// Text of the programs' standard input.
-    pub stdin: Option<Arc<[u8]>>,
+    /// Standard input of the programs.
+    pub stdin: Source,
     /// File of that text, if it is one.
     pub stdin_input: Option<InputFile>,
 }
@@ -72,7 +75,7 @@ impl Settings {
             keys,
             costs,
             costs_input,
-            stdin,
+            stdin: stdin.unwrap_or_default(),
             stdin_input: stdin_input.flatten(),
         })
     }
@@ -310,16 +313,20 @@ fn read_costs(path: &Path) -> Result<(Costs, Option<InputFile>), OptionError> {
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
-/// The text of a file, or of this process's standard input for `-`, read to its end; and the file.
-fn read_stdin(path: &Path) -> Result<(Arc<[u8]>, Option<InputFile>), OptionError> {
+/// The text of a file, or of this process's standard input for `-`, read to its end, and the file; for `typed` the lines that the user
+/// types.
+fn read_stdin(path: &Path) -> Result<(Source, Option<InputFile>), OptionError> {
+    if path.as_os_str() == TYPED {
+        return Ok((Source::Typed, None));
+    }
     let refuse = |error| OptionError::Stdin { file: path.display().to_string(), error };
     if path.as_os_str() == "-" {
         let mut bytes = Vec::new();
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(refuse)?;
-        return Ok((bytes.into(), None));
+        return Ok((Source::Text(bytes.into()), None));
     }
     let bytes = read_regular(path).map_err(refuse)?;
-    Ok((bytes.as_slice().into(), Some(InputFile { path: slashed(path), bytes })))
+    Ok((Source::Text(bytes.as_slice().into()), Some(InputFile { path: slashed(path), bytes })))
 }
 
 /// The costs given by the scene, with the built-in ones for all other calls.
@@ -330,6 +337,8 @@ fn costs_of(scene: &SceneSpec) -> Result<Costs, OptionError> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use sim_core::RobotId;
     use sim_core::pose::Pose;
     use sim_core::spec::{PathRef, Span};

@@ -27,6 +27,8 @@ pub struct RunRobot {
     pub start: Pose,
     /// Pose at the end.
     pub end: Pose,
+    /// Depth of its hull under the surface of the water at the end, in metres; `None` on dry land.
+    pub depth: Option<f64>,
     /// Its path: one line from the start, and one from each pose at which it was placed.
     pub trails: Vec<Vec<DVec2>>,
 }
@@ -80,7 +82,11 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
         draw_heading(&mut drawing, &robot.start, radius);
         draw_body(&mut drawing, &robot.robi, &robot.end, &RobotStyle { colour: colour::robot(index), mesh: None });
         if robots.len() <= MAX_LABELS {
-            drawing.labels.push(robot_label(robot.id, &robot.robi, &robot.end));
+            let mut label = robot_label(robot.id, &robot.robi, &robot.end);
+            if let Some(depth) = robot.depth {
+                label.text += &format!(", {depth:.2} m deep");
+            }
+            drawing.labels.push(label);
         }
     }
     let cross = Line::solid(INK, 1.5);

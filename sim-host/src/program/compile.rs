@@ -177,7 +177,9 @@ impl<'a> Compilation<'a> {
         let program = self.sources.first().cloned().unwrap_or_default();
         result.map_err(|failure| match failure {
             Failure::Refused { source_file, output } => {
-                CompileError::Refused { source_file, folder: self.source_folder().to_owned(), output }
+                let hints = hint::of_compile(&output);
+                let folder = self.source_folder().to_owned();
+                CompileError::Refused { source_file, folder, output: output + &hints }
             }
             Failure::Unlinked { output } => {
                 let hints = hint::of_link(&output, &self.objects(), self.generation);
@@ -305,8 +307,10 @@ impl<'a> Compilation<'a> {
         // Calls of undeclared functions pass wrong types of arguments: the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let is_ours = undeclared.iter().any(|name| self.generation.has(name));
-        let headers = &[c::C_LIBRARY_HEADER, "eyebot.h"][..if is_ours { 2 } else { 1 }];
-        match self.compile_to(&with_headers, source, variant, headers, compiled) {
+        let is_truth = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
+        let headers = [Some(c::C_LIBRARY_HEADER), is_truth.then_some(c::TRUTH_HEADER), is_ours.then_some("eyebot.h")];
+        let headers: Vec<&str> = headers.into_iter().flatten().collect();
+        match self.compile_to(&with_headers, source, variant, &headers, compiled) {
             Ok(again) => {
                 let left = hint::undeclared_functions(&again);
                 let declared: Vec<&String> = undeclared.iter().filter(|name| !left.contains(name)).collect();

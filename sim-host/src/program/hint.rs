@@ -1,5 +1,5 @@
-//! Hints on programs that do not link: misspelled functions, functions of the other generation, missing `extern "C"` between C and
-//! C++.
+//! Hints on programs that do not compile or link: headers of other systems, misspelled functions, functions of the other generation,
+//! missing `extern "C"` between C and C++.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,6 +10,43 @@ use object::{Object as _, ObjectSymbol as _};
 
 use super::generation::Generation;
 
+/// Headers of other systems and of terminals, and what programs of a robot use instead.
+const ABSENT: &[(&[&str], &str)] = &[
+    (
+        &["conio.h", "curses.h", "ncurses.h", "ncurses/ncurses.h"],
+        "a robot has no terminal: `KEYRead` and `KEYGet` read its keys, `getchar` reads the text of `--stdin`, `LCDPrintf` writes to its \
+         display",
+    ),
+    (
+        &["windows.h", "Windows.h"],
+        "it is of Windows: `OSWait(ms)` or `usleep` in place of `Sleep`, `OSGetCount` in place of `GetTickCount`, \
+         pthreads in place of `CreateThread`",
+    ),
+];
+
+/// Functions of curses that almost every program of it calls.
+const OF_CURSES: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
+
+/// Hint on the compiler's message `output` about a header that is missing, after a line feed; empty for others.
+pub fn of_compile(output: &str) -> String {
+    let Some(missing) = output.lines().find_map(missing_header) else { return String::new() };
+    let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
+    let mut hints = String::new();
+    if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
+        line(&mut hints, &format!("`{missing}`: {instead}"));
+    } else if let Some(own) = ["eyebot.h", "eyebot++.h", "types.h"].iter().find(|own| own.eq_ignore_ascii_case(name)) {
+        line(&mut hints, &format!("`{missing}`: write `#include \"{own}\"`, which eyesim has"));
+    }
+    hints
+}
+
+/// The header that the compiler does not find, as the program names it (gcc and clang, `LC_ALL=C`).
+fn missing_header(line: &str) -> Option<&str> {
+    let (_, rest) = line.split_once("fatal error: ")?;
+    let missing = rest.strip_suffix(": No such file or directory").or_else(|| rest.strip_suffix(" file not found"))?;
+    Some(missing.trim_matches('\''))
+}
+
 /// Hints on the linker's message `output`, each in its own line that begins with a line feed; `objects` are the sources with their
 /// object files.
 pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
@@ -17,6 +54,9 @@ pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generatio
     let undefined: Vec<String> =
         undefined_symbols(output).into_iter().filter(|name| !linkage.contains_key(name)).collect();
     let mut hints = undefined_hint(&undefined, generation);
+    if undefined.iter().any(|name| OF_CURSES.contains(&name.as_str())) {
+        line(&mut hints, &format!("`curses.h`: {}", ABSENT[0].1));
+    }
     linkage.values().for_each(|hint| line(&mut hints, hint));
     if ["multiple definition of `main'", "duplicate symbol: main"].iter().any(|phrase| output.contains(phrase)) {
         let example = objects.first().and_then(|(source, _)| source.file_name()).unwrap_or_default();
@@ -53,11 +93,15 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Names of constants, in capitals, that the compiler does not know, each once (gcc and clang, `LC_ALL=C`).
+/// Names of constants and types, in capitals, that the compiler does not know, each once (gcc and clang, `LC_ALL=C`).
 pub fn undeclared_constants(output: &str) -> Vec<String> {
     let is_constant = |name: &&str| name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
     let mut names: Vec<String> = Vec::new();
-    for line in output.lines().filter(|line| line.contains("error: ") && line.contains("declared")) {
+    let is_unknown = |line: &&str| {
+        let phrases = ["declared", "unknown type name", "does not name a type"];
+        line.contains("error: ") && phrases.iter().any(|phrase| line.contains(phrase))
+    };
+    for line in output.lines().filter(is_unknown) {
         let quoted = line.split(['\'', '`']).nth(1).filter(|name| !name.is_empty()).filter(is_constant);
         names.extend(quoted.map(str::to_owned).filter(|name| !names.contains(name)));
     }
@@ -220,6 +264,19 @@ fn function_of_mangled(symbol: &str) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn headers_of_other_systems_name_what_to_use_instead() {
+        let gcc = of_compile("a.c:2:10: fatal error: conio.h: No such file or directory\n");
+        assert!(gcc.starts_with("\n  `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
+        let clang = of_compile("a.c:1:10: fatal error: 'windows.h' file not found\n");
+        assert!(clang.starts_with("\n  `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
+        let elsewhere = of_compile("a.c:1:10: fatal error: ../include/EyeBot.h: No such file or directory\n");
+        assert_eq!(elsewhere, "\n  `../include/EyeBot.h`: write `#include \"eyebot.h\"`, which eyesim has");
+        assert_eq!(of_compile("a.c:1:10: fatal error: map.h: No such file or directory\n"), "");
+        let unlinked = of_link("undefined reference to `initscr'", &[], Generation::Robios7);
+        assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
+    }
 
     #[test]
     fn undefined_symbols_are_read_from_each_linker() {

@@ -269,7 +269,11 @@ impl Mcap {
             Action::PlaceObject { object, x_m, y_m, phi_rad } => {
                 self.move_to(at, &scene::object_frame(ObjectId(*object)), &scene::upright(*x_m, *y_m, *phi_rad));
             }
-            Action::Press { .. } | Action::SetNoise { .. } | Action::SwitchSensor { .. } | Action::End {} => {}
+            Action::Press { .. }
+            | Action::Type { .. }
+            | Action::SetNoise { .. }
+            | Action::SwitchSensor { .. }
+            | Action::End {} => {}
         }
         if deletions.is_empty() && entities.is_empty() {
             return Ok(());

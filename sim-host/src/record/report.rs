@@ -102,6 +102,8 @@ pub struct RobotReport {
     pub virtual_time_s: f64,
     /// Its true pose.
     pub pose: PlanarPose,
+    /// Depth of its hull under the surface of the water, m; none for a robot on dry land.
+    pub depth_m: Option<f64>,
     /// Its pose by odometry, in the odometry frame; none if it never had odometry.
     pub odometry: Option<PlanarPose>,
     /// Length of the path of its axle's centre, m.
@@ -222,6 +224,7 @@ mod tests {
             exit_code: None,
             virtual_time_s: 2.35,
             pose: Pose::new(0.1, 0.2, 7.0).into(),
+            depth_m: None,
             odometry: None,
             path_m: 1.6,
             contacts: 2,
@@ -239,6 +242,7 @@ mod tests {
             outcome: Outcome::Finished,
             reason: None,
             exit_code: Some(0),
+            depth_m: None,
             odometry,
             ..robot.clone()
         };

@@ -6,6 +6,7 @@
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};
 use sim_core::spec::{Dialect, ObjectSpec, SceneSpec};
+use sim_core::unit::mm_from_metres;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
@@ -92,8 +93,12 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
     if id != robot.id && !world.is_robot_present(id, now) {
         return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
     }
-    let pose = if id == robot.id { robot.motion.pose(now) } else { world.robot_pose(id, now) };
-    give(robot.robios.dialect, &pose, into);
+    let (pose, height) = if id == robot.id {
+        (robot.motion.pose(now), robot.motion.lift(now))
+    } else {
+        (world.robot_pose(id, now), world.robot_pose_in_space(id, now).position.z)
+    };
+    give(robot.robios.dialect, &pose, height, into);
 }
 
 /// `SIMSetRobot`: places the own robot at once, another robot at the slot's end. Odometry is not affected.
@@ -116,15 +121,17 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let pose = match robot.robios.entity_numbers.object(number) {
+    let (pose, height) = match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
             return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
         }
-        Some(NumberedObject::Movable(object)) => world.object_pose(object, robot.now),
-        Some(NumberedObject::Fixed(pose)) => pose,
+        Some(NumberedObject::Movable(object)) => {
+            (world.object_pose(object, robot.now), world.object_properties(object).lift)
+        }
+        Some(NumberedObject::Fixed(pose)) => (pose, 0.0),
         None => return no_object(robot, Call::SIMGetObject, number),
     };
-    give(robot.robios.dialect, &pose, into);
+    give(robot.robios.dialect, &pose, height, into);
 }
 
 /// `SIMSetObject`: places the object at the slot's end.
@@ -153,12 +160,12 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.entity_numbers.objects.len() as i32
 }
 
-/// Stores a pose; z is 0, since everything stands on the floor.
-fn give(dialect: Dialect, pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
+/// Stores a pose at a height in metres: that of a robot with legs or in the water, or of a floating object.
+fn give(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
     let numbers = [x_mm, y_mm, heading_told(dialect, phi_degrees)];
     [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
-    z.set(0);
+    z.set(mm_from_metres(height).round() as i32);
 }
 
 fn pose_meant(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {

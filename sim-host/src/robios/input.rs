@@ -1,17 +1,31 @@
-//! Standard input of a program: a text that the run is given, of which each robot reads a copy of its own.
+//! Standard input of a program: a text that the run is given, of which each robot reads a copy of its own, or lines that the user
+//! types during the run.
 
 use std::sync::Arc;
 
 use sim_core::time::Time;
 
 use super::caller::Poll;
-use super::robot::Robot;
+use super::robot::{Robot, WaitReason};
+
+/// Standard input of the programs of a run.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// None: it is at its end.
+    #[default]
+    Empty,
+    /// A text, of which each program reads a copy.
+    Text(Arc<[u8]>),
+    /// Lines that the user types; programs wait for them.
+    Typed,
+}
 
 /// Standard input of a robot's program.
 #[derive(Clone, Debug, Default)]
 pub struct Input {
-    /// The text of the run; `None` if it has none.
-    text: Option<Arc<[u8]>>,
+    source: Source,
+    /// The lines typed so far.
+    typed: Vec<u8>,
     /// Bytes that the program has read.
     read: usize,
     /// Reads at the end of the text that followed each other closely, and the time of the last one.
@@ -41,9 +55,19 @@ pub const LOOP: &str =
     "it reads its standard input in a loop, which has come to its end: `--stdin FILE` gives it a text";
 
 impl Input {
-    /// Input with the text of the run, if there is one.
-    pub fn new(text: Option<Arc<[u8]>>) -> Self {
-        Self { text, ..Self::default() }
+    /// Input from the source of the run.
+    pub fn new(source: Source) -> Self {
+        Self { source, ..Self::default() }
+    }
+
+    /// Returns true if the program reads lines that the user types.
+    pub fn is_typed(&self) -> bool {
+        matches!(self.source, Source::Typed)
+    }
+
+    /// Adds a line, and its end, that the user has typed.
+    pub fn type_line(&mut self, line: &str) {
+        self.typed.extend(line.bytes().chain([b'\n']));
     }
 
     /// Returns true if the program has read at the end of its input.
@@ -53,7 +77,8 @@ impl Input {
 
     /// The next bytes up to the end of a line, at most `room`; empty at the end of the text.
     fn next(&mut self, room: usize) -> &[u8] {
-        let rest = self.text.as_deref().and_then(|text| text.get(self.read..)).unwrap_or_default();
+        let text = if let Source::Text(text) = &self.source { text } else { &self.typed[..] };
+        let rest = text.get(self.read..).unwrap_or_default();
         let line = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
         let bytes = &rest[..line.min(room)];
         self.read += bytes.len();
@@ -71,10 +96,14 @@ pub(super) fn read(robot: &mut Robot, room: usize) -> Poll<Read> {
         input.at_end = 0;
         return Poll::Ready(Read::Bytes(bytes));
     }
+    if input.is_typed() {
+        let reason = WaitReason::Input("a line typed to its standard input".to_owned());
+        return Poll::Pending { at: Time::NEVER, reason };
+    }
     let is_close = now - input.last_at_end <= CLOSE;
     input.at_end = if is_close { input.at_end + 1 } else { 1 };
     input.last_at_end = now;
-    let (is_loop, has_text) = (input.at_end >= MOST_AT_END, input.text.is_some());
+    let (is_loop, has_text) = (input.at_end >= MOST_AT_END, matches!(input.source, Source::Text(_)));
     if !std::mem::replace(&mut input.has_ended, true) && !has_text {
         robot.hint("the program reads its standard input, which is empty: `--stdin FILE` gives it a text");
     }
@@ -87,9 +116,14 @@ mod tests {
 
     #[test]
     fn a_text_is_read_line_by_line_and_has_an_end() {
-        let mut input = Input::new(Some(Arc::from(&b"one\ntwo three"[..])));
+        let mut input = Input::new(Source::Text(Arc::from(&b"one\ntwo three"[..])));
         let mut next = |room| String::from_utf8_lossy(input.next(room)).into_owned();
         assert_eq!([next(80), next(3), next(80), next(80), next(80)], ["one\n", "two", " three", "", ""]);
-        assert_eq!(Input::new(None).next(80), b"");
+        assert_eq!(Input::new(Source::Empty).next(80), b"");
+        let mut input = Input::new(Source::Typed);
+        assert_eq!(input.next(80), b"");
+        input.type_line("three");
+        input.type_line("");
+        assert_eq!([input.next(80).to_vec(), input.next(80).to_vec()], [b"three\n".to_vec(), b"\n".to_vec()]);
     }
 }

@@ -8,6 +8,7 @@ pub fn action_from_page(action: protocol::Action) -> Action {
     use protocol::Action as Page;
     match action {
         Page::Press { robot, key } => Action::Press { robot, key },
+        Page::Type { robot, line } => Action::Type { robot, line },
         Page::PlaceRobot { robot, x_m, y_m, phi_rad } => Action::PlaceRobot { robot, x_m, y_m, phi_rad },
         Page::PlaceObject { object, x_m, y_m, phi_rad } => Action::PlaceObject { object, x_m, y_m, phi_rad },
         Page::SetNoise { robot, parameter, value } => Action::SetNoise { robot, parameter, value },

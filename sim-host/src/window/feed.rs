@@ -287,6 +287,7 @@ fn intervention(action: &serde_json::Value) -> String {
     let number = |name| fields.number(name);
     match action["do"].as_str().unwrap_or_default() {
         "press" => format!("a hand presses {} of r{}", fields.text("key"), number("robot")),
+        "type" => format!("a hand types `{}` to r{}", fields.text("line"), number("robot")),
         "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.place()),
         "place_object" => format!("a hand puts object {} at {}", number("object"), fields.place()),
         "set_noise" => {

@@ -9,7 +9,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::LiveEntity;
-use sim_view::protocol::{AddableTypes, Detail, RunState, Scene, Snapshot};
+use sim_view::protocol::{AddableTypes, Detail, Reading, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
@@ -201,7 +201,16 @@ impl Show {
         let panel = ends.get(id.index()).map(|end| end.panel.as_ref());
         let detail = self.details.of(run, world, id, panel);
         let camera = look.camera.then(|| self.details.camera(run, world, id, &self.scenery)).flatten();
-        Detail { run: self.run, camera, readings: self.feed.lock().readings(id), ..detail }
+        let mut readings = self.feed.lock().readings(id);
+        let at = world.slot_start();
+        let depth = run.robot(id).motion.depth(at);
+        readings.extend(depth.map(|depth| Reading {
+            name: "depth".to_owned(),
+            value: Some(depth),
+            unit: "m".to_owned(),
+            at_s: at.seconds(),
+        }));
+        Detail { run: self.run, camera, readings, ..detail }
     }
 }
 

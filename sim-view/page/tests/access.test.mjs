@@ -119,3 +119,21 @@ test("a saved program is built and run again; what the compiler says is shown", 
   await close();
   await eyesim.stop();
 });
+
+test("a line typed on the page reaches the program", { skip }, async () => {
+  const program = '#include "eyebot.h"\nint main(void) { char name[20]; scanf("%19s", name); LCDPrintf("hello %s\\n", name); return 0; }\n';
+  writeFileSync(join(folder, "read.c"), program);
+  const scene = readFileSync(join(folder, "wait.scene.toml"), "utf8").replace("wait.c", "read.c").replace("api = 6", "api = 7");
+  writeFileSync(join(folder, "read.scene.toml"), scene);
+  const eyesim = await Eyesim.start(["view", "read.scene.toml", "--no-open", "--port", "0"], { cwd: folder });
+  const { page, heard, control, close } = await open(browser, eyesim.url);
+  await heard.until("the wait", ({ snapshot }) => snapshot?.robots[0].why.startsWith("waits for a line typed"));
+  await control("input-line").fill("Ada 1");
+  await page.keyboard.press("Enter");
+  await heard.until("the end", ({ snapshot }) => snapshot.state.is === "ended");
+  await control("lcd-text").getByText("hello Ada").waitFor({ state: "attached" });
+  assert.equal(await control("input-line").inputValue(), "");
+  await close();
+  await eyesim.stop();
+  assert.deepEqual(heard.errors, []);
+});

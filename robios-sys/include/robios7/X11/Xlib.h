@@ -10,6 +10,8 @@
 #define Bool int
 #endif
 
+typedef struct _XDisplay Display; /* never made */
+
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -61,7 +61,7 @@ pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
         DriveKind::Differential => pair(axis).to_vec(),
         DriveKind::Ackermann => [pair(axis), pair(axis + robi.drive.wheelbase)].concat(),
         DriveKind::Omni => [pair(axis + half_base), pair(axis - half_base)].concat(),
-        DriveKind::Legged => Vec::new(),
+        DriveKind::Legged | DriveKind::Thrusters => Vec::new(),
     }
 }
 
@@ -115,7 +115,9 @@ impl Hull {
         // Wheels are visible below the hull, and for a car also beside it.
         let (outline, bottom, half, height) = match robi.drive.kind {
             DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
-            DriveKind::Legged => (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT),
+            DriveKind::Legged | DriveKind::Thrusters => {
+                (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT)
+            }
             DriveKind::Ackermann | DriveKind::Omni => {
                 let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;
                 let width = between.clamp(0.35 * diameter, 0.75 * diameter);

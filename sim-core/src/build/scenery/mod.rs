@@ -65,7 +65,10 @@ impl MeshCache {
     }
 
     fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
-        let looks = || (Arc::clone(kind), reader.object(kind).unwrap_or_else(|| object::looks(kind)));
+        let looks = || {
+            let mesh = reader.object(kind).unwrap_or_else(|| object::looks(kind));
+            (Arc::clone(kind), super::raised(&mesh, kind.lift))
+        };
         Arc::clone(&self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks).1)
     }
 

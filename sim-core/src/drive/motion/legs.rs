@@ -10,6 +10,11 @@ use crate::{
 };
 
 impl Motion {
+    /// Returns true if the height of the robot's frame above the floor can change.
+    pub fn has_height(&self) -> bool {
+        self.walk.is_some() || self.vehicle.hull.is_some()
+    }
+
     /// This motion, not yet commanded, of a robot that walks on `ground` with `legs`.
     pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
         self.walk = Some(Box::new(Walk::new(legs, ground)));
@@ -40,18 +45,27 @@ impl Motion {
         walk.command(at, command)
     }
 
-    /// Feet, joints and height of the body at `at`; empty and 0 for a robot without legs.
+    /// Feet, joints and height of the body at `at`; for a robot without legs empty, with the height of a hull in the water, else 0.
     pub fn stance(&mut self, at: Time) -> Stance {
-        let Some(mut walk) = self.walk.take() else { return Stance::default() };
+        let Some(mut walk) = self.walk.take() else {
+            let is_afloat = self.hull().is_some();
+            return Stance { lift: if is_afloat { self.stage_at(at).lift(at) } else { 0.0 }, ..Stance::default() };
+        };
         let world_from_robot = self.pose(at);
         let stance = walk.stance(self, at, &world_from_robot);
         self.walk = Some(walk);
         stance
     }
 
-    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs.
+    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs and on dry land.
     pub fn lift(&mut self, at: Time) -> f64 {
         self.stance(at).lift
+    }
+
+    /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for one that floats; `None` on dry land.
+    pub fn depth(&mut self, at: Time) -> Option<f64> {
+        let ceiling = self.hull()?.ceiling;
+        Some(ceiling - self.lift(at))
     }
 
     /// The footfalls before `until` that no earlier call has returned, in the order of time, then of legs.

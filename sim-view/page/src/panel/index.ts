@@ -6,6 +6,7 @@ import { cameraPanel } from "./camera";
 import { editPanel } from "./edit";
 import { eventsPanel } from "./events";
 import { helpPanel } from "./help";
+import { inputPanel } from "./input";
 import { listen } from "./keyboard";
 import { lcdPanel } from "./lcd";
 import { noisePanel } from "./noise";
@@ -28,6 +29,7 @@ export function panels(model: Model): HTMLElement[] {
     buildPanel(model),
     robotsPanel(model),
     lcdPanel(model),
+    inputPanel(model),
     cameraPanel(model),
     readingsPanel(model, picks),
     plotPanel(model, picks),

@@ -9,7 +9,11 @@ export type Action = { "do": "press",
   /** Number of the robot. */
   robot: number,
   /** Key in the notation of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`. */
-  key: string, } | { "do": "place_robot",
+  key: string, } | { "do": "type",
+  /** Number of the robot. */
+  robot: number,
+  /** The line, without its end. */
+  line: string, } | { "do": "place_robot",
   /** Number of the robot. */
   robot: number,
   /** World coordinate to the right. */

@@ -1,0 +1,364 @@
+//! A hull under water: velocity and height from the thrust of its thrusters, against linear and quadratic drag.
+//!
+//! Surge, turn and heave alone follow their closed form; a turning hull also keeps its momentum, which is split off
+//! (Strang): half of the tick's turn, the closed forms along the heading in its middle, the other half. See docs/water.md.
+
+use super::model::{Model, ModelError, Wheels};
+use crate::{math, time::TICK};
+
+/// Drag along one axis: `linear` v + `quadratic` |v| v.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drag {
+    /// N per m/s; of a turn N m per rad/s.
+    pub linear: f64,
+    /// N per (m/s)²; of a turn N m per (rad/s)².
+    pub quadratic: f64,
+}
+
+impl From<[f64; 2]> for Drag {
+    fn from([linear, quadratic]: [f64; 2]) -> Self {
+        Self { linear, quadratic }
+    }
+}
+
+impl From<Drag> for [f64; 2] {
+    fn from(Drag { linear, quadratic }: Drag) -> Self {
+        [linear, quadratic]
+    }
+}
+
+/// The constant facts of a neutrally buoyant hull, which stays upright.
+///
+/// Four thrusters: left and right push ahead, front and back push up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hull {
+    /// Force of a thruster at its greatest rate, N; in proportion to the rate.
+    pub thrust: f64,
+    /// Drag ahead, to the side, of a turn, and up.
+    pub drag: [Drag; 4],
+    /// Greatest height of the robot's frame above the floor, m: the top of the hull is at the surface of the water.
+    pub ceiling: f64,
+}
+
+/// State of a hull at the end of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Afloat {
+    /// m/s ahead, m/s to the left, rad/s, m/s up.
+    pub velocity: [f64; 4],
+    /// Height of the robot's frame above the floor, m.
+    pub lift: f64,
+}
+
+/// Share of the greatest velocity below which a hull without thrust is at rest. Our choice.
+const REST: f64 = 1e-9;
+
+/// Share of the greatest velocity within which a tick's change counts as none: after ten time constants or so nothing
+/// changes any more, and no more pieces are opened. Our choice.
+const SETTLED: f64 = 1e-12;
+
+/// Greatest velocity, m/s or rad/s: beyond, a tick is no small step.
+const MAX_VELOCITY: f64 = 50.0;
+
+impl Hull {
+    /// Checks that all values make sense for a robot of this model.
+    ///
+    /// # Errors
+    /// The first value that does not, with the values accepted.
+    pub fn check(&self, model: &Model) -> Result<(), ModelError> {
+        let check = |field, value: f64, accepted, ok: bool| {
+            if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
+        };
+        check("thrust", self.thrust, "a number greater than 0", self.thrust.is_finite() && self.thrust > 0.0)?;
+        check(
+            "depth of the water over the hull",
+            self.ceiling,
+            "0 or more",
+            self.ceiling.is_finite() && self.ceiling >= 0.0,
+        )?;
+        for Drag { linear, quadratic } in self.drag {
+            check("linear drag", linear, "a number greater than 0", linear.is_finite() && linear > 0.0)?;
+            check("quadratic drag", quadratic, "0 or more", quadratic.is_finite() && quadratic >= 0.0)?;
+        }
+        self.greatest(model).into_iter().try_for_each(|most| {
+            check("velocity at full thrust", most, "up to 50 m/s and 50 rad/s", most <= MAX_VELOCITY)
+        })
+    }
+
+    /// Forces (N) and torque (N m) along the axes of a velocity, of thrusters in the order left, front, right, back that
+    /// turn at these shares of their greatest rate.
+    fn forces(&self, model: &Model, [left, front, right, back]: [f64; 4]) -> [f64; 4] {
+        let turn = 0.5 * model.track * (right - left);
+        [left + right, 0.0, turn, front + back].map(|share| self.thrust * share)
+    }
+
+    /// The velocity that each axis reaches alone at full thrust; to the side that ahead.
+    fn greatest(&self, model: &Model) -> [f64; 4] {
+        let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
+        let [ahead, turn, up] = forces.map(|shares| self.forces(model, shares));
+        let most = |axis: usize, force: f64| terminal(force, self.drag[axis].linear, self.drag[axis].quadratic);
+        [most(0, ahead[0]), most(0, ahead[0]), most(2, turn[2]), most(3, up[3])]
+    }
+
+    /// One tick: the mean velocities in the robot's frame that lead along an arc from its start to its end, and the state
+    /// at its end. `rates` are those of the thrusters, rad/s.
+    pub(super) fn step(&self, model: &Model, rates: &Wheels, before: &Afloat) -> (Wheels, Afloat) {
+        let seconds = TICK.seconds();
+        let forces = self.forces(model, rates.map(|rate| rate / model.max_wheel_rate));
+        let inertia = [model.mass, model.mass, model.inertia(), model.mass];
+        let flow = |axis: usize, velocity: f64| {
+            let Drag { linear, quadratic } = self.drag[axis];
+            let per_mass = |value: f64| value / inertia[axis];
+            flow(per_mass(forces[axis]), per_mass(linear), per_mass(quadratic), velocity, seconds)
+        };
+        let [ahead, aside, turn, up] = before.velocity;
+        let (turn, angle) = flow(2, turn);
+        // The momentum stays where it points, while the hull turns under it.
+        let (sin, cos) = math::sin_cos(0.5 * angle);
+        let turned = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
+        let (ahead, aside) = turned(ahead, aside);
+        let ((ahead, along), (aside, across)) = (flow(0, ahead), flow(1, aside));
+        let (ahead, aside) = turned(ahead, aside);
+        let (up, climb) = flow(3, up);
+        let free = before.lift + climb;
+        let lift = free.clamp(0.0, self.ceiling);
+        let mut velocity = [ahead, aside, turn, if lift == free { up } else { 0.0 }];
+        let greatest = self.greatest(model);
+        for axis in 0..4 {
+            if forces[axis] == 0.0 && velocity[axis].abs() <= REST * greatest[axis] {
+                velocity[axis] = 0.0;
+            }
+        }
+        let is_settled = |axis: usize| (velocity[axis] - before.velocity[axis]).abs() <= SETTLED * greatest[axis];
+        if (0..4).all(is_settled) {
+            velocity = before.velocity;
+        }
+        // An arc's chord is shorter than the arc by this factor, and points along the heading in its middle.
+        let chord = seconds * math::sinc(0.5 * angle);
+        let mean = [along / chord, across / chord, angle / seconds, (lift - before.lift) / seconds];
+        (mean, Afloat { velocity, lift })
+    }
+}
+
+/// The velocity to which `force` leads against this drag.
+fn terminal(force: f64, linear: f64, quadratic: f64) -> f64 {
+    if force == 0.0 { 0.0 } else { 2.0 * force / (linear + (linear * linear + 4.0 * quadratic * force).sqrt()) }
+}
+
+/// Velocity and displacement after `t` seconds of dv/dt = `f` - `a` v - `b` |v| v, from the velocity `v`: in closed form.
+///
+/// `a` and `b` are 0 or more, and not both 0 under a force.
+fn flow(f: f64, a: f64, b: f64, v: f64, t: f64) -> (f64, f64) {
+    if v < 0.0 || v == 0.0 && f < 0.0 {
+        let (v, x) = flow(-f, a, b, -v, t);
+        return (-v, -x);
+    }
+    let discriminant = a * a + 4.0 * b * f;
+    let until_rest = if f < 0.0 { seconds_to_rest(f, a, v, discriminant) } else { f64::INFINITY };
+    if until_rest < t {
+        let (_, x) = ahead(f, a, b, v, discriminant, until_rest);
+        let (back, way_back) = flow(-f, a, b, 0.0, t - until_rest);
+        return (-back, x - way_back);
+    }
+    ahead(f, a, b, v, discriminant, t)
+}
+
+/// Seconds after which a velocity of 0 or more against a force `f` < 0 is 0.
+fn seconds_to_rest(f: f64, a: f64, v: f64, discriminant: f64) -> f64 {
+    let q = 0.5 * discriminant.abs().sqrt();
+    let ratio = v / (0.5 * a * v - f);
+    let x = q * ratio;
+    if q == 0.0 {
+        ratio
+    } else if discriminant < 0.0 {
+        math::atan(x) / q
+    } else {
+        0.5 * math::ln_1p(2.0 * x / (1.0 - x)) / q
+    }
+}
+
+/// [`flow`] of a velocity that stays 0 or more: the Riccati equation of this discriminant.
+fn ahead(f: f64, a: f64, b: f64, v: f64, discriminant: f64, t: f64) -> (f64, f64) {
+    let root = discriminant.abs().sqrt();
+    if discriminant < 0.0 {
+        let (sin, cos) = math::sin_cos(0.5 * root * t);
+        let odd = 2.0 * sin / root;
+        let growth = cos + (b * v + 0.5 * a) * odd;
+        let velocity = (v * cos + (f - 0.5 * a * v) * odd) / growth;
+        return (velocity.max(0.0), (math::ln(growth) - 0.5 * a * t) / b);
+    }
+    // Around the terminal velocity, a Bernoulli equation.
+    let end = if f == 0.0 { 0.0 } else { 2.0 * f / (a + root) };
+    let (fading, faded) = (math::exp(-root * t), if root == 0.0 { t } else { -math::exp_m1(-root * t) / root });
+    let excess = v - end;
+    let way = excess * faded;
+    let beyond = if b == 0.0 { way } else { math::ln_1p(b * way) / b };
+    ((end + excess * fading / (1.0 + b * way)).max(0.0), end * t + beyond)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::DriveKind;
+    use super::*;
+    use crate::pose::{Pose, Twist};
+
+    fn model() -> Model {
+        Model {
+            kind: DriveKind::Thrusters,
+            wheel_diameter: 0.1,
+            max_wheel_rate: 10.0,
+            ticks_per_turn: 1.0,
+            track: 0.6,
+            wheelbase: 0.6,
+            axis_offset: 0.0,
+            max_speed: 1.0,
+            max_turn: 1.0,
+            body_radius: 0.6,
+            wheel_lag: 0.0,
+            max_steering: 0.0,
+            mass: 40.0,
+            traction: 0.0,
+        }
+    }
+
+    fn hull() -> Hull {
+        let drag = |linear, quadratic| Drag { linear, quadratic };
+        Hull {
+            thrust: 20.0,
+            drag: [drag(12.0, 30.0), drag(30.0, 90.0), drag(3.0, 6.0), drag(30.0, 90.0)],
+            ceiling: 1.5,
+        }
+    }
+
+    /// dv/dt = f - a v - b |v| v by 20,000 steps of the classic method of Runge and Kutta.
+    fn by_steps(f: f64, a: f64, b: f64, mut v: f64, t: f64) -> (f64, f64) {
+        let h = t / 20_000.0;
+        let rate = |v: f64| f - a * v - b * v.abs() * v;
+        let mut x = 0.0;
+        for _ in 0..20_000 {
+            let k1 = rate(v);
+            let k2 = rate(v + 0.5 * h * k1);
+            let k3 = rate(v + 0.5 * h * k2);
+            let k4 = rate(v + h * k3);
+            x += h * (v + h * (k1 + k2 + k3) / 6.0);
+            v += h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+        }
+        (v, x)
+    }
+
+    #[test]
+    fn the_closed_form_solves_the_equation() {
+        for f in [0.0, 0.8, -0.8, 3.0, -3.0] {
+            for (a, b) in [(0.3, 0.0), (0.3, 0.7), (0.0, 0.7), (2.0, 1e-9), (1e-9, 2.0)] {
+                for v in [0.0, 0.5, -0.5, 2.0, -2.0] {
+                    for t in [0.01, 0.7, 5.0] {
+                        let (closed, stepped) = (flow(f, a, b, v, t), by_steps(f, a, b, v, t));
+                        let apart = (closed.0 - stepped.0).abs().max((closed.1 - stepped.1).abs());
+                        assert!(apart < 1e-9, "{f} {a} {b} {v} {t}: {closed:?}, by steps {stepped:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn flows_add_up() {
+        for (f, v) in [(0.8, 0.0), (-0.8, 1.5), (0.0, -2.0), (-3.0, 0.4)] {
+            let (whole, way) = flow(f, 0.3, 0.7, v, 1.0);
+            let (half, first) = flow(f, 0.3, 0.7, v, 0.4);
+            let (end, second) = flow(f, 0.3, 0.7, half, 0.6);
+            assert!((end - whole).abs() < 1e-14 && (first + second - way).abs() < 1e-14, "{f} {v}");
+        }
+    }
+
+    /// The hull's motion with thrusters at these rates for some ticks: pose, velocity and height.
+    fn moved(rates: Wheels, ticks: usize) -> (Pose, Afloat) {
+        let (mut pose, mut afloat) = (Pose::default(), Afloat { lift: 1.5, ..Afloat::default() });
+        for _ in 0..ticks {
+            let ([vx, vy, omega, _], next) = hull().step(&model(), &rates, &afloat);
+            pose = pose.moved(Twist { vx, vy, omega }.scaled(TICK.seconds()));
+            afloat = next;
+        }
+        (pose, afloat)
+    }
+
+    #[test]
+    fn ahead_and_down_it_follows_the_closed_form() {
+        let (pose, afloat) = moved([10.0, -4.0, 10.0, -4.0], 300);
+        let (v, x) = flow(1.0, 0.3, 0.75, 0.0, 3.0);
+        let (w, z) = flow(-0.4, 0.75, 2.25, 0.0, 3.0);
+        assert!((pose.position.x - x).abs() < 1e-12 && pose.position.y == 0.0, "{pose:?}, not {x}");
+        assert!((afloat.velocity[0] - v).abs() < 1e-13 && (afloat.velocity[3] - w).abs() < 1e-13, "{afloat:?}");
+        assert!((afloat.lift - (1.5 + z)).abs() < 1e-12, "{afloat:?}");
+        assert_eq!(moved([0.0, -4.0, 0.0, -4.0], 3000).1, Afloat::default(), "at rest on the floor");
+    }
+
+    /// The equations of motion of the whole hull by small steps: dv/dt = (forces - drag) / mass - omega x v.
+    fn reference(rates: Wheels, seconds: f64, steps: usize) -> [f64; 6] {
+        let (hull, model) = (hull(), model());
+        let forces = hull.forces(&model, rates.map(|rate| rate / model.max_wheel_rate));
+        let rate = |[_, _, phi, u, v, r]: [f64; 6]| {
+            let held = |axis: usize, v: f64| {
+                forces[axis] - hull.drag[axis].linear * v - hull.drag[axis].quadratic * v.abs() * v
+            };
+            let (sin, cos) = math::sin_cos(phi);
+            [
+                u * cos - v * sin,
+                u * sin + v * cos,
+                r,
+                held(0, u) / model.mass + r * v,
+                held(1, v) / model.mass - r * u,
+                held(2, r) / model.inertia(),
+            ]
+        };
+        let h = seconds / steps as f64;
+        let plus = |y: [f64; 6], k: [f64; 6], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+        let mut y = [0.0; 6];
+        for _ in 0..steps {
+            let k1 = rate(y);
+            let k2 = rate(plus(y, k1, 0.5 * h));
+            let k3 = rate(plus(y, k2, 0.5 * h));
+            let k4 = rate(plus(y, k3, h));
+            y = std::array::from_fn(|i| y[i] + h * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0);
+        }
+        y
+    }
+
+    #[test]
+    fn a_curve_is_within_a_hundredth_of_a_millimetre_of_the_reference() {
+        for (rates, ticks) in
+            [([10.0, 0.0, 2.0, 0.0], 1000), ([-10.0, 0.0, 10.0, 0.0], 300), ([3.0, 0.0, 10.0, 0.0], 100)]
+        {
+            let seconds = 0.01 * ticks as f64;
+            let [x, y, phi, ..] = reference(rates, seconds, 100 * ticks);
+            let (pose, _) = moved(rates, ticks);
+            let apart = math::hypot(pose.position.x - x, pose.position.y - y);
+            let turned = pose.heading.turns() as f64 * std::f64::consts::TAU + pose.heading.remainder();
+            println!("{rates:?}: {apart:e} m, {:e} rad", turned - phi);
+            assert!(apart < 1e-5, "{rates:?}: {apart} m from the reference");
+            assert!((turned - phi).abs() < 1e-9, "{rates:?}: heading {turned}, not {phi}");
+        }
+    }
+
+    #[test]
+    fn it_settles() {
+        for rates in [[10.0, 0.0, 10.0, 0.0], [10.0, 0.0, 4.0, 0.0], [0.0; 4]] {
+            let start = Afloat { velocity: [0.3, -0.2, 0.1, 0.0], lift: 1.0 };
+            let settled = (0..20_000).try_fold(start, |afloat, _| {
+                let (_, next) = hull().step(&model(), &rates, &afloat);
+                if next == afloat { Err(next) } else { Ok(next) }
+            });
+            let end = settled.expect_err("after 200 s nothing changes any more");
+            assert_eq!(end.velocity == [0.0; 4], rates == [0.0; 4], "{rates:?}: {end:?}");
+        }
+    }
+
+    #[test]
+    fn a_hull_that_cannot_be_computed_with_is_named() {
+        let wrong = Hull { ceiling: -0.1, ..hull() };
+        let error = wrong.check(&model()).expect_err("too shallow").to_string();
+        assert_eq!(error, "`depth of the water over the hull` is -0.1, accepted: 0 or more");
+        assert!(Hull { drag: [Drag::default(); 4], ..hull() }.check(&model()).is_err());
+        assert!(Hull { thrust: 1e9, ..hull() }.check(&model()).is_err(), "faster than 50 m/s");
+        assert_eq!(hull().check(&model()), Ok(()));
+    }
+}
