@@ -12,8 +12,8 @@ use super::spec::{
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    CellRules, MeshReader, NoiseRef, Span, checks, clearance, line, path, place, read_companion, read_costs, read_esobj,
-    read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, checks, clearance, line, path, place, read_companion, read_costs,
+    read_esobj, read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
 use sim_core::build::MeshSource;
 use sim_core::drive::DriveKind;

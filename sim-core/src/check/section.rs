@@ -119,8 +119,11 @@ impl Section {
 
     /// Turns the point by `turn` (a unit vector) about the world's origin, then moves it by `shift`.
     pub fn placed(&self, turn: DVec2, shift: DVec2) -> Self {
-        let path =
-            Path { origin: turn.rotate(self.path.origin) + shift, direction: turn.rotate(self.path.direction), ..self.path };
+        let path = Path {
+            origin: turn.rotate(self.path.origin) + shift,
+            direction: turn.rotate(self.path.direction),
+            ..self.path
+        };
         Self { path, ..*self }
     }
 
@@ -203,12 +206,7 @@ fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -
 }
 
 /// Least value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its instant.
-pub(super) fn find_least(
-    function: &impl Smooth,
-    (from, to): (f64, f64),
-    best: &mut (f64, f64),
-    tolerance: f64,
-) {
+pub(super) fn find_least(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     let (value, slope) = function.at(middle);
     for t in [from, middle, to] {

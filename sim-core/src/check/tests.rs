@@ -55,7 +55,8 @@ fn stretches_in_a_polygon_are_those_that_samples_show() {
         assert_eq!((found[0].0, found[found.len() - 1].1), (0.0, 12.0), "the section is covered");
         for sample in 1..1200 {
             let t = 0.01 * f64::from(sample);
-            let (from, to, is_inside) = *found.iter().find(|(from, to, _)| (*from..=*to).contains(&t)).expect("covered");
+            let (from, to, is_inside) =
+                *found.iter().find(|(from, to, _)| (*from..=*to).contains(&t)).expect("covered");
             if (t - from).min(to - t) > 1e-6 {
                 assert_eq!(is_inside, super::region::is_within(&corners, way.position(t)), "turn {turn} at {t} s");
             }
@@ -97,7 +98,8 @@ fn curvatures_bound_the_second_differences_also_while_sliding() {
     let sliding = Section::on(round, 0.0, (0.0, 2.0));
     let turning = section(0.0, 0.0, 0.3, (0.5, 2.0), 2.0);
     for way in [sliding, turning] {
-        let wall = ToSegment { section: &way, segment: Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 0.2)), less: 0.01 };
+        let wall =
+            ToSegment { section: &way, segment: Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 0.2)), less: 0.01 };
         for step in 1..199 {
             let (t, h) = (0.01 * f64::from(step), 1e-4);
             let (slope, next) = (wall.at(t - h).1, wall.at(t + h).1);

@@ -4,14 +4,12 @@ use glam::DVec2;
 
 use super::Finding;
 use super::course::Stretch;
-use super::region::{
-    Between, Negative, ROUNDING, ToLine, ToSegment, edges, is_within, stretches, stretches_in,
-};
+use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, is_within, stretches, stretches_in};
 use super::section::{Section, Smooth, find_least, find_zeros};
+use crate::RobotId;
 use crate::scene::{Bounds, Segment, Walls};
 use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec};
 use crate::time::Time;
-use crate::RobotId;
 
 /// Tolerance of least and greatest squares of distances that are only reported, m^2.
 const REPORTED: f64 = 1e-9;
@@ -84,13 +82,9 @@ impl Watch {
                 count: 0,
                 done: None,
             }),
-            CheckKind::Clearance { robot, min, to } => Self::Clearance(Clearance {
-                robot: *robot,
-                min: *min,
-                to: *to,
-                violated: None,
-                least: None,
-            }),
+            CheckKind::Clearance { robot, min, to } => {
+                Self::Clearance(Clearance { robot: *robot, min: *min, to: *to, violated: None, least: None })
+            }
             CheckKind::FollowsWall { robot, gap, share } => {
                 Self::FollowsWall(FollowsWall { robot: *robot, gap: *gap, share: *share, followed: 0.0, path: 0.0 })
             }
@@ -379,7 +373,8 @@ impl Clearance {
     fn walls(&mut self, walls: &Walls, section: &Section, radius: f64, violations: &mut Vec<(f64, DVec2)>) {
         let (middle, half_way) = section.surrounding_disc();
         // The nearest wall of the whole world is looked for once; later only a nearer one counts.
-        let gap = self.least.map_or_else(|| nearest_wall(walls, section.position(section.from)) - radius, |(gap, _)| gap);
+        let gap =
+            self.least.map_or_else(|| nearest_wall(walls, section.position(section.from)) - radius, |(gap, _)| gap);
         let reach = half_way + radius + gap.max(self.min) + 2.0 * ROUNDING;
         if reach.is_finite() {
             walls.for_each_in(Bounds::of_disc(middle, reach), |_, wall| {
@@ -402,7 +397,8 @@ impl Clearance {
             let function = function(limit * limit);
             let mut breaks = Vec::new();
             find_zeros(&function, section.from, section.to, &mut breaks);
-            let near = stretches(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
+            let near =
+                stretches(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
             violations.extend(near.map(|(at, ..)| (at, section.position(at))));
         }
         let (gap, at) = self.least.unwrap_or((f64::INFINITY, section.from));
@@ -614,7 +610,10 @@ impl OdometryError {
     fn finding(&self) -> Finding {
         if self.at_end {
             let violation = self.last.filter(|(error, ..)| *error > self.max + ROUNDING);
-            return Finding::violated(violation.map(|(_, at, position)| (at, position)), self.last.map(|(error, ..)| error));
+            return Finding::violated(
+                violation.map(|(_, at, position)| (at, position)),
+                self.last.map(|(error, ..)| error),
+            );
         }
         Finding::violated(self.violated, Some((-self.greatest.0).max(0.0).sqrt()))
     }

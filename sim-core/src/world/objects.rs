@@ -252,8 +252,13 @@ impl Objects {
         if let Some(before) = before {
             let (after, at) = (self.positions(), self.stepped);
             let moved = before.into_iter().zip(after).enumerate().filter(|(_, (from, to))| from != to);
-            let step = |(index, (from, to))| {
-                ObjectStep { object: ObjectId::from_index(index), since, at, from, to, is_jump: false }
+            let step = |(index, (from, to))| ObjectStep {
+                object: ObjectId::from_index(index),
+                since,
+                at,
+                from,
+                to,
+                is_jump: false,
             };
             self.kept_steps.iter_mut().for_each(|steps| steps.extend(moved.clone().map(step)));
         }

@@ -1,14 +1,14 @@
 //! Checks: conditions that a run of a scene must meet.
 
 use glam::DVec2;
-use serde_json::{Value as Json, json};
+use serde_json::json;
 use toml::Value;
 use toml::de::DeValue;
 
-use super::kind::{At, Bounded, Custom, Kind, TEXT, Word, Words, array};
+use super::kind::{At, Bounded, Custom, TEXT, Word, Words, array};
 use super::place::POINT;
 use super::scene::UNTIL;
-use super::{Definitions, Form, Keys, Variant, Variants, definition};
+use super::{Form, Keys, Variant, Variants, definition};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::in_unit;
@@ -63,7 +63,8 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Visits { body, places, within, by, any_order } => {
             body_keys(keys, body);
             keys.key("places_mm", "The places, [x, y] each, in mm.").required(CORNERS, places);
-            keys.key("within_mm", "Greatest distance of the body's centre from a place, in mm.").required(WITHIN, within);
+            keys.key("within_mm", "Greatest distance of the body's centre from a place, in mm.")
+                .required(WITHIN, within);
             by_key(keys, by);
             keys.key("any_order", "The order does not matter; false if left out.").flag(any_order);
             refuse_few(keys, "places_mm", places.len(), 1);
@@ -176,7 +177,8 @@ fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, least: usize
 }
 
 fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
-    keys.key("by_s", "Simulated seconds by which it must have happened; the end of the run if left out.").maybe(UNTIL, by);
+    keys.key("by_s", "Simulated seconds by which it must have happened; the end of the run if left out.")
+        .maybe(UNTIL, by);
 }
 
 fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
@@ -388,7 +390,12 @@ const AREA: Custom<Vec<DVec2>> = Custom {
         let area: f64 = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum();
         if corners.len() < 3 || area == 0.0 {
             let message = format!("`{}` is no area", at.key);
-            at.reader.sink.error(Code::TomlType, span, message, "two opposite corners, or three or more that enclose an area");
+            at.reader.sink.error(
+                Code::TomlType,
+                span,
+                message,
+                "two opposite corners, or three or more that enclose an area",
+            );
             return None;
         }
         Some(corners)
@@ -421,9 +428,15 @@ const ROWS: Custom<Vec<Vec<f64>>> = Custom {
         } else {
             vec![row(reader, items)?]
         };
-        if rows.is_empty() || rows.len() > MOST_ITEMS || rows.iter().any(|row| row.is_empty() || row.len() > MOST_ITEMS) {
+        if rows.is_empty() || rows.len() > MOST_ITEMS || rows.iter().any(|row| row.is_empty() || row.len() > MOST_ITEMS)
+        {
             let message = format!("`{key}` has an empty row, or too many numbers");
-            reader.sink.error(Code::TomlType, span, message, format!("1 to {MOST_ITEMS} rows of 1 to {MOST_ITEMS} numbers"));
+            reader.sink.error(
+                Code::TomlType,
+                span,
+                message,
+                format!("1 to {MOST_ITEMS} rows of 1 to {MOST_ITEMS} numbers"),
+            );
             return None;
         }
         Some(rows)

@@ -48,7 +48,34 @@ pub fn render(report: &Report, screen: TableScreen) -> String {
         push_line(&mut text, &counts(&report.robots, shown.len()));
     }
     push_line(&mut text, &summary(report));
+    checks(report, screen).iter().for_each(|line| push_line(&mut text, line));
     text
+}
+
+/// The results of the checks: a line on all together, then one for each, the failed ones with the command that shows what happened.
+fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
+    if report.checks.is_empty() {
+        return Vec::new();
+    }
+    let passed = report.checks.iter().filter(|check| check.passed).count();
+    let (points, whole) = (points(report.points), points(report.max_points));
+    let mut lines = vec![format!("checks: {passed} of {} passed, {points} of {whole} points", report.checks.len())];
+    let name = report.checks.iter().map(|check| measure_text_width(&check.name)).max().unwrap_or_default();
+    for check in &report.checks {
+        let (word, style) =
+            if check.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red().bold()) };
+        let blanks = " ".repeat(name.min(PROGRAM_WIDTH).saturating_sub(measure_text_width(&check.name)));
+        let points = format!("{}/{}", self::points(check.points), self::points(check.max_points));
+        let name = Printable(&check.name);
+        let line = fold(&format!("{word}  {name}{blanks}  {points:>5}  {}", Printable(&check.message)), screen);
+        lines.push(line.trim_start().replacen(word, &paint(style, screen, word), 1));
+    }
+    lines
+}
+
+/// Points with at most two digits after the point, rounded down.
+fn points(points: f64) -> String {
+    ((points * 100.0 + 1e-6).floor() / 100.0).to_string()
 }
 
 /// Appends a line without blanks at its end.
@@ -322,6 +349,9 @@ mod tests {
             digest: Digest([0xab; 32]),
             robots,
             objects: Vec::new(),
+            checks: Vec::new(),
+            points: 0.0,
+            max_points: 0.0,
         }
     }
 

@@ -20,7 +20,7 @@ use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Win
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
-use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain};
+use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
@@ -60,6 +60,9 @@ pub struct ViewArgs {
     /// Wait before the first slot until a user continues the run
     #[arg(long)]
     paused: bool,
+    /// Run at once to this simulated second, then wait until a user continues the run
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
+    at: Option<Time>,
     /// Start again with the same seed whenever a program or a file of the scene is saved
     #[arg(long)]
     watch: bool,
@@ -96,7 +99,8 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     announce_address(&args, &window);
     let control = Arc::new(Control::default());
     control.ask(|requests| {
-        requests.is_paused = args.paused;
+        requests.is_paused = args.paused || args.at.is_some();
+        requests.skip_to = args.at;
         requests.speed = match args.run.speed {
             Speed::Max => None,
             Speed::Factor(factor) => Some(factor),
