@@ -16,6 +16,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::drive::Motion;
+use crate::object::STEP;
 use crate::scene::Walls;
 use crate::spec::{BodyRef, CheckKind, SceneSpec};
 use crate::time::Time;
@@ -165,7 +166,8 @@ impl Monitor {
             let first = own.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
             let course = course.get_or_insert_with(|| Course::resting(first, 0.0, since));
             own.filter(|step| step.at <= until).for_each(|step| course.step(step));
-            course.rest_until(until);
+            // The next step begins on the grid of steps, also if the slot ends elsewhere.
+            course.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }
     }
 

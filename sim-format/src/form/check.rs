@@ -245,13 +245,14 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
 }
 
 fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
-    let mut min = if keys.reading().is_some() { None } else { Some(count.min).filter(|min| *min != 1) };
+    let usual = |count: &Counts| if count.max.is_some() { 0 } else { 1 };
+    let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
     keys.key("min", "Least number; 1 if left out, 0 if only `max` is given.").maybe(0..=MOST, &mut min);
     keys.key("max", "Greatest number; any if left out.").maybe(0..=MOST, &mut count.max);
     if keys.reading().is_none() {
         return;
     }
-    count.min = min.unwrap_or(if count.max.is_some() { 0 } else { 1 });
+    count.min = min.unwrap_or_else(|| usual(count));
     if count.max.is_some_and(|max| max < count.min) {
         refuse(keys, "max", "is less than `min`", "a number that is not less");
     }

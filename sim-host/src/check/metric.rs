@@ -14,15 +14,15 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
     let (share, message) = match partial {
         Some((full, zero)) => {
             let share = ((number - zero) / (full - zero)).clamp(0.0, 1.0);
-            (share, format!("{number}; all points for {full}, none for {zero}"))
+            (share, format!("{}; all points for {full}, none for {zero}", short(number)))
         }
         None if min.is_some_and(|min| number < min) => {
-            (0.0, format!("{number} is less than {}", min.unwrap_or_default()))
+            (0.0, format!("{} is less than {}", short(number), min.unwrap_or_default()))
         }
         None if max.is_some_and(|max| number > max) => {
-            (0.0, format!("{number} is more than {}", max.unwrap_or_default()))
+            (0.0, format!("{} is more than {}", short(number), max.unwrap_or_default()))
         }
-        None => (1.0, number.to_string()),
+        None => (1.0, short(number)),
     };
     Verdict { share, value: Some(number), ..Verdict::new(false, message) }
 }
@@ -71,4 +71,11 @@ fn number(value: &Value, path: &str) -> Result<f64, String> {
         Value::String(text) => Err(format!("`{path}` is the text `{text}`, no number")),
         Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is no number")),
     }
+}
+
+/// A number with at most six digits after the point; all digits of very small and very large numbers.
+fn short(number: f64) -> String {
+    let rounded = format!("{number:.6}");
+    let trimmed = rounded.trim_end_matches('0').trim_end_matches('.');
+    if number.abs() < 1e-3 && number != 0.0 || number.abs() > 1e9 { number.to_string() } else { trimmed.to_owned() }
 }

@@ -139,7 +139,8 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
 pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
     let number = count.number;
     match kind {
-        CheckKind::Contacts { max, .. } if number <= *max => times(number),
+        CheckKind::Contacts { .. } if number == 0 => "no contact".to_owned(),
+        CheckKind::Contacts { max, .. } if number <= *max => format!("{} of {max}", times(number)),
         CheckKind::Contacts { max, .. } => {
             let (robot, with) = (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), with(count.with));
             let when = count.at.map(seconds).unwrap_or_default();

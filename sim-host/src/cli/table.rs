@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use console::{Style, Term, measure_text_width, truncate_str};
 
 use crate::record::log::Printable;
-use crate::record::report::{PlanarPose, Report, RobotReport};
+use crate::record::report::{CheckReport, PlanarPose, Report, RobotReport};
 use sim_core::record::Outcome;
 
 /// With more robots than this, only the first and the failed ones are shown.
@@ -52,23 +52,30 @@ pub fn render(report: &Report, screen: TableScreen) -> String {
     text
 }
 
-/// The results of the checks: a line on all together, then one for each, the failed ones with the command that shows what happened.
-fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
+/// The results of the checks: a line on all together, then one for each.
+pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
     if report.checks.is_empty() {
         return Vec::new();
     }
     let passed = report.checks.iter().filter(|check| check.passed).count();
     let (points, whole) = (points(report.points), points(report.max_points));
     let mut lines = vec![format!("checks: {passed} of {} passed, {points} of {whole} points", report.checks.len())];
-    let name = report.checks.iter().map(|check| measure_text_width(&check.name)).max().unwrap_or_default();
+    let width = |cell: &dyn Fn(&CheckReport) -> String| {
+        report.checks.iter().map(|check| measure_text_width(&cell(check))).max().unwrap_or_default()
+    };
+    let (name, share) = (
+        |check: &CheckReport| Printable(&check.name).to_string(),
+        |check: &CheckReport| format!("{}/{}", self::points(check.points), self::points(check.max_points)),
+    );
+    let (names, shares) = (width(&name).min(PROGRAM_WIDTH), width(&share));
     for check in &report.checks {
         let (word, style) =
             if check.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red().bold()) };
-        let blanks = " ".repeat(name.min(PROGRAM_WIDTH).saturating_sub(measure_text_width(&check.name)));
-        let points = format!("{}/{}", self::points(check.points), self::points(check.max_points));
-        let name = Printable(&check.name);
-        let line = fold(&format!("{word}  {name}{blanks}  {points:>5}  {}", Printable(&check.message)), screen);
-        lines.push(line.trim_start().replacen(word, &paint(style, screen, word), 1));
+        let (name, share) = (name(check), share(check));
+        let blanks = |width: usize, text: &str| " ".repeat(width.saturating_sub(measure_text_width(text)));
+        let (after, before) = (blanks(names, &name), blanks(shares, &share));
+        let line = format!("{word}  {name}{after}  {before}{share}  {}", Printable(&check.message));
+        lines.push(fold(&line, screen).trim_start().replacen(word, &paint(style, screen, word), 1));
     }
     lines
 }

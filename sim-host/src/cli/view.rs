@@ -21,6 +21,7 @@ use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
 use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
+use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
@@ -229,6 +230,9 @@ impl Session {
             let is_restart = self.next.lock().is_some();
             if !is_restart {
                 explain(&ran.finished);
+                table::checks(&ran.finished.report, TableScreen::of_stdout())
+                    .iter()
+                    .for_each(|line| println!("{line}"));
             }
             match self.wait_for_next(&ran, &show) {
                 Some((next, args)) => {
@@ -367,8 +371,21 @@ fn in_full(rejected: &Rejected) -> String {
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
-/// Reason why a run has ended, in words.
+/// Reason why a run has ended and the result of its checks, in words.
 fn why(ran: &Ran) -> String {
+    let checks = &ran.finished.report.checks;
+    let failed: Vec<String> = checks
+        .iter()
+        .filter(|check| !check.passed)
+        .map(|check| format!("; failed: {} ({})", check.name, check.message))
+        .collect();
+    let passed = checks.len() - failed.len();
+    let summary =
+        if checks.is_empty() { String::new() } else { format!("; {passed} of {} checks passed", checks.len()) };
+    end_of(ran) + &summary + &failed.concat()
+}
+
+fn end_of(ran: &Ran) -> String {
     match &ran.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
         End::Until => format!("its {} are over", ran.finished.ended.time),
