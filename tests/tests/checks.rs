@@ -240,3 +240,81 @@ fn names_are_unique_and_scenes_with_checks_convert_and_read_back() {
     assert_eq!(once.matches("[[check]]").count(), blocks(&page, "toml").join("\n").matches("[[check]]").count());
     assert_eq!(converted("b.scene.toml", "c.scene.toml"), once);
 }
+
+#[test]
+fn the_first_setting_fixes_the_frame_of_odometry_and_later_ones_count() {
+    let check = |program: &str, max: f64, at_end: bool| {
+        let checks = format!("[[check]]\nkind = \"odometry_error\"\nmax_mm = {max}\nat_end = {at_end}\n");
+        let scratch = scene(program, &checks);
+        scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        report["checks"][0].clone()
+    };
+    let start = "VWSetPosition(5000, 700, 90); VWStraight(300, 200); VWWait();";
+    let anchored = check(start, 0.001, false);
+    assert_eq!(anchored["passed"], true, "{anchored:#}");
+    let wrong = format!("{start} VWSetPosition(5000, 1100, 90); VWStraight(100, 200); VWWait();");
+    let corrected = check(&wrong, 50.0, false);
+    assert_eq!(corrected["passed"], false, "{corrected:#}");
+    assert!((corrected["value"].as_f64().expect("an error") - 0.1).abs() < 1e-6, "{corrected:#}");
+    assert!((corrected["x_m"].as_f64().expect("a place") - 0.8).abs() < 1e-6, "where it was set: {corrected:#}");
+    let back = format!("{wrong} VWSetPosition(5000, 1100, 90);");
+    assert_eq!(check(&back, 50.0, true)["passed"], true, "only the end counts");
+}
+
+#[test]
+fn the_gap_between_two_robots_is_that_of_two_circles_that_pass() {
+    let scratch = scene("VWStraight(1000, 200); VWWait();", "");
+    let other = "[[robot]]\ntype = \"S4\"\nprogram = \"drive.c\"\nx_mm = 1500\ny_mm = 900\nheading_deg = 180\n";
+    let scene = scratch.read("a.scene.toml");
+    let run = |min: f64, slot: &str| {
+        let check = format!("[[check]]\nkind = \"clearance\"\nto = \"robots\"\nmin_mm = {min}\n");
+        scratch.write("b.scene.toml", &format!("{scene}{other}{check}"));
+        scratch.eyesim(&["run", "b.scene.toml", "--slot", slot, "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        report["checks"][0].clone()
+    };
+    // The ways are 400 mm apart, and the robots pass each other at x = 1000.
+    let gap = 1e3 * run(0.0, "50")["value"].as_f64().expect("a gap");
+    for (min, is_met) in [(gap - 0.001, true), (gap + 0.001, false)] {
+        let checks = ["1", "50", "200"].map(|slot| run(min, slot));
+        assert_eq!(checks[0]["passed"], is_met, "{:#}", checks[0]);
+        assert!(checks[0] == checks[1] && checks[0] == checks[2], "{checks:#?}");
+    }
+    let place = run(gap + 0.001, "50")["x_m"].as_f64().expect("a place");
+    assert!((place - 1.0).abs() < 0.02, "{place} m");
+}
+
+#[test]
+fn passages_of_a_gate_backwards_are_subtracted() {
+    let laps = |gate: &str, min: u64| {
+        let checks = format!("[[check]]\nkind = \"laps\"\ngate_mm = {gate}\nmin = {min}\n");
+        let scratch = scene(
+            "for (int i = 0; i < 3; i++) { VWStraight(400, 300); VWWait(); VWStraight(-400, 300); VWWait(); }",
+            &checks,
+        );
+        scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        (report["checks"][0]["passed"].clone(), report["checks"][0]["value"].clone())
+    };
+    assert_eq!(laps("[[700, 800], [700, 0]]", 1), (true.into(), 0.0.into()), "once ahead, then back");
+    assert_eq!(laps("[[700, 800], [700, 0]]", 2).0, false);
+    assert_eq!(laps("[[700, 0], [700, 800]]", 1), (false.into(), 0.0.into()));
+    assert_eq!(laps("[[700, 800], [700, 600]]", 1).0, false, "beside the gate");
+}
+
+#[test]
+fn a_run_without_any_time_shows_where_bodies_start() {
+    let checks = "[[check]]\nkind = \"reach\"\nat_mm = [500, 500]\nwithin_mm = 1\n\
+                  [[check]]\nkind = \"stays_in\"\narea_mm = [[1000, 0], [2000, 1000]]\n";
+    let scratch = scene("", checks);
+    let text = scratch.read("a.scene.toml").replace("program = \"drive.c\"\n", "");
+    scratch.write("a.scene.toml", &text);
+    let report = scratch.report("a.scene.toml", &[], 1);
+    assert_eq!(
+        (&report["checks"][0]["passed"], &report["checks"][1]["passed"]),
+        (&true.into(), &false.into()),
+        "{report:#}"
+    );
+    assert_eq!(report["checks"][1]["at_s"], 0.0);
+}

@@ -79,7 +79,7 @@ impl Monitor {
         Some(Self {
             watches,
             walls: Arc::clone(walls),
-            until,
+            until: until.max(Time(1)),
             robots: Vec::new(),
             objects: Vec::new(),
             odometry_of: odometry_of.collect(),
@@ -121,7 +121,8 @@ impl Monitor {
 
     /// Ends the run at `time`. `is_settled`: it has ended because nothing can happen any more.
     pub fn finish(&mut self, world: &mut World, time: Time, is_settled: bool) {
-        let time = time.min(self.until);
+        // A run without any time shows where the bodies start.
+        let time = time.min(self.until).max(Time(1));
         self.end_slot(world, time);
         if self.cell < time {
             self.evaluate(time);
