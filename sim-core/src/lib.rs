@@ -12,6 +12,7 @@
 
 pub mod build;
 pub mod camera;
+pub mod check;
 pub mod contact;
 pub mod device;
 pub mod drive;

@@ -29,6 +29,7 @@ use crate::{
     time::Time,
 };
 pub use lifetime::Lifetime;
+pub use objects::ObjectStep;
 use objects::Objects;
 pub use ray::{HitSurface, Ray, RayHit, Tilt};
 use settle::{Settling, Truth};
@@ -279,6 +280,18 @@ impl World {
         Ok(())
     }
 
+    /// Lets the steps of movable objects be kept for [`World::take_object_steps`] from now on.
+    pub fn keep_object_steps(&mut self) {
+        if let Some(objects) = &mut self.objects {
+            objects.keep_steps();
+        }
+    }
+
+    /// Takes the steps of movable objects since the last call, in order of time; only those kept since [`World::keep_object_steps`].
+    pub fn take_object_steps(&mut self) -> Vec<ObjectStep> {
+        self.objects.as_mut().map(|objects| objects.take_steps()).unwrap_or_default()
+    }
+
     /// The movable objects that moved in the previous slot, in ascending order.
     pub fn moved_objects(&self) -> &[ObjectId] {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
@@ -370,10 +383,17 @@ impl World {
     /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; others may be omitted.
     /// Returns the contacts that began in the slot, in the order of (time, robot).
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
+        self.advance_with(active, |_| {})
+    }
+
+    /// Ends the present slot like [`World::advance`]; `observe` gets each motion once its contacts are resolved, while the whole slot can
+    /// still be queried.
+    pub fn advance_with(&mut self, active: &mut [&mut Motion], mut observe: impl FnMut(&mut Motion)) -> Vec<Contact> {
         let end = self.slot_end();
         if let [motion] = active
             && self.is_quiescent(motion, end + self.slot)
         {
+            observe(motion);
             motion.pass(end);
             self.now = end;
             self.publish_stance(motion, end);
@@ -386,6 +406,7 @@ impl World {
         self.objects = objects;
         let mut contacts = Vec::new();
         for motion in active.iter_mut() {
+            observe(motion);
             let robot = motion.id();
             contacts.extend(motion.commit(end).into_iter().filter(|impact| impact.fresh).map(|impact| Contact {
                 time: impact.time,

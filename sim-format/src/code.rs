@@ -47,6 +47,9 @@ macro_rules! codes {
 // In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, else compilation fails; the page's third line repeats
 // the meaning, and tests/codes.rs runs its examples.
 codes! {
+    CheckBody = "check-body": "a check names a robot or an object that there is not",
+    CheckFunction = "check-function": "a check counts calls of a function that there is not",
+    CheckName = "check-name": "two checks of one name",
     ConvertKind = "convert-kind": "a file that cannot become one of the kind asked for",
     ConvertLost = "convert-lost": "the target of a conversion has no place for something",
     ConvertMaze = "convert-maze": "a world that is no maze",

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod builtin;
+mod checks;
 mod clearance;
 mod code;
 mod companion;

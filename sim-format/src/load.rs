@@ -12,8 +12,8 @@ use super::spec::{
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    CellRules, MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj,
-    read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, checks, clearance, line, path, place, read_companion, read_costs,
+    read_esobj, read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -169,10 +169,12 @@ pub fn load_scene_with(path: &str, overrides: Overrides, files: &dyn Files) -> L
         settings: sim.settings,
         run: RunSpec { costs, ..sim.run },
         radio: sim.radio,
+        checks: sim.checks,
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.wheels_on_terrain(&scene);
     loader.hulls_in_water(&scene);
+    loader.diagnostics.extend(checks::check(&scene));
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
     loader.finish(scene)
 }

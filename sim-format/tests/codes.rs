@@ -11,7 +11,8 @@ use sim_format::{
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
 /// robots, a program, a conversion or the functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 16] = [
+const WITHOUT_EXAMPLE: [Code; 17] = [
+    Code::CheckFunction,
     Code::ConvertKind,
     Code::ConvertLost,
     Code::ConvertMaze,

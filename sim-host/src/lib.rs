@@ -25,6 +25,7 @@
 //! record. [`cli`] and [`window`] belong to the binary. A simulation without programs needs nothing of this crate: see
 //! `sim_core::simulation`.
 
+pub mod check;
 pub mod cli;
 pub mod executive;
 pub mod files;

@@ -14,7 +14,7 @@ use super::{
     imperfection::{ContactRule, Errors, Imperfection, Vehicle},
     legged::Walk,
     model::{DriveKind, Model, ModelError, Wheels},
-    piece::{Cause, State},
+    piece::{Cause, Piece, State},
     stage::{Grip, Leg, Stage, axle_of},
 };
 use crate::{
@@ -578,6 +578,27 @@ impl Motion {
             stage.passages(from, until, to, passages);
             first += 1;
         }
+    }
+
+    /// Fills `passages` with the passages of the axle according to odometry, in the frame of odometry, from `from` to `to`.
+    pub(crate) fn odometry_passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
+        let first = self.index_at(from);
+        self.index_at(to);
+        let stages = self.stages.iter().skip(first).enumerate();
+        let stages = stages.take_while(|(index, stage)| *index == 0 || stage.piece.start <= to);
+        passages.extend(stages.map(|(_, stage)| {
+            let Piece { start, state, rates, after, .. } = stage.piece;
+            let (path, heading) = (Path::new(&state.odometry, rates.odometry), state.odometry.heading);
+            Passage { start, begin: 0.0, until: Time::NEVER, after, path, heading }
+        }));
+    }
+
+    /// The first time in the present slot that the program has set the odometry, with the pose.
+    pub(crate) fn odometry_set(&self) -> Option<(Time, Pose)> {
+        self.journal.iter().find_map(|(at, input)| match input {
+            Input::Odometry(pose) => Some((*at, *pose)),
+            _ => None,
+        })
     }
 
     /// Stops the body at `obstacle`, `seconds` after `base`, an instant of the present slot. Discards the later plan.

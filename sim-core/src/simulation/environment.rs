@@ -2,6 +2,7 @@
 
 use super::traffic::Traffic;
 use super::{Placeable, Placement, Robot, Robots};
+use crate::check::Monitor;
 use crate::drive::Motion;
 use crate::record::{Digest, Event, Journal, Recorder, WORLD};
 use crate::time::Time;
@@ -26,6 +27,8 @@ pub struct Environment {
     placements: Vec<Placement>,
     /// The initial poses of the movable objects have been recorded.
     has_recorded_starts: bool,
+    /// Evaluates the checks on motion.
+    monitor: Option<Box<Monitor>>,
 }
 
 /// Effects of the end of a slot on the robots.
@@ -49,6 +52,28 @@ impl Environment {
             traffic: Traffic::default(),
             placements: Vec::new(),
             has_recorded_starts: false,
+            monitor: None,
+        }
+    }
+
+    /// This environment, before its first slot, with a monitor of its motion.
+    pub fn with_monitor(mut self, monitor: Option<Monitor>) -> Self {
+        self.monitor = monitor.map(Box::new);
+        if self.monitor.as_ref().is_some_and(|monitor| monitor.wants_objects()) {
+            self.world.keep_object_steps();
+        }
+        self
+    }
+
+    /// The monitor, if motion is checked.
+    pub fn monitor(&self) -> Option<&Monitor> {
+        self.monitor.as_deref()
+    }
+
+    /// Ends the run at `time` for the monitor; `is_settled`: nothing can happen any more.
+    pub fn finish_monitor(&mut self, time: Time, is_settled: bool) {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.finish(&mut self.world, time, is_settled);
         }
     }
 
@@ -120,8 +145,17 @@ impl Environment {
         let contacts = {
             let present = robots.iter_mut().filter(|robot| !robot.is_removed);
             let mut motions: Vec<&mut Motion> = present.map(|robot| &mut robot.motion).collect();
-            self.world.advance(&mut motions)
+            let (monitor, slot) = (&mut self.monitor, (self.world.slot_start(), at));
+            let observe = |motion: &mut Motion| {
+                if let Some(monitor) = monitor {
+                    monitor.observe(motion, slot);
+                }
+            };
+            self.world.advance_with(&mut motions, observe)
         };
+        if let Some(monitor) = &mut self.monitor {
+            monitor.end_slot(&mut self.world, at);
+        }
         let Self { world, journal, recorder, .. } = self;
         record_objects(journal, world, at, world.moved_objects().iter().copied());
         recorder.collect(journal);

@@ -7,6 +7,7 @@ use super::{Environment, FactoryError, Intervention, Refusal, Robot, RobotFactor
 use crate::RobotId;
 use crate::build::{NoMeshes, SpawnedEntity, Visuals};
 use crate::camera::{Label, Picture};
+use crate::check::{Finding, Monitor};
 use crate::device::camera::{CameraError, Setting};
 use crate::drive::{Command, CommandError};
 use crate::pose::Pose;
@@ -66,7 +67,8 @@ impl Simulation {
         let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
         let world = factory.world(scene, &mut robots, heard)?;
-        let environment = Environment::new(world, Recorder::new(seed, slot, KindSet::NONE));
+        let monitor = Monitor::new(scene, world.walls(), scene.run.until.unwrap_or(Time::NEVER));
+        let environment = Environment::new(world, Recorder::new(seed, slot, KindSet::NONE)).with_monitor(monitor);
         Ok(Self::of(environment, robots, Roster::of(scene), factory))
     }
 
@@ -174,6 +176,12 @@ impl Simulation {
         if let Some(visuals) = &mut self.visuals {
             Arc::make_mut(visuals).add([entity], &mut NoMeshes);
         }
+    }
+
+    /// Findings of the scene's checks on motion, each with the place of its check in the scene. They are those up to the last whole
+    /// tenth of a second of the last ended slot.
+    pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
+        self.environment.monitor().into_iter().flat_map(Monitor::findings)
     }
 
     /// All robots and objects, and the types of robots and objects that can be added.

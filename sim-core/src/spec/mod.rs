@@ -3,6 +3,7 @@
 //!
 //! Every value in a spec is a finite number within its documented range, for any input text.
 
+mod check;
 mod device;
 mod legs;
 mod looks;
@@ -18,6 +19,7 @@ mod world;
 pub use crate::camera::Lens;
 pub use crate::drive::DriveKind;
 pub use crate::scene::Surface;
+pub use check::*;
 pub use device::*;
 pub use legs::*;
 pub use looks::*;

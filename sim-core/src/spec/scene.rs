@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{LooksSpec, NoiseRef, ObjectType, PathRef, RobiSpec, WorldSpec};
+use super::{CheckSpec, LooksSpec, NoiseRef, ObjectType, PathRef, RobiSpec, WorldSpec};
 use crate::RobotId;
 use crate::pose::{Heading, Pose};
 use crate::radio;
@@ -390,6 +390,8 @@ pub struct SimSpec {
     pub run: RunSpec,
     /// Radio model; only in our own format.
     pub radio: radio::RadioModel,
+    /// Checks in the order of the file; only in our own format.
+    pub checks: Vec<CheckSpec>,
 }
 
 /// A robot of a scene, ready to be built.
@@ -444,4 +446,6 @@ pub struct SceneSpec {
     pub run: RunSpec,
     /// Radio model.
     pub radio: radio::RadioModel,
+    /// Checks on a run of the scene, in the order of the file.
+    pub checks: Vec<CheckSpec>,
 }

@@ -58,6 +58,25 @@ pub(super) struct Objects {
     /// Objects that were placed and have not slept since; they may still be pushed out of an overlap.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
+    /// Steps of the objects, if they are kept.
+    kept_steps: Option<Vec<ObjectStep>>,
+}
+
+/// Motion of a movable object's origin in one step of the bodies, along a straight line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectStep {
+    /// The object.
+    pub object: ObjectId,
+    /// Start of the step.
+    pub since: Time,
+    /// End of the step.
+    pub at: Time,
+    /// Position at the start, m.
+    pub from: DVec2,
+    /// Position at the end, m.
+    pub to: DVec2,
+    /// The object was placed there, without a way in between.
+    pub is_jump: bool,
 }
 
 impl Objects {
@@ -74,6 +93,7 @@ impl Objects {
             placements: Vec::new(),
             unsettled: BTreeSet::new(),
             pushes: Vec::new(),
+            kept_steps: None,
         };
         objects.rebuild_index();
         objects
@@ -159,6 +179,11 @@ impl Objects {
     /// Carries out the pending placements.
     pub fn apply_placements(&mut self) {
         for (object, world_from_object) in self.placements.drain(..) {
+            if let Some(steps) = &mut self.kept_steps {
+                let from = self.bodies.state(object).world_from_object.position;
+                let (since, at, to) = (self.stepped, self.stepped, world_from_object.position);
+                steps.push(ObjectStep { object, since, at, from, to, is_jump: true });
+            }
             self.bodies.place(object, world_from_object);
             self.tracks[object.index()].is_resting = false;
             self.unsettled.insert(object);
@@ -220,9 +245,40 @@ impl Objects {
 
     /// Advances all bodies by one step, pushed by these robots.
     pub fn step(&mut self, robots: &[Pusher]) -> &[Push] {
+        let before = self.kept_steps.as_ref().map(|_| self.positions());
         self.bodies.step(robots, &mut self.pushes);
+        let since = self.stepped;
         self.stepped += STEP;
+        if let Some(before) = before {
+            let (after, at) = (self.positions(), self.stepped);
+            let moved = before.into_iter().zip(after).enumerate().filter(|(_, (from, to))| from != to);
+            let step = |(index, (from, to))| ObjectStep {
+                object: ObjectId::from_index(index),
+                since,
+                at,
+                from,
+                to,
+                is_jump: false,
+            };
+            self.kept_steps.iter_mut().for_each(|steps| steps.extend(moved.clone().map(step)));
+        }
         &self.pushes
+    }
+
+    /// Positions of all objects at the end of the last step.
+    fn positions(&self) -> Vec<DVec2> {
+        let ids = (0..self.len()).map(ObjectId::from_index);
+        ids.map(|object| self.bodies.state(object).world_from_object.position).collect()
+    }
+
+    /// Keeps the steps from now on.
+    pub fn keep_steps(&mut self) {
+        self.kept_steps.get_or_insert_default();
+    }
+
+    /// Takes the steps that were kept.
+    pub fn take_steps(&mut self) -> Vec<ObjectStep> {
+        self.kept_steps.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// Advances the time of the next step without a step; nothing moves.

@@ -3,6 +3,7 @@
 //! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the
 //! declarations: one reads a table, one prints it, one describes it in the JSON schema. [`kind`] has the kinds of values.
 
+pub(crate) mod check;
 pub(crate) mod device;
 pub(crate) mod kind;
 pub(crate) mod legs;

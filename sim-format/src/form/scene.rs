@@ -50,6 +50,7 @@ impl Form for SimSpec {
         robots(keys, self);
         keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
         keys.key("marker", "Flat spots of colour on the floor.").list(PARTS, &mut self.markers);
+        keys.key("check", "Conditions that a run must meet.").list(PARTS, &mut self.checks);
     }
 }
 
@@ -121,7 +122,7 @@ impl Kind<Time> for WholeMicros {
 const END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
 
 /// The end of a run, in seconds.
-const UNTIL: Custom<Time> = Custom {
+pub(crate) const UNTIL: Custom<Time> = Custom {
     read: |at| END.read(at, None).map(Time::from_seconds_ceil),
     print: |time| shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into(),
     describe: |definitions| END.describe(definitions),

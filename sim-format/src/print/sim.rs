@@ -102,6 +102,7 @@ impl Printer<'_> {
             (sim.world.as_ref().is_some_and(|line| line.cell.is_some()), "the size of the maze's cells"),
             (run.noise.is_some(), "the noise profile"),
             (sim.radio != RadioModel::default(), "the radio"),
+            (!sim.checks.is_empty(), "the checks"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),

@@ -14,7 +14,7 @@ use super::diagnostic::{self, Colour, Format, Screen};
 use super::run::{parse_dialect, parse_maze_cell};
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_functions,
+    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_calls, unknown_functions,
 };
 use crate::program::Generation;
 
@@ -155,6 +155,7 @@ fn check_sim(name: &str, overrides: Overrides, files: &dyn Files, find_program: 
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
         loaded.diagnostics.extend(unknown_functions(table));
     }
+    loaded.diagnostics.extend(unknown_calls(&loaded.scene).collect::<Vec<_>>());
     loaded
 }
 

@@ -1,6 +1,6 @@
 //! The command line: one file for each subcommand, and fixed exit codes.
 //!
-//! 0: the run ended or reached `--until`; 1: a robot program failed; 2: usage or file errors; 3: internal error;
+//! 0: the run ended or reached `--until`; 1: a robot program or a check failed; 2: usage or file errors; 3: internal error;
 //! 130: interrupted.
 
 use std::process::ExitCode;
@@ -36,7 +36,7 @@ pub mod table;
 #[cfg(feature = "window")]
 mod view;
 
-/// A robot program failed.
+/// A robot program or a check of the scene failed.
 pub const EXIT_PROGRAM: u8 = 1;
 /// The command line or a file is wrong.
 pub const EXIT_USAGE: u8 = 2;
@@ -56,7 +56,7 @@ struct Cli {
     command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot program failed, 2 usage or file errors, \
+const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot program or a check failed, 2 usage or file errors, \
                           3 internal error, 130 interrupted.";
 
 #[derive(Subcommand)]

@@ -25,11 +25,11 @@ use crate::executive::dispatcher::End;
 use crate::executive::interrupt;
 use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
-use crate::executive::scheduler::Ended;
 use crate::executive::subreaper::Subreaper;
 use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
+use crate::record::Report;
 use sim_core::record::Outcome;
 
 pub(super) use console::report_diagnostics;
@@ -237,10 +237,11 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
     print(&table::render(&ran.finished.report, TableScreen::of_stdout()))?;
+    print(&view_command(&ran.finished.report).map(|line| format!("{line}\n")).unwrap_or_default())?;
     explain(&ran.finished);
     written?;
     streams.check()?;
-    Ok(exit_code(&ran.finished.ended))
+    Ok(exit_code(&ran.finished))
 }
 
 /// Reads, builds and runs the scene of the arguments if `check` accepts it; returns `None`, after telling the user, if a program
@@ -317,11 +318,44 @@ pub fn explain(finished: &Finished) {
     }
 }
 
-fn exit_code(ended: &Ended) -> ExitCode {
+/// The command that shows in the window what led to the first failed check: the words of this run without its files of output, and the
+/// time a second before.
+fn view_command(report: &Report) -> Option<String> {
+    /// Options of a run that only write files or change what it prints, those with a value first.
+    const OUTPUT: [&str; 9] =
+        ["--report", "--trace", "--record", "--plot", "--frames", "--only", "--quiet", "-q", "--verbose"];
+    const WITH_VALUE: usize = 6;
+    let at = report.checks.iter().filter(|check| !check.passed).find_map(|check| check.at_s)?;
+    let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);
+    let mut line = "to see it: eyesim view".to_owned();
+    while let Some(word) = words.next() {
+        let option = word.split_once('=').map_or(word.as_str(), |(option, _)| option);
+        match OUTPUT.iter().position(|output| *output == option) {
+            Some(place) if place < WITH_VALUE && option == word => drop(words.next()),
+            Some(_) => {}
+            None => line = format!("{line} {}", quoted(word)),
+        }
+    }
+    Some(format!("{line} --at {:.1}", (at - 1.0).max(0.0)))
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./=:,+%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+fn exit_code(finished: &Finished) -> ExitCode {
+    let Finished { ended, report, .. } = finished;
     match ended.end {
         End::Interrupted => ExitCode::from(EXIT_INTERRUPTED),
         End::Record(_) => ExitCode::from(EXIT_USAGE),
         _ if ended.robots.iter().any(|robot| robot.outcome.is_failure()) => ExitCode::from(EXIT_PROGRAM),
+        _ if report.checks.iter().any(|check| !check.passed) => ExitCode::from(EXIT_PROGRAM),
         _ => ExitCode::SUCCESS,
     }
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use console::{Style, Term, measure_text_width, truncate_str};
 
 use crate::record::log::Printable;
-use crate::record::report::{PlanarPose, Report, RobotReport};
+use crate::record::report::{CheckReport, PlanarPose, Report, RobotReport};
 use sim_core::record::Outcome;
 
 /// With more robots than this, only the first and the failed ones are shown.
@@ -48,7 +48,41 @@ pub fn render(report: &Report, screen: TableScreen) -> String {
         push_line(&mut text, &counts(&report.robots, shown.len()));
     }
     push_line(&mut text, &summary(report));
+    checks(report, screen).iter().for_each(|line| push_line(&mut text, line));
     text
+}
+
+/// The results of the checks: a line on all together, then one for each.
+pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
+    if report.checks.is_empty() {
+        return Vec::new();
+    }
+    let passed = report.checks.iter().filter(|check| check.passed).count();
+    let (points, whole) = (points(report.points), points(report.max_points));
+    let mut lines = vec![format!("checks: {passed} of {} passed, {points} of {whole} points", report.checks.len())];
+    let width = |cell: &dyn Fn(&CheckReport) -> String| {
+        report.checks.iter().map(|check| measure_text_width(&cell(check))).max().unwrap_or_default()
+    };
+    let (name, share) = (
+        |check: &CheckReport| Printable(&check.name).to_string(),
+        |check: &CheckReport| format!("{}/{}", self::points(check.points), self::points(check.max_points)),
+    );
+    let (names, shares) = (width(&name).min(PROGRAM_WIDTH), width(&share));
+    for check in &report.checks {
+        let (word, style) =
+            if check.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red().bold()) };
+        let (name, share) = (name(check), share(check));
+        let blanks = |width: usize, text: &str| " ".repeat(width.saturating_sub(measure_text_width(text)));
+        let (after, before) = (blanks(names, &name), blanks(shares, &share));
+        let line = format!("{word}  {name}{after}  {before}{share}  {}", Printable(&check.message));
+        lines.push(fold(&line, screen).trim_start().replacen(word, &paint(style, screen, word), 1));
+    }
+    lines
+}
+
+/// Points with at most two digits after the point, rounded down.
+fn points(points: f64) -> String {
+    ((points * 100.0 + 1e-6).floor() / 100.0).to_string()
 }
 
 /// Appends a line without blanks at its end.
@@ -323,6 +357,9 @@ mod tests {
             digest: Digest([0xab; 32]),
             robots,
             objects: Vec::new(),
+            checks: Vec::new(),
+            points: 0.0,
+            max_points: 0.0,
         }
     }
 

@@ -20,7 +20,8 @@ use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Win
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
-use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain};
+use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
+use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
@@ -61,6 +62,9 @@ pub struct ViewArgs {
     /// Wait before the first slot until a user continues the run
     #[arg(long)]
     paused: bool,
+    /// Run at once to this simulated second, then wait until a user continues the run
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
+    at: Option<Time>,
     /// Start again with the same seed whenever a program or a file of the scene is saved
     #[arg(long)]
     watch: bool,
@@ -97,7 +101,8 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     announce_address(&args, &window);
     let control = Arc::new(Control::default());
     control.ask(|requests| {
-        requests.is_paused = args.paused;
+        requests.is_paused = args.paused || args.at.is_some();
+        requests.skip_to = args.at;
         requests.speed = match args.run.speed {
             Speed::Max => None,
             Speed::Factor(factor) => Some(factor),
@@ -227,6 +232,9 @@ impl Session {
             let is_restart = self.next.lock().is_some();
             if !is_restart {
                 explain(&ran.finished);
+                table::checks(&ran.finished.report, TableScreen::of_stdout())
+                    .iter()
+                    .for_each(|line| println!("{line}"));
             }
             match self.wait_for_next(&ran, &show) {
                 Some((next, args)) => {
@@ -365,8 +373,21 @@ fn in_full(rejected: &Rejected) -> String {
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
-/// Reason why a run has ended, in words.
+/// Reason why a run has ended and the result of its checks, in words.
 fn why(ran: &Ran) -> String {
+    let checks = &ran.finished.report.checks;
+    let failed: Vec<String> = checks
+        .iter()
+        .filter(|check| !check.passed)
+        .map(|check| format!("; failed: {} ({})", check.name, check.message))
+        .collect();
+    let passed = checks.len() - failed.len();
+    let summary =
+        if checks.is_empty() { String::new() } else { format!("; {passed} of {} checks passed", checks.len()) };
+    end_of(ran) + &summary + &failed.concat()
+}
+
+fn end_of(ran: &Ran) -> String {
     match &ran.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
         End::Until => format!("its {} are over", ran.finished.ended.time),

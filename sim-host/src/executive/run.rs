@@ -93,7 +93,7 @@ impl Run {
         Ok(Arc::new_cyclic(|weak_self| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
-            environment: RwLock::new(Environment::new(parts.world, parts.recorder)),
+            environment: RwLock::new(Environment::new(parts.world, parts.recorder).with_monitor(parts.monitor)),
             members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
             spawner: Mutex::new(parts.spawner),
             dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use sim_core::check::Monitor;
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Outcome, Recorder};
 use sim_core::simulation::Simulation;
@@ -71,6 +72,8 @@ fn names(robots: &[RobotId]) -> String {
 pub struct RunParts {
     /// The world at time 0.
     pub world: World,
+    /// Evaluates the checks on motion.
+    pub monitor: Option<Monitor>,
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
     /// Their programs, in the same order; `None` for a robot without a program.
@@ -420,6 +423,8 @@ impl Scheduler {
         let end = dispatcher.take_end();
         let senders = PossibleSenders::among(run.ids_with_program().map(|id| run.robot(id)));
         let run_end = RunEnd { end: &end, time, robots: run.robot_count(), senders };
+        let is_settled = matches!(end, End::Finished | End::Stuck) && !environment.is_robot_moving();
+        environment.finish_monitor(time, is_settled);
         environment.finish(time);
         let mut robots = Vec::with_capacity(run.robot_count());
         for id in (0..run.robot_count()).map(RobotId::from_index) {

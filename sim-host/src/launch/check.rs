@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use sim_core::spec::{CostTable, RobotSpec, SceneSpec};
+use sim_core::spec::{CheckKind, CostTable, RobotSpec, SceneSpec};
 use sim_format::{Code, Diagnostic, Files as _, Severity};
 
 use crate::files::DiskFiles;
@@ -79,6 +79,26 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
         message: format!("there is no function `{}`", entry.function),
         expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
         suggestion: cost::most_similar(&entry.generation, &entry.function).map(|name| format!("write `{name}`")),
+    })
+}
+
+/// Diagnostics for the checks of a scene that count calls of no RoBIOS function.
+pub fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
+    let called = scene.checks.iter().filter_map(|check| match &check.kind {
+        CheckKind::Calls { function, .. } if !cost::is_function(function) => Some((check, function)),
+        _ => None,
+    });
+    called.map(|(check, function)| Diagnostic {
+        severity: Severity::Error,
+        code: Code::CheckFunction,
+        file: scene.file.clone(),
+        span: check.span,
+        message: format!("there is no function `{function}`"),
+        expected: "a function of RoBIOS 6 or RoBIOS-7".to_owned(),
+        suggestion: cost::SECTIONS
+            .iter()
+            .find_map(|section| cost::most_similar(section, function))
+            .map(|name| format!("write `{name}`")),
     })
 }
 

@@ -3,6 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use parking_lot::Mutex;
+use sim_core::RobotId;
+use sim_core::check::Monitor;
 use sim_core::record::{Digest, KindSet, Record, Recorder};
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_core::time::Time;
@@ -13,6 +16,7 @@ use sim_format::{Diagnostic, InputFile};
 use super::finished::{self, Finished};
 use super::settings::Settings;
 use super::{Error, Options, check};
+use crate::check::{self as verdicts, Tally};
 use crate::executive::interrupt::Interrupt;
 use crate::executive::mixed::MixedExecutor;
 use crate::executive::program::{Exec, RobotProgram};
@@ -111,7 +115,11 @@ impl Ready {
             is_told: false,
         };
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
-        let sinks: Sinks<'_> = [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(failures).collect();
+        let tally = Tally::new(&scene).map(|tally| Arc::new(Mutex::new(tally)));
+        let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
+        let sinks: Sinks<'_> =
+            [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(counts).chain(failures).collect();
+        let monitor = Monitor::new(&scene, world.walls(), settings.until);
         let limits = Limits {
             workers: options.worker_count(),
             until: settings.until,
@@ -122,6 +130,7 @@ impl Ready {
         let flows = programs.iter().flatten().count();
         let parts = RunParts {
             world,
+            monitor,
             executor: Box::new(MixedExecutor::new(robots.len(), flows, limits.workers)),
             robots,
             programs,
@@ -132,7 +141,10 @@ impl Ready {
             interrupt,
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
-        Ok(Running { scheduler, settings, scene, scenery, inputs })
+        if let Some(tally) = &tally {
+            record_calls(&tally.lock(), &scheduler);
+        }
+        Ok(Running { scheduler, settings, scene, scenery, inputs, tally })
     }
 
     /// Starts the run and advances it to its end.
@@ -143,6 +155,15 @@ impl Ready {
         let mut running = self.start(Observers::default())?;
         running.scheduler.advance_to(Time::NEVER);
         Ok(running.finish())
+    }
+}
+
+/// Lets the calls be recorded that checks count.
+fn record_calls(tally: &Tally, scheduler: &Scheduler) {
+    let run = scheduler.run();
+    let all = || (0..run.robot_count()).map(RobotId::from_index);
+    for called in tally.called_robots() {
+        all().filter(|id| called.is_none_or(|called| called == *id)).for_each(|id| run.set_verbose(id, true));
     }
 }
 
@@ -189,12 +210,13 @@ pub struct Running {
     scene: Arc<SceneSpec>,
     scenery: Arc<LazyScenery>,
     inputs: Vec<Input>,
+    tally: Option<Arc<Mutex<Tally>>>,
 }
 
 impl Running {
     /// Ends the run and completes its record.
     pub fn finish(self) -> Finished {
-        let Self { scheduler, settings, scene, scenery, mut inputs } = self;
+        let Self { scheduler, settings, scene, scenery, mut inputs, tally } = self;
         let ended = scheduler.finish();
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
@@ -202,6 +224,12 @@ impl Running {
             inputs.extend(new);
         }
         let report = finished::report(&settings, &ended, inputs);
+        let checks = {
+            let environment = ended.run.environment.read();
+            let findings = environment.monitor().into_iter().flat_map(Monitor::findings);
+            verdicts::results(&scene.checks, findings, tally.as_ref().map(|tally| tally.lock()).as_deref(), &report)
+        };
+        let report = report.with_checks(checks);
         Finished { settings, scene, scenery, ended, report }
     }
 }

@@ -59,6 +59,7 @@ impl Scene {
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
         }
+        loaded.diagnostics.extend(check::unknown_calls(&loaded.scene).collect::<Vec<_>>());
         Ok(Self { options, files, loaded })
     }
 

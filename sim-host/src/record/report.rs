@@ -41,6 +41,41 @@ pub struct Report {
     pub robots: Vec<RobotReport>,
     /// All movable objects in order of their ids.
     pub objects: Vec<ObjectReport>,
+    /// Results of the scene's checks, in the order of the file.
+    pub checks: Vec<CheckReport>,
+    /// Points of all checks together.
+    #[serde(serialize_with = "finite")]
+    pub points: f64,
+    /// Points for a run that passes all checks.
+    #[serde(serialize_with = "finite")]
+    pub max_points: f64,
+}
+
+/// Result of a check.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CheckReport {
+    /// Its name, or its kind.
+    pub name: String,
+    /// Its kind.
+    pub kind: String,
+    /// The condition is met.
+    pub passed: bool,
+    /// Points of the run.
+    #[serde(serialize_with = "finite")]
+    pub points: f64,
+    /// Points for a run that passes.
+    #[serde(serialize_with = "finite")]
+    pub max_points: f64,
+    /// Instant that decided, s; none if no single instant did.
+    pub at_s: Option<f64>,
+    /// Place at that instant, m; none if no place is known.
+    pub x_m: Option<f64>,
+    /// Place at that instant, m.
+    pub y_m: Option<f64>,
+    /// The measured quantity; none for a check without one.
+    pub value: Option<f64>,
+    /// The result in words.
+    pub message: String,
 }
 
 /// Final state of a movable object.
@@ -158,6 +193,13 @@ fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error>
 }
 
 impl Report {
+    /// This report with the results of checks.
+    pub fn with_checks(self, checks: Vec<CheckReport>) -> Self {
+        let points = checks.iter().map(|check| check.points).sum();
+        let max_points = checks.iter().map(|check| check.max_points).sum();
+        Self { checks, points, max_points, ..self }
+    }
+
     /// Text of the report.
     ///
     /// # Errors
@@ -265,7 +307,22 @@ mod tests {
                 added_s: Some(1.0),
                 removed_s: None,
             }],
+            checks: Vec::new(),
+            points: 0.0,
+            max_points: 0.0,
         }
+        .with_checks(vec![CheckReport {
+            name: "touches nothing".into(),
+            kind: "contacts".into(),
+            passed: false,
+            points: 0.0,
+            max_points: 3.0,
+            at_s: Some(5.25),
+            x_m: Some(1.25),
+            y_m: Some(0.83),
+            value: Some(1.0),
+            message: "r1 touched a wall at 5.250 s at (1250, 830) mm (first)".into(),
+        }])
     }
 
     #[test]

@@ -23,7 +23,7 @@ const ROBIOS6: &str = "robios6";
 const ROBIOS7: &str = "robios7";
 
 /// Sections that a table may have.
-const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
+pub const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
 
 /// Functions of the generation of `section`.
 fn functions(section: &str) -> Vec<Call> {
@@ -185,6 +185,11 @@ fn find(entries: &BTreeMap<String, Time>, function: &str) -> Option<Time> {
 /// Returns true if the name or pattern of an entry matches `function`.
 fn fits(name: &str, function: &str) -> bool {
     name.strip_suffix('*').map_or(name == function, |beginning| function.starts_with(beginning))
+}
+
+/// Returns true if a function of either generation has this name.
+pub fn is_function(name: &str) -> bool {
+    SECTIONS.iter().any(|section| functions(section).iter().any(|call| call.name() == name))
 }
 
 /// The function of a section with the name closest to `name`, if at most a third of its letters differ.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use sim_core::record::Action;
+use sim_core::time::Time;
 use sim_view::window::PendingCommand;
 
 /// Hands the pages' requests to the thread that advances the run, which checks for them between two slots.
@@ -20,6 +21,8 @@ pub struct Control {
 pub struct PendingRequests {
     /// The run pauses before the next slot.
     pub is_paused: bool,
+    /// The run advances to this time at once, also while paused.
+    pub skip_to: Option<Time>,
     /// Number of slots to run while paused.
     pub steps: u32,
     /// Simulated seconds for each second of real time; none for as fast as possible.

@@ -144,6 +144,11 @@ impl Driver {
 
     /// Waits until the paused run may continue, then applies the pending interventions or runs its next slots.
     fn advance(&mut self, run: &mut Scheduler) -> Progress {
+        let skip_to = self.control.requests().skip_to.take();
+        if let Some(time) = skip_to {
+            self.has_unshown_change = true;
+            return run.advance_to(time);
+        }
         let boundary @ Boundary { limit, slot, .. } = run.boundary();
         let next = boundary.next_within_limit();
         self.now = self.now.max(boundary.following);

@@ -1,0 +1,178 @@
+//! The course of a body: its motion that has been seen and not yet evaluated.
+
+use glam::DVec2;
+
+use super::section::{Section, push, take_until};
+use crate::contact::Path;
+use crate::drive::Motion;
+use crate::pose::{Pose, Twist};
+use crate::time::Time;
+use crate::world::ObjectStep;
+
+/// Motion of a body that has been seen and not yet evaluated.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    radius: f64,
+    /// Motion of the centre, without gaps.
+    body: Vec<Section>,
+    /// Instant up to which the motion is known.
+    known: f64,
+    /// Position at that instant.
+    position: DVec2,
+    odometry: Option<Box<OdometryCourse>>,
+}
+
+/// Motion of a robot's axle: true, and by odometry.
+#[derive(Clone, Debug)]
+struct OdometryCourse {
+    /// Distance of the axle ahead of the centre, m.
+    ahead: f64,
+    truth: Vec<Section>,
+    /// In the world frame.
+    belief: Vec<Section>,
+    /// Turn (a unit vector) and shift from the odometry frame to the world frame.
+    world_from_odometry: (DVec2, DVec2),
+    /// The program has set its odometry, which fixes the frame.
+    is_anchored: bool,
+    /// Positions at the end of the known motion: true, and by odometry.
+    last: [DVec2; 2],
+}
+
+/// A stretch of time of one body: radius, and sections.
+#[derive(Clone, Debug)]
+pub(super) struct Stretch {
+    /// Radius of the body, m; 0 for an object.
+    pub radius: f64,
+    /// Motion of its centre.
+    pub body: Vec<Section>,
+    /// Motion of its axle, true and by odometry, if odometry is checked.
+    pub axle: [Vec<Section>; 2],
+}
+
+impl Course {
+    /// Course of a body at rest from `since` on.
+    pub fn resting(position: DVec2, radius: f64, since: Time) -> Self {
+        Self { radius, body: Vec::new(), known: since.seconds(), position, odometry: None }
+    }
+
+    /// Course of a robot that is first seen in a slot that starts at `from`.
+    pub fn of_robot(motion: &mut Motion, from: Time, wants_odometry: bool) -> Self {
+        let course = Self::resting(motion.pose(from).position, motion.radius(), from);
+        let odometry = wants_odometry.then(|| {
+            let state = motion.state(from);
+            let anchor = frame(&state.world_from_axle, &state.odometry);
+            let position = state.world_from_axle.position;
+            Box::new(OdometryCourse {
+                ahead: motion.model().axis_offset,
+                truth: Vec::new(),
+                belief: Vec::new(),
+                world_from_odometry: anchor,
+                is_anchored: false,
+                last: [position; 2],
+            })
+        });
+        Self { odometry, ..course }
+    }
+
+    /// Appends the motion of a robot from `from` to `to`.
+    pub fn follow(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
+        self.rest_until(from);
+        let mut passages = Vec::new();
+        motion.passages(from, to, &mut passages);
+        Section::append(&mut self.body, &passages, (from, to), 0.0);
+        if let Some(odometry) = &mut self.odometry {
+            Section::append(&mut odometry.truth, &passages, (from, to), odometry.ahead);
+            odometry.follow(motion, (from, to));
+        }
+        self.settle(to.seconds());
+    }
+
+    /// Appends a step of an object.
+    pub fn step(&mut self, step: &ObjectStep) {
+        let to = step.at.seconds();
+        let from = if step.is_jump { to } else { step.since.seconds() };
+        self.rest_until(step.since.max(Time::from_seconds_ceil(self.known)));
+        if from < to && step.from != step.to && self.known <= from {
+            let velocity = (step.to - step.from) / (to - from);
+            let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };
+            let path = Path { twist, ..Path::new(&Pose::new(step.from.x, step.from.y, 0.0), twist) };
+            push(&mut self.body, Section::on(path, from, (from, to)));
+            self.known = to;
+        }
+        self.position = step.to;
+    }
+
+    /// Lets the body rest until `until`.
+    pub fn rest_until(&mut self, until: Time) {
+        let until = until.seconds();
+        if self.known >= until {
+            return;
+        }
+        push(&mut self.body, Section::resting(self.position, self.known, until));
+        if let Some(odometry) = &mut self.odometry {
+            let [truth, belief] = odometry.last;
+            push(&mut odometry.truth, Section::resting(truth, self.known, until));
+            push(&mut odometry.belief, Section::resting(belief, self.known, until));
+        }
+        self.known = until;
+    }
+
+    /// Returns true if the body rests throughout what is not yet evaluated.
+    pub fn is_at_rest(&self) -> bool {
+        let rests = |sections: &[Section]| sections.len() <= 1 && sections.iter().all(Section::is_resting);
+        let odometry = self.odometry.as_ref();
+        rests(&self.body) && odometry.is_none_or(|odometry| rests(&odometry.truth) && rests(&odometry.belief))
+    }
+
+    /// Takes the motion before `until`.
+    pub fn take_until(&mut self, until: f64) -> Stretch {
+        let axle = match &mut self.odometry {
+            Some(odometry) => [take_until(&mut odometry.truth, until), take_until(&mut odometry.belief, until)],
+            None => [Vec::new(), Vec::new()],
+        };
+        Stretch { radius: self.radius, body: take_until(&mut self.body, until), axle }
+    }
+
+    /// Ends the known motion at `to`.
+    fn settle(&mut self, to: f64) {
+        let end = |sections: &[Section]| sections.last().map(|section| section.position(to));
+        self.position = end(&self.body).unwrap_or(self.position);
+        self.known = to;
+        if let Some(odometry) = &mut self.odometry {
+            let [truth, belief] = odometry.last;
+            odometry.last = [end(&odometry.truth).unwrap_or(truth), end(&odometry.belief).unwrap_or(belief)];
+        }
+    }
+}
+
+impl OdometryCourse {
+    /// Appends the motion by odometry. The first time that the program sets its odometry fixes the frame of odometry in the world; later
+    /// times are corrections, which count.
+    fn follow(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
+        let set = motion.odometry_set().filter(|_| !self.is_anchored);
+        let Some((at, pose)) = set.filter(|(at, _)| *at < to) else {
+            return self.append(motion, (from, to));
+        };
+        if from < at {
+            self.append(motion, (from, at));
+        }
+        let axle = motion.state(at).world_from_axle;
+        (self.world_from_odometry, self.is_anchored) = (frame(&axle, &pose), true);
+        self.append(motion, (at.max(from), to));
+    }
+
+    fn append(&mut self, motion: &mut Motion, times: (Time, Time)) {
+        let mut passages = Vec::new();
+        motion.odometry_passages(times.0, times.1, &mut passages);
+        let mut sections = Vec::new();
+        Section::append(&mut sections, &passages, times, 0.0);
+        let (turn, shift) = self.world_from_odometry;
+        sections.iter().for_each(|section| push(&mut self.belief, section.placed(turn, shift)));
+    }
+}
+
+/// Turn and shift from the odometry frame to the world frame in which both poses of the axle agree.
+fn frame(world_from_axle: &Pose, odometry: &Pose) -> (DVec2, DVec2) {
+    let turn = world_from_axle.heading.turned(-odometry.heading.remainder()).direction();
+    (turn, world_from_axle.position - turn.rotate(odometry.position))
+}

@@ -1,0 +1,152 @@
+//! Stretches of time in which a point is within a part of the floor.
+
+use glam::DVec2;
+
+use super::section::{Section, Smooth, find_zeros};
+use crate::scene::Segment;
+use crate::spec::Place;
+
+/// Distance in metres by which borders are moved in favour of whoever is checked, for the rounding of poses: 1 nm.
+pub(super) const ROUNDING: f64 = 1e-9;
+
+/// Square of the distance between a moving point and a fixed segment, less a square.
+pub(super) struct ToSegment<'a> {
+    pub section: &'a Section,
+    pub segment: Segment,
+    pub less: f64,
+}
+
+impl Smooth for ToSegment<'_> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let position = self.section.position(t);
+        let offset = position - self.segment.nearest_point(position);
+        (offset.length_squared() - self.less, 2.0 * offset.dot(self.section.velocity(t)))
+    }
+
+    fn curvature(&self, t: f64, half: f64) -> f64 {
+        let (speed, position) = (self.section.speed(t, half), self.section.position(t));
+        let farthest = (position - self.segment.nearest_point(position)).length() + speed * half;
+        2.0 * (speed * speed + farthest * self.section.acceleration())
+    }
+}
+
+/// Square of the distance between two moving points, less a square.
+pub(super) struct Between<'a> {
+    pub sections: [&'a Section; 2],
+    pub less: f64,
+}
+
+impl Smooth for Between<'_> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let [a, b] = self.sections;
+        let (offset, rate) = (b.position(t) - a.position(t), b.velocity(t) - a.velocity(t));
+        (offset.length_squared() - self.less, 2.0 * offset.dot(rate))
+    }
+
+    fn curvature(&self, t: f64, half: f64) -> f64 {
+        let [a, b] = self.sections;
+        let acceleration = a.acceleration() + b.acceleration();
+        let speed = (b.velocity(t) - a.velocity(t)).length() + acceleration * half;
+        let farthest = (b.position(t) - a.position(t)).length() + speed * half;
+        2.0 * (speed * speed + farthest * acceleration)
+    }
+}
+
+/// A function whose values are those of another one with the other sign.
+pub(super) struct Negative<F>(pub F);
+
+impl<F: Smooth> Smooth for Negative<F> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let (value, slope) = self.0.at(t);
+        (-value, -slope)
+    }
+
+    fn curvature(&self, t: f64, half: f64) -> f64 {
+        self.0.curvature(t, half)
+    }
+}
+
+/// Signed distance of a moving point from a line: positive to the left.
+pub(super) struct ToLine<'a> {
+    pub section: &'a Section,
+    pub point: DVec2,
+    /// Unit vector to the left.
+    pub normal: DVec2,
+}
+
+impl Smooth for ToLine<'_> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let distance = (self.section.position(t) - self.point).dot(self.normal);
+        (distance, self.section.velocity(t).dot(self.normal))
+    }
+
+    fn curvature(&self, _: f64, _: f64) -> f64 {
+        self.section.acceleration()
+    }
+}
+
+/// The stretches of a section, in order, each with an answer of `is_inside` that holds throughout; `breaks` are the instants at which
+/// it may change.
+pub(super) fn stretches(
+    section: &Section,
+    mut breaks: Vec<f64>,
+    is_inside: impl Fn(f64) -> bool,
+) -> Vec<(f64, f64, bool)> {
+    breaks.push(section.to);
+    breaks.sort_by(f64::total_cmp);
+    let mut found: Vec<(f64, f64, bool)> = Vec::with_capacity(breaks.len());
+    let mut from = section.from;
+    for to in breaks {
+        if to <= from {
+            continue;
+        }
+        let inside = is_inside(0.5 * (from + to));
+        match found.last_mut() {
+            Some((_, end, last)) if *last == inside => *end = to,
+            _ => found.push((from, to, inside)),
+        }
+        from = to;
+    }
+    found
+}
+
+/// The stretches of a section inside and outside a place, grown by [`ROUNDING`].
+pub(super) fn stretches_in(section: &Section, place: &Place) -> Vec<(f64, f64, bool)> {
+    let margin = ROUNDING;
+    let mut breaks = Vec::new();
+    match place {
+        Place::Disc { centre, radius } => {
+            let radius = radius + margin;
+            let function = ToSegment { section, segment: Segment::new(*centre, *centre), less: radius * radius };
+            find_zeros(&function, section.from, section.to, &mut breaks);
+            stretches(section, breaks, |t| function.at(t).0 <= 0.0)
+        }
+        Place::Polygon(corners) => {
+            for edge in edges(corners) {
+                let along = edge.b - edge.a;
+                let Some(normal) = along.perp().try_normalize() else { continue };
+                for side in [-margin, margin] {
+                    let line = ToLine { section, point: edge.a + normal * side, normal };
+                    find_zeros(&line, section.from, section.to, &mut breaks);
+                }
+            }
+            stretches(section, breaks, |t| {
+                let point = section.position(t);
+                is_within(corners, point) || edges(corners).any(|edge| edge.distance(point) <= margin)
+            })
+        }
+    }
+}
+
+/// Edges of a polygon.
+pub(super) fn edges(corners: &[DVec2]) -> impl Iterator<Item = Segment> + '_ {
+    (0..corners.len()).map(|index| Segment::new(corners[index], corners[(index + 1) % corners.len()]))
+}
+
+/// Returns true if `point` lies inside a polygon, by the number of edges that a ray to the right crosses.
+pub(super) fn is_within(corners: &[DVec2], point: DVec2) -> bool {
+    let crossed = edges(corners).filter(|Segment { a, b }| {
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossed.count() % 2 == 1
+}

@@ -1,0 +1,225 @@
+//! Motion of a body as sections in closed form.
+
+use glam::DVec2;
+
+use crate::contact::{Pace, Path};
+use crate::drive::Passage;
+use crate::pose::Heading;
+use crate::time::Time;
+
+/// Motion of a point of a body on one path for a stretch of time. Times are absolute, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Section {
+    /// First instant of the section.
+    pub from: f64,
+    /// Last instant of the section.
+    pub to: f64,
+    /// Instant at which the path starts.
+    origin: f64,
+    path: Path,
+    /// Distance of the point ahead of the path's point, m.
+    ahead: f64,
+    /// Heading of the body at `origin`; without a meaning if `ahead` is 0.
+    heading: Heading,
+}
+
+impl Section {
+    /// Rest at `position`.
+    pub fn resting(position: DVec2, from: f64, to: f64) -> Self {
+        Self { from, to, origin: from, path: Path::resting(position), ahead: 0.0, heading: Heading::new(0.0) }
+    }
+
+    /// Motion along `path`, which starts at `origin`.
+    pub fn on(path: Path, origin: f64, (from, to): (f64, f64)) -> Self {
+        Self { from, to, origin, path, ahead: 0.0, heading: Heading::new(0.0) }
+    }
+
+    /// Appends the motion on a chain of passages from `from` to `to` to `sections`, for the point `ahead` metres ahead of the centre.
+    pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), ahead: f64) {
+        let origin = |passage: &Passage| passage.start.seconds() + passage.begin;
+        let (from, to) = (from.seconds(), to.seconds());
+        for (index, passage) in passages.iter().enumerate() {
+            let start = origin(passage);
+            let next = passages.get(index + 1).map_or(to, |next| origin(next).min(to));
+            let begin = from.max(start);
+            if begin >= next {
+                continue;
+            }
+            if index == 0 && from < begin {
+                push(sections, Self::resting(passage.path.position(0.0), from, begin));
+            }
+            let end = (passage.start.seconds() + passage.after).min(next);
+            let heading = passage.heading.turned(passage.path.omega() * passage.begin);
+            let is_moving = !passage.path.is_resting() || ahead != 0.0 && passage.path.omega() != 0.0;
+            let moving = Self { from: begin, to: end, origin: start, path: passage.path, ahead, heading };
+            if is_moving && begin < end {
+                push(sections, moving);
+            }
+            let rests_at = if is_moving { end.max(start) } else { start };
+            let rests_from = if is_moving { begin.max(end) } else { begin };
+            if rests_from < next {
+                push(sections, Self::resting(moving.position(rests_at), rests_from, next));
+            }
+        }
+    }
+
+    /// Position of the point at `t`, in the world.
+    pub fn position(&self, t: f64) -> DVec2 {
+        let seconds = t - self.origin;
+        let position = self.path.position(seconds);
+        if self.ahead == 0.0 { position } else { position + self.ahead_vector(seconds) }
+    }
+
+    /// Velocity of the point at `t`, in the world, m/s.
+    pub fn velocity(&self, t: f64) -> DVec2 {
+        let seconds = t - self.origin;
+        let velocity = if self.path.is_resting() { DVec2::ZERO } else { self.path.velocity(seconds) };
+        if self.ahead == 0.0 { velocity } else { velocity + self.ahead_vector(seconds).perp() * self.path.omega() }
+    }
+
+    fn ahead_vector(&self, seconds: f64) -> DVec2 {
+        self.heading.turned(self.path.omega() * seconds).direction() * self.ahead
+    }
+
+    /// Returns true if the point rests throughout the section.
+    pub fn is_resting(&self) -> bool {
+        self.path.is_resting() && (self.ahead == 0.0 || self.path.omega() == 0.0)
+    }
+
+    /// Upper bound of the point's acceleration, m/s^2.
+    pub fn acceleration(&self) -> f64 {
+        let path = if self.path.is_resting() { 0.0 } else { self.path.acceleration() };
+        path + self.ahead.abs() * self.path.omega() * self.path.omega()
+    }
+
+    /// Upper bound of the point's speed within `half` seconds of `t`, m/s.
+    pub fn speed(&self, t: f64, half: f64) -> f64 {
+        self.velocity(t).length() + self.acceleration() * half
+    }
+
+    /// Length of the way from `from` to `to`, m.
+    pub fn length(&self, from: f64, to: f64) -> f64 {
+        match self.path.pace {
+            _ if self.path.is_resting() => 0.0,
+            Pace::Even => self.path.speed() * (to - from),
+            Pace::Led { law, .. } => (law.length(to - self.origin) - law.length(from - self.origin)).abs(),
+        }
+    }
+
+    /// The part from `from` to `to`, both within the section.
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        Self { from, to, ..*self }
+    }
+
+    /// Centre and radius of a disc that contains the section.
+    pub fn surrounding_disc(&self) -> (DVec2, f64) {
+        let (middle, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
+        (self.position(middle), self.speed(middle, half) * half)
+    }
+
+    /// Turns the point by `turn` (a unit vector) about the world's origin, then moves it by `shift`.
+    pub fn placed(&self, turn: DVec2, shift: DVec2) -> Self {
+        let path = Path {
+            origin: turn.rotate(self.path.origin) + shift,
+            direction: turn.rotate(self.path.direction),
+            ..self.path
+        };
+        Self { path, ..*self }
+    }
+
+    /// Returns true if `next` continues this section on the same path.
+    fn continues_in(&self, next: &Self) -> bool {
+        let is_same = self.path == next.path && self.ahead == next.ahead;
+        is_same && (self.origin == next.origin && self.heading == next.heading || self.is_resting())
+    }
+}
+
+/// Appends `section`, merged with the last one if it continues that one: so sections do not depend on the slots in which they were seen.
+pub(super) fn push(sections: &mut Vec<Section>, section: Section) {
+    match sections.last_mut() {
+        Some(last) if last.to == section.from && last.continues_in(&section) => last.to = section.to,
+        _ => sections.push(section),
+    }
+}
+
+/// Removes from `sections` what lies before `until`, and returns it, cut there.
+pub(super) fn take_until(sections: &mut Vec<Section>, until: f64) -> Vec<Section> {
+    let mut taken: Vec<Section> = Vec::new();
+    let done = sections.partition_point(|section| section.to <= until);
+    taken.extend(sections.drain(..done));
+    if let Some(first) = sections.first_mut().filter(|first| first.from < until) {
+        taken.push(first.part(first.from, until));
+        first.from = until;
+    }
+    taken
+}
+
+/// Function of time with bounded curvature, whose zeros are to be found.
+pub(super) trait Smooth {
+    /// Value and derivative at `t`.
+    fn at(&self, t: f64) -> (f64, f64);
+
+    /// Upper bound of the second derivative's absolute value within `half` of `t`.
+    fn curvature(&self, t: f64, half: f64) -> f64;
+}
+
+/// Half of the shortest interval in seconds that the search for zeros divides; zeros closer to each other are one.
+const SHORTEST: f64 = 5e-7;
+
+/// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
+///
+/// An interval without a zero is recognised by the values in its middle and the bound of the curvature, one in which the function is
+/// monotonic by its slope; others are halved. No zero is missed, except pairs closer than a microsecond.
+pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
+    let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
+    if half <= 0.0 {
+        return;
+    }
+    let (value, slope) = function.at(middle);
+    let curvature = function.curvature(middle, half);
+    let reach = slope.abs() * half + 0.5 * curvature * half * half;
+    if value.abs() > reach || reach == 0.0 {
+        return;
+    }
+    if slope.abs() > curvature * half {
+        let (first, last) = (function.at(from).0, function.at(to).0);
+        if (first < 0.0) != (last < 0.0) {
+            zeros.push(bisect(function, from, to, first < 0.0));
+        }
+    } else if half < SHORTEST {
+        zeros.push(middle);
+    } else {
+        find_zeros(function, from, middle, zeros);
+        find_zeros(function, middle, to, zeros);
+    }
+}
+
+/// The first number of those that a double can hold at which a monotonic function has changed its sign.
+fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -> f64 {
+    loop {
+        let middle = 0.5 * (from + to);
+        if middle <= from || middle >= to {
+            return to;
+        }
+        if (function.at(middle).0 < 0.0) == is_rising { from = middle } else { to = middle }
+    }
+}
+
+/// Least value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its instant.
+pub(super) fn find_least(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
+    let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
+    let (value, slope) = function.at(middle);
+    for t in [from, middle, to] {
+        let value = if t == middle { value } else { function.at(t).0 };
+        if value < best.0 {
+            *best = (value, t);
+        }
+    }
+    let curvature = function.curvature(middle, half);
+    let bound = value - slope.abs() * half - 0.5 * curvature * half * half;
+    if bound >= best.0 - tolerance || half < SHORTEST {
+        return;
+    }
+    find_least(function, (from, middle), best, tolerance);
+    find_least(function, (middle, to), best, tolerance);
+}

@@ -1,0 +1,352 @@
+//! Checks: what a run of a scene must show. See `docs/checks.md`.
+
+use glam::DVec2;
+
+use crate::record::{Kind, Outcome};
+use crate::spec::Span;
+use crate::time::Time;
+use crate::{ObjectId, RobotId};
+
+/// A condition that a run of the scene must meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckSpec {
+    /// Name, unique in its scene; empty: the one that [`CheckSpec::title`] makes.
+    pub name: String,
+    /// Points for a run that meets it, 0 or more.
+    pub points: f64,
+    /// The condition.
+    pub kind: CheckKind,
+    /// Place of its table in the file.
+    pub span: Span,
+}
+
+impl CheckSpec {
+    /// The check of this kind, worth one point.
+    pub fn of(kind: CheckKind) -> Self {
+        Self { name: String::new(), points: 1.0, kind, span: Span::default() }
+    }
+
+    /// Its name, or the word of its kind.
+    pub fn title(&self) -> &str {
+        if self.name.is_empty() { self.kind.word() } else { &self.name }
+    }
+}
+
+impl Default for CheckSpec {
+    fn default() -> Self {
+        Self::of(CheckKind::Contacts { robot: None, with: Contacted::Anything, max: 0 })
+    }
+}
+
+/// A condition on a run. Distances in metres, world frame; the truth, never a sensor's or the odometry's view of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CheckKind {
+    /// The centre of a body comes to a place.
+    Reach {
+        /// The body.
+        body: BodyRef,
+        /// The place.
+        place: Place,
+        /// Time by which it must have come.
+        by: Option<Time>,
+        /// Time that it must stay there without leaving.
+        stay: Time,
+    },
+    /// The centre of a body comes to several places.
+    Visits {
+        /// The body.
+        body: BodyRef,
+        /// Centres of the places.
+        places: Vec<DVec2>,
+        /// Greatest distance from the centre of a place.
+        within: f64,
+        /// Time by which the last one must be visited.
+        by: Option<Time>,
+        /// The order does not matter.
+        any_order: bool,
+    },
+    /// The centre of a body never leaves a place.
+    StaysIn {
+        /// The body.
+        body: BodyRef,
+        /// The place.
+        place: Place,
+    },
+    /// A gate is passed a number of times.
+    Laps {
+        /// The body whose centre passes.
+        body: BodyRef,
+        /// Ends of the gate. Passages from its right to its left, seen from the first end to the second, count; others count back.
+        gate: [DVec2; 2],
+        /// Smallest number of passages.
+        min: u64,
+        /// Time by which they must be complete.
+        by: Option<Time>,
+    },
+    /// The gap between a robot's body and others is never smaller than a limit.
+    Clearance {
+        /// The robot.
+        robot: RobotId,
+        /// Smallest gap.
+        min: f64,
+        /// The others.
+        to: Neighbours,
+    },
+    /// A robot drives along walls: for a share of its path, the gap to the nearest wall is within limits.
+    FollowsWall {
+        /// The robot.
+        robot: RobotId,
+        /// Least and greatest gap between body and wall.
+        gap: [f64; 2],
+        /// Smallest share of the length of the path, 0 to 1.
+        share: f64,
+    },
+    /// A tool as wide as `width`, at the centre of each robot, passes over a share of an area.
+    Coverage {
+        /// The robots; empty: all of the scene.
+        robots: Vec<RobotId>,
+        /// Width of the tool.
+        width: f64,
+        /// Corners of the area; `None`: the floor.
+        area: Option<Vec<DVec2>>,
+        /// Side of the squares by whose middles the area is counted.
+        cell: f64,
+        /// Smallest share of the squares, 0 to 1.
+        share: f64,
+        /// Time by which it must be reached.
+        by: Option<Time>,
+    },
+    /// Odometry never deviates from the truth by more than a limit.
+    OdometryError {
+        /// The robot.
+        robot: RobotId,
+        /// Greatest distance between the axle's pose by odometry and its true pose.
+        max: f64,
+        /// Only the end of the run counts.
+        at_end: bool,
+    },
+    /// Bodies touch at most so many times.
+    Contacts {
+        /// The robot; `None`: all together.
+        robot: Option<RobotId>,
+        /// The obstacles that count.
+        with: Contacted,
+        /// Greatest number.
+        max: u64,
+    },
+    /// A number of the report is within limits.
+    Metric {
+        /// Path into the report, such as `robots[0].path_m`.
+        path: String,
+        /// Least value.
+        min: Option<f64>,
+        /// Greatest value.
+        max: Option<f64>,
+        /// Value for all points.
+        full: Option<f64>,
+        /// Value for no points; in between, points are proportional.
+        zero: Option<f64>,
+    },
+    /// A program prints something.
+    Prints {
+        /// The robot.
+        robot: RobotId,
+        /// Where it prints.
+        on: Screen,
+        /// What it prints.
+        what: Printed,
+    },
+    /// Programs end in a certain way.
+    Outcome {
+        /// The robot; `None`: each one that has a program.
+        robot: Option<RobotId>,
+        /// The outcome.
+        is: Outcome,
+    },
+    /// Events of a kind happen a number of times.
+    Event {
+        /// The robot; `None`: all together.
+        robot: Option<RobotId>,
+        /// Kind of the events.
+        event: Kind,
+        /// How often.
+        count: Counts,
+        /// Time by which the least number must have happened.
+        by: Option<Time>,
+    },
+    /// A function of RoBIOS is called a number of times.
+    Calls {
+        /// The robot; `None`: all together.
+        robot: Option<RobotId>,
+        /// Name of the function.
+        function: String,
+        /// How often.
+        count: Counts,
+    },
+    /// Messages are read from the radio a number of times.
+    Message {
+        /// The sender; `None`: any.
+        from: Option<RobotId>,
+        /// The receiver; `None`: any.
+        to: Option<RobotId>,
+        /// Text that the message contains; `None`: anything.
+        text: Option<String>,
+        /// How often.
+        count: Counts,
+    },
+}
+
+impl CheckKind {
+    /// Word for the kind in files and in the report.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Reach { .. } => "reach",
+            Self::Visits { .. } => "visits",
+            Self::StaysIn { .. } => "stays_in",
+            Self::Laps { .. } => "laps",
+            Self::Clearance { .. } => "clearance",
+            Self::FollowsWall { .. } => "follows_wall",
+            Self::Coverage { .. } => "coverage",
+            Self::OdometryError { .. } => "odometry_error",
+            Self::Contacts { .. } => "contacts",
+            Self::Metric { .. } => "metric",
+            Self::Prints { .. } => "prints",
+            Self::Outcome { .. } => "outcome",
+            Self::Event { .. } => "event",
+            Self::Calls { .. } => "calls",
+            Self::Message { .. } => "message",
+        }
+    }
+
+    /// The robots and objects that it names.
+    pub fn bodies(&self) -> Vec<BodyRef> {
+        let robot = |robot: &RobotId| BodyRef::Robot(*robot);
+        match self {
+            Self::Reach { body, .. }
+            | Self::Visits { body, .. }
+            | Self::StaysIn { body, .. }
+            | Self::Laps { body, .. } => {
+                vec![*body]
+            }
+            Self::Clearance { robot: id, .. }
+            | Self::FollowsWall { robot: id, .. }
+            | Self::OdometryError { robot: id, .. }
+            | Self::Prints { robot: id, .. } => vec![robot(id)],
+            Self::Coverage { robots, .. } => robots.iter().map(robot).collect(),
+            Self::Contacts { robot: id, .. }
+            | Self::Outcome { robot: id, .. }
+            | Self::Event { robot: id, .. }
+            | Self::Calls { robot: id, .. } => id.iter().map(robot).collect(),
+            Self::Message { from, to, .. } => from.iter().chain(to).map(robot).collect(),
+            Self::Metric { .. } => Vec::new(),
+        }
+    }
+}
+
+/// A robot or a movable object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BodyRef {
+    /// The robot with this number.
+    Robot(RobotId),
+    /// The movable object with this number.
+    Object(ObjectId),
+}
+
+impl std::fmt::Display for BodyRef {
+    /// `r1`, `o2`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Robot(robot) => robot.fmt(f),
+            Self::Object(object) => object.fmt(f),
+        }
+    }
+}
+
+/// A part of the floor, its border included.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// All points within a distance of a point.
+    Disc {
+        /// The point.
+        centre: DVec2,
+        /// The distance; 0 or more.
+        radius: f64,
+    },
+    /// The inside of a polygon with at least three corners.
+    Polygon(Vec<DVec2>),
+}
+
+/// Bodies to which a clearance is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Neighbours {
+    /// Walls, fixed objects and robots.
+    #[default]
+    All,
+    /// Walls and fixed objects.
+    Walls,
+    /// Robots.
+    Robots,
+}
+
+/// Obstacles that a count of contacts includes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Contacted {
+    /// Walls, terrain, robots, objects.
+    #[default]
+    Anything,
+    /// Walls, fixed objects and terrain.
+    Walls,
+    /// Robots.
+    Robots,
+    /// Movable objects.
+    Objects,
+}
+
+/// Where a program prints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Screen {
+    /// Its standard output.
+    #[default]
+    Stdout,
+    /// Its display, as it is at the end of the run.
+    Display,
+}
+
+/// What a program must print.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Printed {
+    /// A text within a line.
+    Text(String),
+    /// A whole line that matches a pattern, in which `*` stands for any text.
+    Pattern(String),
+    /// Numbers, row by row, each within a tolerance; other words and lines may stand before and after them.
+    Numbers {
+        /// The rows.
+        rows: Vec<Vec<f64>>,
+        /// Greatest deviation of a number.
+        tolerance: f64,
+    },
+}
+
+/// Bounds of a number of times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// Least number.
+    pub min: u64,
+    /// Greatest number.
+    pub max: Option<u64>,
+}
+
+impl Default for Counts {
+    /// At least once.
+    fn default() -> Self {
+        Self { min: 1, max: None }
+    }
+}
+
+impl Counts {
+    /// Returns true if `count` is within the bounds.
+    pub fn contains(&self, count: u64) -> bool {
+        self.min <= count && self.max.is_none_or(|max| count <= max)
+    }
+}

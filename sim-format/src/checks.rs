@@ -1,0 +1,65 @@
+//! Validation of a scene's checks: bodies that exist, unique names, areas of a size that can be counted.
+
+use std::collections::BTreeMap;
+
+use sim_core::build;
+use sim_core::scene::Bounds;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Sink};
+use super::spec::{BodyRef, CheckKind, SceneSpec};
+
+/// Greatest number of squares of an area. Our choice.
+const MOST_SQUARES: f64 = 1e6;
+
+/// Mistakes in the checks of a scene whose robots and objects are known.
+pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
+    let mut sink = Sink::new(&scene.file);
+    let objects = build::movable(scene).count();
+    let mut names: BTreeMap<&str, u32> = BTreeMap::new();
+    for check in &scene.checks {
+        for body in check.kind.bodies() {
+            let (is_known, expected) = match body {
+                BodyRef::Robot(id) => {
+                    let robots = scene.robots.len();
+                    (scene.robots.iter().any(|robot| robot.id == id), count(robots, "robot"))
+                }
+                BodyRef::Object(id) => (id.index() < objects, count(objects, "movable object")),
+            };
+            if !is_known {
+                let message = format!("check `{}` is about {body}, which the scene does not have", check.title());
+                sink.error(Code::CheckBody, check.span, message, expected);
+            }
+        }
+        if !check.name.is_empty()
+            && let Some(line) = names.insert(&check.name, check.span.line)
+        {
+            let message = format!("the check of line {line} is named `{}`, too", check.name);
+            sink.error(Code::CheckName, check.span, message, "each name once");
+        }
+        if let CheckKind::Coverage { area, cell, .. } = &check.kind {
+            let size = match area {
+                Some(corners) => {
+                    let bounds = Bounds::of_points(corners.iter().copied());
+                    bounds.max - bounds.min
+                }
+                None => scene.world.floor,
+            };
+            let squares = (size / *cell).ceil().element_product();
+            if squares > MOST_SQUARES {
+                let message = format!("the area has {squares:.0} squares");
+                sink.error(Code::NumberRange, check.span, message, "at most a million: a greater `cell_mm`");
+            }
+        }
+    }
+    sink.finish()
+}
+
+/// `a number from 1 to 3: the scene has 3 robots`.
+fn count(count: usize, noun: &str) -> String {
+    match count {
+        0 => format!("the scene has no {noun}"),
+        1 => format!("1: the scene has one {noun}"),
+        _ => format!("a number from 1 to {count}: the scene has {count} {noun}s"),
+    }
+}

@@ -1,0 +1,582 @@
+//! Checks: conditions that a run of a scene must meet.
+
+use glam::DVec2;
+use serde_json::json;
+use toml::Value;
+use toml::de::DeValue;
+
+use super::kind::{At, Bounded, Custom, TEXT, Word, Words, array};
+use super::place::POINT;
+use super::scene::UNTIL;
+use super::{Form, Keys, Variant, Variants, definition};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::print::number::in_unit;
+use crate::spec::{BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, Place, Printed, Screen};
+use crate::table::Reader;
+use sim_core::record::{Kind as EventKind, Outcome};
+use sim_core::time::Time;
+use sim_core::{ObjectId, RobotId};
+
+/// Greatest number of corners of an area, of places, and of numbers in a row or column.
+const MOST_ITEMS: usize = 1000;
+/// Greatest count.
+const MOST: i64 = 1_000_000_000;
+const POINTS: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
+const WITHIN: Quantity = Quantity::length("distance");
+const SHARE: Bounded = Bounded(Quantity::percent("share", 0.0, 100.0));
+const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
+const DURATION: Quantity = Quantity::seconds("time");
+/// Side of the squares by which an area is counted, m, if the scene does not say it.
+const CELL: f64 = 0.05;
+
+impl Form for CheckSpec {
+    fn bare(&self) -> Self {
+        Self::KINDS[self.place()].2()
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("CheckForm", "A condition that a run must meet; docs/checks.md has an example of each kind.");
+        if !keys.variant(self) {
+            return;
+        }
+        keys.span(&mut self.span);
+        let mut name = (!self.name.is_empty()).then(|| self.name.clone());
+        keys.key("name", "Its name in the table and the report; the kind if left out.").maybe(TEXT, &mut name);
+        self.name = name.unwrap_or_default();
+        keys.key("points", "Points for a run that meets it; 1 if left out.").optional(POINTS, &mut self.points);
+        kind_keys(&mut self.kind, keys);
+    }
+}
+
+fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
+    match kind {
+        CheckKind::Reach { body, place, by, stay } => {
+            body_keys(keys, body);
+            place_keys(keys, place);
+            by_key(keys, by);
+            let mut seconds = stay.seconds();
+            keys.key("stay_s", "Seconds for which it must stay there without leaving; 0 if left out.")
+                .optional(Bounded(DURATION), &mut seconds);
+            *stay = Time::from_seconds_ceil(seconds);
+        }
+        CheckKind::Visits { body, places, within, by, any_order } => {
+            body_keys(keys, body);
+            keys.key("places_mm", "The places, [x, y] each, in mm.").required(CORNERS, places);
+            keys.key("within_mm", "Greatest distance of the body's centre from a place, in mm.")
+                .required(WITHIN, within);
+            by_key(keys, by);
+            keys.key("any_order", "The order does not matter; false if left out.").flag(any_order);
+            refuse_few(keys, "places_mm", places.len(), 1);
+        }
+        CheckKind::StaysIn { body, place } => {
+            body_keys(keys, body);
+            place_keys(keys, place);
+        }
+        CheckKind::Laps { body, gate, min, by } => {
+            body_keys(keys, body);
+            let mut ends = gate.to_vec();
+            keys.key(
+                "gate_mm",
+                "Both ends of the gate, [x, y] each, in mm. Passages from its right to its left, seen from the first end to the \
+                 second, count; passages back are subtracted.",
+            )
+            .required(CORNERS, &mut ends);
+            if let [from, to] = ends[..] {
+                *gate = [from, to];
+            } else {
+                refuse(keys, "gate_mm", "is no gate", "two different points");
+            }
+            if gate[0] == gate[1] && keys.is_complete() && keys.reading().is_some() {
+                refuse(keys, "gate_mm", "is no gate", "two different points");
+            }
+            keys.key("min", "Least number of passages; 1 if left out.").optional(1..=MOST, min);
+            by_key(keys, by);
+        }
+        CheckKind::Clearance { robot, min, to } => {
+            robot_key(keys, robot);
+            keys.key("min_mm", "Smallest gap between the body's disc and the others, in mm.").required(WITHIN, min);
+            keys.key("to", "The others; `all` if left out.").optional(Word, to);
+        }
+        CheckKind::FollowsWall { robot, gap, share } => {
+            robot_key(keys, robot);
+            keys.key("gap_mm", "Least and greatest gap between the body's disc and the nearest wall, in mm.")
+                .required([WITHIN; 2], gap);
+            keys.key("share_percent", "Least share of the length of the path in percent; 100 if left out.")
+                .optional(SHARE, share);
+            if gap[0] > gap[1] {
+                refuse(keys, "gap_mm", "has its least value above its greatest", "the least value first");
+            }
+        }
+        CheckKind::Coverage { robots, width, area, cell, share, by } => {
+            keys.key("robots", "Numbers of the robots; all of the scene if left out.").items(ROBOTS, robots);
+            keys.key("width_mm", "Width of the tool, a disc around each robot's centre, in mm.")
+                .required(Quantity::size("width"), width);
+            keys.key("area_mm", "The area: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm; the floor if left out.")
+                .maybe(AREA, area);
+            keys.key("cell_mm", "Side of the squares by whose middles the area is counted, in mm; 50 if left out.")
+                .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), cell);
+            keys.key("share_percent", "Least share of the area in percent; 100 if left out.").optional(SHARE, share);
+            by_key(keys, by);
+        }
+        CheckKind::OdometryError { robot, max, at_end } => {
+            robot_key(keys, robot);
+            keys.key("max_mm", "Greatest distance between the position by odometry and the true one, in mm.")
+                .required(WITHIN, max);
+            keys.key("at_end", "Only the end of the run counts; false if left out.").flag(at_end);
+        }
+        CheckKind::Contacts { robot, with, max } => {
+            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
+            keys.key("with", "The obstacles that count; `anything` if left out.").optional(Word, with);
+            keys.key("max", "Greatest number of contacts; 0 if left out.").optional(0..=MOST, max);
+        }
+        CheckKind::Metric { path, min, max, full, zero } => metric_keys(keys, path, [min, max, full, zero]),
+        CheckKind::Prints { robot, on, what } => {
+            robot_key(keys, robot);
+            keys.key("on", "Where it prints; `stdout` if left out.").optional(Word, on);
+            printed_keys(keys, what);
+        }
+        CheckKind::Outcome { robot, is } => {
+            any_robot_key(keys, "robot", "Number of the robot; each one that has a program if left out.", robot);
+            keys.key("is", "The outcome; `finished` if left out.").optional(Word, is);
+        }
+        CheckKind::Event { robot, event, count, by } => {
+            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
+            keys.key("event", "Kind of the events, as in docs/trace.md.").required(EVENT, event);
+            count_keys(keys, count);
+            by_key(keys, by);
+        }
+        CheckKind::Calls { robot, function, count } => {
+            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
+            keys.key("function", "Name of a RoBIOS function.").required(TEXT, function);
+            count_keys(keys, count);
+        }
+        CheckKind::Message { from, to, text, count } => {
+            any_robot_key(keys, "from", "Number of the sender; any if left out.", from);
+            any_robot_key(keys, "to", "Number of the receiver; any if left out.", to);
+            keys.key("text", "Text that the message contains; anything if left out.").maybe(TEXT, text);
+            count_keys(keys, count);
+        }
+    }
+}
+
+/// Reports that the value of a key cannot be used.
+fn refuse(keys: &mut Keys<'_>, key: &'static str, what: &str, expected: &str) {
+    let Some((reader, section)) = keys.reading() else { return };
+    if section.has(key) {
+        let span = reader.value_span(section, key);
+        reader.sink.error(Code::TomlType, span, format!("`{key}` {what}"), expected.to_owned());
+    }
+    keys.refuse();
+}
+
+fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, least: usize) {
+    if count < least && keys.reading().is_some() {
+        refuse(keys, key, "is empty", "at least one point");
+    }
+}
+
+fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
+    keys.key("by_s", "Simulated seconds by which it must have happened; the end of the run if left out.")
+        .maybe(UNTIL, by);
+}
+
+fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
+    keys.key("robot", "Number of the robot; 1 if left out.").optional(NUMBER, robot);
+}
+
+fn any_robot_key(keys: &mut Keys<'_>, name: &'static str, about: &'static str, robot: &mut Option<RobotId>) {
+    keys.key(name, about).maybe(NUMBER, robot);
+}
+
+fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
+    let (mut robot, mut object) = match *body {
+        BodyRef::Robot(RobotId(1)) => (None, None),
+        BodyRef::Robot(robot) => (Some(robot), None),
+        BodyRef::Object(object) => (None, Some(object)),
+    };
+    any_robot_key(keys, "robot", "Number of the robot; 1 if neither robot nor object is given.", &mut robot);
+    keys.key("object", "Number of a movable object, counted from 1 in the order of the file, in place of a robot.")
+        .maybe(OBJECT, &mut object);
+    if let Some((reader, section)) = keys.reading()
+        && section.has("object")
+        && !reader.exclude(section, "object", &["robot"])
+    {
+        keys.refuse();
+    }
+    *body = match (robot, object) {
+        (_, Some(object)) => BodyRef::Object(object),
+        (robot, None) => BodyRef::Robot(robot.unwrap_or(RobotId(1))),
+    };
+}
+
+fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
+    let (mut centre, mut radius, mut area) = match place.clone() {
+        Place::Disc { centre, radius } => (Some(centre), Some(radius), None),
+        Place::Polygon(corners) => (None, None, Some(corners)),
+    };
+    if keys.reading().is_some() {
+        (centre, radius) = (None, None);
+    }
+    keys.key("at_mm", "The place: its centre, [x, y], in mm.").maybe(POINT, &mut centre);
+    keys.key("within_mm", "Greatest distance of the body's centre from `at_mm`, in mm.").maybe(WITHIN, &mut radius);
+    keys.key("area_mm", "The place, instead of `at_mm`: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm.")
+        .maybe(AREA, &mut area);
+    let Some((reader, section)) = keys.reading() else { return };
+    if section.has("area_mm") {
+        let is_clean = reader.exclude(section, "area_mm", &["at_mm", "within_mm"]);
+        match area.filter(|_| is_clean) {
+            Some(corners) => *place = Place::Polygon(corners),
+            None => keys.refuse(),
+        }
+        return;
+    }
+    for key in ["at_mm", "within_mm"] {
+        if !section.has(key) {
+            let message = format!("a check has no `{key}`");
+            let expected = "`at_mm = [x, y]` with `within_mm`, or `area_mm` with the corners of an area";
+            reader.sink.error(Code::TomlMissing, section.span, message, expected);
+        }
+    }
+    match centre.zip(radius) {
+        Some((centre, radius)) => *place = Place::Disc { centre, radius },
+        None => keys.refuse(),
+    }
+}
+
+fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
+    let usual = |count: &Counts| if count.max.is_some() { 0 } else { 1 };
+    let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
+    keys.key("min", "Least number; 1 if left out, 0 if only `max` is given.").maybe(0..=MOST, &mut min);
+    keys.key("max", "Greatest number; any if left out.").maybe(0..=MOST, &mut count.max);
+    if keys.reading().is_none() {
+        return;
+    }
+    count.min = min.unwrap_or_else(|| usual(count));
+    if count.max.is_some_and(|max| max < count.min) {
+        refuse(keys, "max", "is less than `min`", "a number that is not less");
+    }
+}
+
+fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
+    keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
+    keys.key("min", "Least value.").maybe(ANY, min);
+    keys.key("max", "Greatest value.").maybe(ANY, max);
+    keys.key("full", "Value for all points.").maybe(ANY, full);
+    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY, zero);
+    let Some((reader, section)) = keys.reading() else { return };
+    let (limits, partial) = (min.is_some() || max.is_some(), full.is_some() || zero.is_some());
+    let problem = if limits && partial {
+        Some((Code::TomlConflict, "`min` and `max` exclude `full` and `zero`"))
+    } else if !limits && full.is_none() | zero.is_none() {
+        Some((Code::TomlMissing, "a metric has no limit"))
+    } else if full.is_some() && full == zero {
+        Some((Code::TomlConflict, "`full` and `zero` are equal"))
+    } else if min.zip(*max).is_some_and(|(min, max)| min > max) {
+        Some((Code::TomlConflict, "`min` is greater than `max`"))
+    } else {
+        None
+    };
+    if let Some((code, message)) = problem {
+        let expected = "`min`, `max` or both; or `full` and `zero`, which differ";
+        reader.sink.error(code, section.span, message, expected);
+        keys.refuse();
+    }
+}
+
+fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
+    let (mut text, mut pattern, mut rows, mut tolerance) = (None, None, None, 0.0);
+    match what.clone() {
+        _ if keys.reading().is_some() => {}
+        Printed::Text(known) => text = Some(known),
+        Printed::Pattern(known) => pattern = Some(known),
+        Printed::Numbers { rows: known, tolerance: within } => (rows, tolerance) = (Some(known), within),
+    }
+    keys.key("text", "Text within a line.").maybe(TEXT, &mut text);
+    keys.key("pattern", "A whole line, in which `*` stands for any text.").maybe(TEXT, &mut pattern);
+    keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may stand between them.")
+        .maybe(ROWS, &mut rows);
+    keys.key("tolerance", "Greatest deviation of a number; 0 if left out.")
+        .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
+    let Some((reader, section)) = keys.reading() else { return };
+    let given = ["text", "pattern", "numbers"].into_iter().filter(|key| section.has(key)).count();
+    if given != 1 {
+        let code = if given == 0 { Code::TomlMissing } else { Code::TomlConflict };
+        let message = format!("a check of `prints` has {given} of `text`, `pattern` and `numbers`");
+        reader.sink.error(code, section.span, message, "one of them");
+    }
+    let printed = match (text, pattern, rows) {
+        (Some(text), None, None) => Some(Printed::Text(text)),
+        (None, Some(pattern), None) => Some(Printed::Pattern(pattern)),
+        (None, None, Some(rows)) => Some(Printed::Numbers { rows, tolerance }),
+        _ => None,
+    };
+    match printed {
+        Some(printed) if given == 1 => *what = printed,
+        _ => keys.refuse(),
+    }
+}
+
+/// Number of a robot.
+const NUMBER: Custom<RobotId> = Custom {
+    read: |at| at.reader.integer(at.section, at.key, 1, i64::from(u32::MAX)).map(|number| RobotId(number as u32)),
+    print: |robot| i64::from(robot.0).into(),
+    describe: |_| json!({ "type": "integer", "format": "uint32", "minimum": 1 }),
+};
+
+/// Number of an object.
+const OBJECT: Custom<ObjectId> = Custom {
+    read: |at| at.reader.integer(at.section, at.key, 1, i64::from(u32::MAX)).map(|number| ObjectId(number as u32)),
+    print: |object| i64::from(object.0).into(),
+    describe: |_| json!({ "type": "integer", "format": "uint32", "minimum": 1 }),
+};
+
+/// Numbers of robots.
+const ROBOTS: Custom<Vec<RobotId>> = Custom {
+    read: |At { reader, section, key }| {
+        let items = reader.array(section, key, "an array of numbers of robots")?;
+        let number = |item| reader.as_integer(key, item, 1, i64::from(u32::MAX));
+        Some(items.iter().filter_map(number).map(|number| RobotId(number as u32)).collect())
+    },
+    print: |robots| Value::Array(robots.iter().map(|robot| i64::from(robot.0).into()).collect()),
+    describe: |_| json!({ "type": "array", "items": { "type": "integer", "format": "uint32", "minimum": 1 } }),
+};
+
+/// Points of the floor.
+const CORNERS: Custom<Vec<DVec2>> = Custom {
+    read: |At { reader, section, key }| {
+        let items = reader.array(section, key, "an array of points [x, y]")?;
+        if items.len() > MOST_ITEMS {
+            let span = reader.value_span(section, key);
+            let message = format!("`{key}` has {} points", items.len());
+            reader.sink.error(Code::TomlType, span, message, format!("at most {MOST_ITEMS} points"));
+            return None;
+        }
+        let mut points = Vec::with_capacity(items.len());
+        for item in items {
+            let numbers = match item.get_ref() {
+                DeValue::Array(numbers) if numbers.len() == 2 => numbers,
+                _ => {
+                    reader.wrong_type(key, item, "a point [x, y]");
+                    return None;
+                }
+            };
+            let [x, y] = [0, 1].map(|index| reader.as_number(key, &numbers[index], &POINT[index]));
+            points.push(DVec2::new(x?, y?));
+        }
+        Some(points)
+    },
+    print: |points| {
+        let point = |point: &DVec2| {
+            let numbers = POINT.iter().zip(point.to_array());
+            Value::Array(numbers.map(|(quantity, number)| in_unit(quantity, number).into()).collect())
+        };
+        Value::Array(points.iter().map(point).collect())
+    },
+    describe: |_| {
+        let point = array(json!({ "type": "number", "format": "double" }), 2);
+        json!({ "type": "array", "items": point })
+    },
+};
+
+/// Corners of an area; two points are opposite corners of a rectangle.
+const AREA: Custom<Vec<DVec2>> = Custom {
+    read: |at| {
+        let span = at.reader.value_span(at.section, at.key);
+        let corners = (CORNERS.read)(At { reader: &mut *at.reader, section: &mut *at.section, key: at.key })?;
+        let corners = match corners[..] {
+            [a, b] => vec![a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)],
+            _ => corners,
+        };
+        let area: f64 = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum();
+        if corners.len() < 3 || area == 0.0 {
+            let message = format!("`{}` is no area", at.key);
+            at.reader.sink.error(
+                Code::TomlType,
+                span,
+                message,
+                "two opposite corners, or three or more that enclose an area",
+            );
+            return None;
+        }
+        Some(corners)
+    },
+    print: CORNERS.print,
+    describe: CORNERS.describe,
+};
+
+/// Rows of numbers; a single row may stand alone.
+const ROWS: Custom<Vec<Vec<f64>>> = Custom {
+    read: |At { reader, section, key }| {
+        let span = reader.value_span(section, key);
+        let items = reader.array(section, key, "an array of numbers, or of rows of numbers")?;
+        let is_nested = items.iter().any(|item| matches!(item.get_ref(), DeValue::Array(_)));
+        let row = |reader: &mut Reader, items: &[toml::Spanned<DeValue<'_>>]| -> Option<Vec<f64>> {
+            items.iter().map(|item| reader.as_number(key, item, &ANY)).collect()
+        };
+        let rows: Vec<Vec<f64>> = if is_nested {
+            let mut rows = Vec::new();
+            for item in items {
+                match item.get_ref() {
+                    DeValue::Array(numbers) => rows.push(row(reader, numbers)?),
+                    _ => {
+                        reader.wrong_type(key, item, "a row of numbers");
+                        return None;
+                    }
+                }
+            }
+            rows
+        } else {
+            vec![row(reader, items)?]
+        };
+        if rows.is_empty() || rows.len() > MOST_ITEMS || rows.iter().any(|row| row.is_empty() || row.len() > MOST_ITEMS)
+        {
+            let message = format!("`{key}` has an empty row, or too many numbers");
+            reader.sink.error(
+                Code::TomlType,
+                span,
+                message,
+                format!("1 to {MOST_ITEMS} rows of 1 to {MOST_ITEMS} numbers"),
+            );
+            return None;
+        }
+        Some(rows)
+    },
+    print: |rows| {
+        let row = |row: &Vec<f64>| Value::Array(row.iter().map(|number| (*number).into()).collect());
+        Value::Array(rows.iter().map(row).collect())
+    },
+    describe: |_| {
+        let row = json!({ "type": "array", "items": { "type": "number", "format": "double" } });
+        json!({ "type": "array", "items": { "anyOf": [{ "type": "number", "format": "double" }, row] } })
+    },
+};
+
+/// Kind of an event of the trace.
+const EVENT: Custom<EventKind> = Custom {
+    read: |at| {
+        let names: Vec<&str> = event_kinds().map(EventKind::name).collect();
+        let place = at.reader.choice(at.section, at.key, &names)?;
+        event_kinds().nth(place)
+    },
+    print: |kind| kind.name().into(),
+    describe: |definitions| {
+        definition(definitions, "EventForm", |_| {
+            let names: Vec<&str> = event_kinds().map(EventKind::name).collect();
+            json!({ "description": "Kind of an event of the trace.", "type": "string", "enum": names })
+        })
+    },
+};
+
+/// Kinds of events that a check can count: calls have a check of their own.
+fn event_kinds() -> impl Iterator<Item = EventKind> {
+    EventKind::ALL.iter().copied().filter(|kind| *kind != EventKind::Call)
+}
+
+impl Words for Neighbours {
+    const NAME: &'static str = "NeighboursForm";
+    const ABOUT: &'static str = "Bodies to which a clearance is measured.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Neighbours::All, "all", "Walls, fixed objects and robots."),
+        (Neighbours::Walls, "walls", "Walls and fixed objects."),
+        (Neighbours::Robots, "robots", "Other robots."),
+    ];
+}
+
+impl Words for Contacted {
+    const NAME: &'static str = "ContactedForm";
+    const ABOUT: &'static str = "Obstacles that a count of contacts includes.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Contacted::Anything, "anything", "Walls, terrain, robots and objects."),
+        (Contacted::Walls, "walls", "Walls, fixed objects and terrain."),
+        (Contacted::Robots, "robots", "Robots."),
+        (Contacted::Objects, "objects", "Movable objects."),
+    ];
+}
+
+impl Words for Screen {
+    const NAME: &'static str = "ScreenForm";
+    const ABOUT: &'static str = "Where a program prints.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Screen::Stdout, "stdout", "Standard output, during the whole run."),
+        (Screen::Display, "display", "The display, as it is at the end of the run."),
+    ];
+}
+
+impl Words for Outcome {
+    const NAME: &'static str = "OutcomeForm";
+    const ABOUT: &'static str = "End of a program.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Outcome::Finished, "finished", "It returned 0."),
+        (Outcome::Running, "running", "The run ended while it ran."),
+        (Outcome::Waiting, "waiting", "It waits for an event that can no longer come."),
+        (Outcome::Interrupted, "interrupted", "The user ended the run."),
+        (Outcome::Failed, "failed", "It panicked, faulted or returned another code than 0."),
+        (Outcome::Timeout, "timeout", "It computed for too long without a RoBIOS call."),
+        (Outcome::NoProgram, "no_program", "The robot has no program."),
+        (Outcome::Removed, "removed", "The robot was removed before its program ended."),
+    ];
+}
+
+const ROBOT: BodyRef = BodyRef::Robot(RobotId(1));
+const NOWHERE: Place = Place::Disc { centre: DVec2::ZERO, radius: 0.0 };
+
+impl Variants for CheckSpec {
+    const KINDS: &'static [Variant<Self>] = &[
+        ("reach", "The centre of a robot or object comes to a place.", || {
+            Self::of(CheckKind::Reach { body: ROBOT, place: NOWHERE, by: None, stay: Time::ZERO })
+        }),
+        ("visits", "The centre of a robot or object comes to several places.", || {
+            let places = Vec::new();
+            Self::of(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
+        }),
+        ("stays_in", "The centre of a robot or object never leaves a place.", || {
+            Self::of(CheckKind::StaysIn { body: ROBOT, place: NOWHERE })
+        }),
+        ("laps", "The centre of a robot or object passes a gate a number of times.", || {
+            Self::of(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
+        }),
+        ("clearance", "The gap between a robot's body and others is never smaller than a limit.", || {
+            Self::of(CheckKind::Clearance { robot: RobotId(1), min: 0.0, to: Neighbours::All })
+        }),
+        ("follows_wall", "A robot drives along walls.", || {
+            Self::of(CheckKind::FollowsWall { robot: RobotId(1), gap: [0.0; 2], share: 1.0 })
+        }),
+        ("coverage", "Robots pass over a share of an area.", || {
+            let robots = Vec::new();
+            Self::of(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
+        }),
+        ("odometry_error", "Odometry never deviates from the truth by more than a limit.", || {
+            Self::of(CheckKind::OdometryError { robot: RobotId(1), max: 0.0, at_end: false })
+        }),
+        ("contacts", "Robots touch obstacles at most so many times.", Self::default),
+        ("metric", "A number of the report is within limits.", || {
+            let path = String::new();
+            Self::of(CheckKind::Metric { path, min: None, max: None, full: None, zero: None })
+        }),
+        ("prints", "A program prints something.", || {
+            let what = Printed::Text(String::new());
+            Self::of(CheckKind::Prints { robot: RobotId(1), on: Screen::Stdout, what })
+        }),
+        ("outcome", "Programs end in a certain way.", || {
+            Self::of(CheckKind::Outcome { robot: None, is: Outcome::Finished })
+        }),
+        ("event", "Events of a kind happen a number of times.", || {
+            let count = Counts::default();
+            Self::of(CheckKind::Event { robot: None, event: EventKind::Beep, count, by: None })
+        }),
+        ("calls", "A function of RoBIOS is called a number of times.", || {
+            let (function, count) = (String::new(), Counts::default());
+            Self::of(CheckKind::Calls { robot: None, function, count })
+        }),
+        ("message", "Messages are read from the radio a number of times.", || {
+            let count = Counts::default();
+            Self::of(CheckKind::Message { from: None, to: None, text: None, count })
+        }),
+    ];
+
+    fn place(&self) -> usize {
+        let word = self.kind.word();
+        Self::KINDS.iter().position(|(known, ..)| *known == word).unwrap_or_default()
+    }
+}

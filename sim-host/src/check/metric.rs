@@ -1,0 +1,81 @@
+//! Numbers of the report by their path, such as `robots[0].path_m`.
+
+use serde_json::Value;
+
+use super::Verdict;
+
+/// Judges the number at `path` of `report`: within limits, or for partial points between the values for all and for none.
+pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partial: Option<(f64, f64)>) -> Verdict {
+    let number = match find(report, path).and_then(|value| number(value, path)) {
+        Ok(number) => number,
+        Err(why) => return Verdict::new(false, why),
+    };
+    let [min, max] = limits;
+    let (share, message) = match partial {
+        Some((full, zero)) => {
+            let share = ((number - zero) / (full - zero)).clamp(0.0, 1.0);
+            (share, format!("{}; all points for {full}, none for {zero}", short(number)))
+        }
+        None if min.is_some_and(|min| number < min) => {
+            (0.0, format!("{} is less than {}", short(number), min.unwrap_or_default()))
+        }
+        None if max.is_some_and(|max| number > max) => {
+            (0.0, format!("{} is more than {}", short(number), max.unwrap_or_default()))
+        }
+        None => (1.0, short(number)),
+    };
+    Verdict { share, value: Some(number), ..Verdict::new(false, message) }
+}
+
+/// The value at a path: names of fields with dots between them, indices from 0 in brackets.
+fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
+    let (mut value, mut known) = (report, String::new());
+    for part in path.split('.') {
+        let (name, mut indices) = part.split_once('[').map_or((part, ""), |(name, rest)| (name, rest));
+        let fields = value.as_object().map(|fields| fields.keys().map(String::as_str).collect::<Vec<_>>());
+        let Some(next) = value.get(name) else {
+            let of = if known.is_empty() { "the report".to_owned() } else { format!("`{known}`") };
+            return Err(match fields {
+                Some(fields) => format!("{of} has no `{name}`; it has {}", fields.join(", ")),
+                None => format!("{of} has no parts"),
+            });
+        };
+        value = next;
+        known.push_str(if known.is_empty() { "" } else { "." });
+        known.push_str(name);
+        while !indices.is_empty() {
+            let (index, rest) = indices.split_once(']').ok_or_else(|| format!("`{path}` has no `]`"))?;
+            let index: usize = index.trim().parse().map_err(|_| format!("`{index}` in `{path}` is no index from 0"))?;
+            let count = value.as_array().map(Vec::len);
+            value = value.get(index).ok_or_else(|| match count {
+                Some(count) => format!("`{known}` has {count} entries, counted from 0"),
+                None => format!("`{known}` is no list"),
+            })?;
+            known.push_str(&format!("[{index}]"));
+            indices = match rest.strip_prefix('[') {
+                Some(rest) => rest,
+                None if rest.is_empty() => "",
+                None => return Err(format!("`{path}`: expected `.` or `[` after `{known}`")),
+            };
+        }
+    }
+    Ok(value)
+}
+
+/// A number, or 1 and 0 for true and false.
+fn number(value: &Value, path: &str) -> Result<f64, String> {
+    match value {
+        Value::Number(number) => number.as_f64().ok_or_else(|| format!("`{path}` is too large")),
+        Value::Bool(flag) => Ok(f64::from(u8::from(*flag))),
+        Value::Null => Err(format!("`{path}` has no value in this run")),
+        Value::String(text) => Err(format!("`{path}` is the text `{text}`, no number")),
+        Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is no number")),
+    }
+}
+
+/// A number with at most six digits after the point; all digits of very small and very large numbers.
+fn short(number: f64) -> String {
+    let rounded = format!("{number:.6}");
+    let trimmed = rounded.trim_end_matches('0').trim_end_matches('.');
+    if number.abs() < 1e-3 && number != 0.0 || number.abs() > 1e9 { number.to_string() } else { trimmed.to_owned() }
+}

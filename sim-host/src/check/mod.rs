@@ -1,0 +1,125 @@
+//! Verdicts on the checks of a scene: those on motion from [`sim_core::check`], those on events from a [`Tally`], the others from the
+//! report.
+
+mod metric;
+mod prints;
+mod tally;
+mod wording;
+
+use sim_core::RobotId;
+use sim_core::check::Finding;
+use sim_core::record::Outcome;
+use sim_core::spec::{CheckKind, CheckSpec, Printed, Screen};
+
+use crate::record::Report;
+use crate::record::report::{CheckReport, RobotReport};
+use tally::Count;
+pub use tally::Tally;
+
+/// Result of one check before it is put into words.
+struct Verdict {
+    /// Share of the points, 0 to 1; the check is passed with 1.
+    share: f64,
+    /// Instant, s, and place, m.
+    at: Option<f64>,
+    place: Option<[f64; 2]>,
+    value: Option<f64>,
+    message: String,
+}
+
+impl Verdict {
+    fn new(is_met: bool, message: String) -> Self {
+        Self { share: if is_met { 1.0 } else { 0.0 }, at: None, place: None, value: None, message }
+    }
+}
+
+/// Results of all checks of a scene, in its order. `findings` are those on motion, `tally` has seen the events of the run that `report`
+/// describes.
+pub fn results(
+    checks: &[CheckSpec],
+    findings: impl Iterator<Item = (usize, Finding)>,
+    tally: Option<&Tally>,
+    report: &Report,
+) -> Vec<CheckReport> {
+    if checks.is_empty() {
+        return Vec::new();
+    }
+    let mut of_motion: Vec<Option<Finding>> = vec![None; checks.len()];
+    findings.for_each(|(index, finding)| of_motion[index] = Some(finding));
+    let mut json = serde_json::to_value(report).unwrap_or_default();
+    if let Some(fields) = json.as_object_mut() {
+        // Results of checks are not known yet.
+        fields.retain(|name, _| !["checks", "points", "max_points"].contains(&name.as_str()));
+    }
+    let result = |(index, check): (usize, &CheckSpec)| {
+        let verdict = match (&of_motion[index], &check.kind) {
+            (Some(finding), kind) => of_finding(kind, finding),
+            (None, CheckKind::Metric { path, min, max, full, zero }) => {
+                metric::judge(&json, path, [*min, *max], full.zip(*zero))
+            }
+            (None, CheckKind::Outcome { robot, is }) => judge_outcome(report, *robot, *is),
+            (None, CheckKind::Prints { robot, on: Screen::Display, what }) => judge_display(report, *robot, what),
+            (None, kind) => of_count(kind, tally.and_then(|tally| tally.count(index))),
+        };
+        let is_passed = verdict.share >= 1.0;
+        CheckReport {
+            name: check.title().to_owned(),
+            kind: check.kind.word().to_owned(),
+            passed: is_passed,
+            points: verdict.share * check.points,
+            max_points: check.points,
+            at_s: verdict.at,
+            x_m: verdict.place.map(|place| place[0]),
+            y_m: verdict.place.map(|place| place[1]),
+            value: verdict.value,
+            message: verdict.message,
+        }
+    };
+    checks.iter().enumerate().map(result).collect()
+}
+
+fn of_finding(kind: &CheckKind, finding: &Finding) -> Verdict {
+    let Finding { is_met, at, position, value } = *finding;
+    let place = position.map(|position| position.to_array());
+    let message = wording::of_finding(kind, finding);
+    Verdict { at, place, value: value.filter(|value| value.is_finite()), ..Verdict::new(is_met, message) }
+}
+
+fn of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
+    let Some(count) = count else {
+        return Verdict::new(false, "it was not evaluated".to_owned());
+    };
+    let is_met = count.is_met(kind);
+    let message = wording::of_count(kind, count);
+    let (at, place) = (count.at, count.place);
+    Verdict { at, place, value: Some(count.number as f64), ..Verdict::new(is_met, message) }
+}
+
+fn judge_outcome(report: &Report, robot: Option<RobotId>, is: Outcome) -> Verdict {
+    let concerned = |other: &&RobotReport| match robot {
+        Some(id) => other.id == id.0,
+        None => other.outcome != Outcome::NoProgram,
+    };
+    let concerned: Vec<&RobotReport> = report.robots.iter().filter(concerned).collect();
+    let other = concerned.iter().find(|robot| robot.outcome != is);
+    match other {
+        _ if concerned.is_empty() => Verdict::new(false, "no robot has a program".to_owned()),
+        None => Verdict::new(true, wording::words(is.name())),
+        Some(robot) => {
+            let reason = robot.reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
+            let (found, wanted) = (wording::words(robot.outcome.name()), wording::words(is.name()));
+            let at = Some(robot.virtual_time_s);
+            Verdict { at, ..Verdict::new(false, format!("r{} is `{found}`, not `{wanted}`{reason}", robot.id)) }
+        }
+    }
+}
+
+fn judge_display(report: &Report, robot: RobotId, what: &Printed) -> Verdict {
+    let mut search = prints::Search::new(what);
+    let lines = report.robots.iter().find(|other| other.id == robot.0).map_or(&[][..], |other| &other.lcd);
+    lines.iter().for_each(|line| _ = search.take(line));
+    Verdict::new(search.is_found(), search.explain(robot, "shows"))
+}
+
+#[cfg(test)]
+mod tests;

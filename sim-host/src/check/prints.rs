@@ -1,0 +1,134 @@
+//! Search for a text, a pattern or numbers in the lines that a program prints.
+
+use std::collections::VecDeque;
+
+use sim_core::RobotId;
+use sim_core::spec::Printed;
+
+/// Search for what a program must print, line by line.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    what: Printed,
+    is_found: bool,
+    lines: u64,
+    /// Numbers of the last lines that have any, at most as many as there are rows.
+    numbers: VecDeque<Vec<f64>>,
+    /// Longest beginning of the rows that was found, and the numbers that followed in place of the next row.
+    nearest: Option<(usize, Vec<f64>)>,
+}
+
+impl Search {
+    pub fn new(what: &Printed) -> Self {
+        Self { what: what.clone(), is_found: false, lines: 0, numbers: VecDeque::new(), nearest: None }
+    }
+
+    pub fn is_found(&self) -> bool {
+        self.is_found
+    }
+
+    /// Takes a further line; returns true if it completes what is searched.
+    pub fn take(&mut self, line: &str) -> bool {
+        if self.is_found {
+            return false;
+        }
+        self.lines += 1;
+        self.is_found = match &self.what {
+            Printed::Text(text) => line.contains(text.as_str()),
+            Printed::Pattern(pattern) => matches(pattern, line.trim_end()),
+            Printed::Numbers { rows, tolerance } => {
+                let (rows, tolerance) = (rows.clone(), *tolerance);
+                self.take_numbers(line, &rows, tolerance)
+            }
+        };
+        self.is_found
+    }
+
+    fn take_numbers(&mut self, line: &str, rows: &[Vec<f64>], tolerance: f64) -> bool {
+        let numbers = numbers_of(line);
+        if numbers.is_empty() {
+            return false;
+        }
+        if self.numbers.len() == rows.len() {
+            self.numbers.pop_front();
+        }
+        self.numbers.push_back(numbers);
+        // Rows may begin at any of the last lines; the last line decides how far each beginning comes.
+        for start in 0..self.numbers.len() {
+            let lines = self.numbers.iter().skip(start);
+            let matched = lines.clone().zip(rows).take_while(|(line, row)| has_row(line, row, tolerance)).count();
+            if matched == rows.len() {
+                return true;
+            }
+            let differs = lines.clone().nth(matched);
+            let is_nearer = self.nearest.as_ref().is_none_or(|(known, _)| matched > *known);
+            if let Some(differs) = differs.filter(|_| is_nearer) {
+                self.nearest = Some((matched, differs.clone()));
+            }
+        }
+        false
+    }
+
+    /// What was found, or how near it came. `verb` is what the robot does with lines.
+    pub fn explain(&self, robot: RobotId, verb: &str) -> String {
+        let what = match &self.what {
+            Printed::Text(text) => format!("`{text}`"),
+            Printed::Pattern(pattern) => format!("a line like `{pattern}`"),
+            Printed::Numbers { rows, .. } if rows.len() == 1 => "the numbers".to_owned(),
+            Printed::Numbers { rows, .. } => format!("the {} rows of numbers", rows.len()),
+        };
+        if self.is_found {
+            return format!("{robot} {verb} {what}");
+        }
+        let lines = match self.lines {
+            0 => return format!("{robot} {verb} nothing"),
+            1 => "in one line".to_owned(),
+            count => format!("in {count} lines"),
+        };
+        let (Printed::Numbers { rows, tolerance }, Some((matched, found))) = (&self.what, &self.nearest) else {
+            return format!("{robot} {verb} no {} {lines}", what.trim_start_matches("the ").trim_start_matches("a "));
+        };
+        let row = &rows[*matched];
+        let differs = row.iter().zip(found).position(|(wanted, found)| !is_near(*wanted, *found, *tolerance));
+        let place = if rows.len() > 1 { format!("row {}, ", matched + 1) } else { String::new() };
+        match differs {
+            Some(column) => {
+                format!("{place}number {}: {robot} {verb} {}, not {}", column + 1, found[column], row[column])
+            }
+            None => format!("{place}{robot} {verb} {} numbers, not {}", found.len(), row.len()),
+        }
+    }
+}
+
+fn is_near(wanted: f64, found: f64, tolerance: f64) -> bool {
+    // Decimal numbers that differ by the tolerance itself differ by a little more as doubles.
+    (wanted - found).abs() <= tolerance * (1.0 + 1e-12) + f64::EPSILON * wanted.abs()
+}
+
+/// Returns true if the numbers of a line contain those of `row`, one after the other.
+fn has_row(line: &[f64], row: &[f64], tolerance: f64) -> bool {
+    line.windows(row.len())
+        .any(|window| window.iter().zip(row).all(|(found, wanted)| is_near(*wanted, *found, tolerance)))
+}
+
+/// The numbers in a line; everything else separates them.
+fn numbers_of(line: &str) -> Vec<f64> {
+    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '.' | '+' | '-' | '_');
+    let words = line.split(|c: char| !is_part(c)).map(|word| word.trim_end_matches('.'));
+    let number = |word: &str| word.parse::<f64>().ok().filter(|number| number.is_finite());
+    words.filter(|word| word.contains(|c: char| c.is_ascii_digit())).filter_map(number).collect()
+}
+
+/// Returns true if `line` matches `pattern`, in which `*` stands for any text.
+fn matches(pattern: &str, line: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let first = parts.next().unwrap_or_default();
+    let Some(mut rest) = line.strip_prefix(first) else { return false };
+    let mut parts: Vec<&str> = parts.collect();
+    let Some(last) = parts.pop() else { return rest.is_empty() };
+    for part in parts {
+        // The earliest place leaves the most for the parts that follow.
+        let Some(place) = rest.find(part) else { return false };
+        rest = &rest[place + part.len()..];
+    }
+    rest.len() >= last.len() && rest.ends_with(last)
+}

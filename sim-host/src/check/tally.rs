@@ -1,0 +1,165 @@
+//! Counts of events for checks: contacts, lines, events, calls, messages.
+
+use sim_core::RobotId;
+use sim_core::record::{Digest, Event, Kind, KindSet, Obstacle, Record, WORLD};
+use sim_core::spec::{CheckKind, CheckSpec, Contacted, Counts, SceneSpec, Screen};
+use sim_core::time::Time;
+
+use super::prints::Search;
+use crate::record::{RecordError, Sink};
+
+/// Sink that counts the events of a scene's checks.
+#[derive(Clone, Debug)]
+pub struct Tally {
+    checks: Vec<(usize, CheckKind, Count)>,
+    interest: KindSet,
+}
+
+/// Events that concern one check.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Count {
+    /// Their number.
+    pub number: u64,
+    /// Instant that decided, s: of the event that was one too many or the last that was needed.
+    pub at: Option<f64>,
+    /// Place of that event, m.
+    pub place: Option<[f64; 2]>,
+    /// Robot of that event.
+    pub robot: Option<RobotId>,
+    /// What a contact was with.
+    pub with: Option<Obstacle>,
+    /// Search in the lines of a program.
+    pub search: Option<Search>,
+}
+
+impl Tally {
+    /// Tally for the checks of `scene`; `None` if none is about events.
+    pub fn new(scene: &SceneSpec) -> Option<Self> {
+        let counted = |(index, check): (usize, &CheckSpec)| {
+            let interest = interest(&check.kind)?;
+            let search = match &check.kind {
+                CheckKind::Prints { what, .. } => Some(Search::new(what)),
+                _ => None,
+            };
+            Some((interest, (index, check.kind.clone(), Count { search, ..Count::default() })))
+        };
+        let (kinds, checks): (Vec<KindSet>, Vec<_>) = scene.checks.iter().enumerate().filter_map(counted).unzip();
+        let interest = kinds.into_iter().fold(KindSet::NONE, KindSet::union);
+        (!checks.is_empty()).then_some(Self { checks, interest })
+    }
+
+    /// Robots of whose calls checks need a record: `None` stands for all.
+    pub fn called_robots(&self) -> impl Iterator<Item = Option<RobotId>> {
+        self.checks.iter().filter_map(|(_, kind, _)| match kind {
+            CheckKind::Calls { robot, .. } => Some(*robot),
+            _ => None,
+        })
+    }
+
+    /// Count of the check at `index` of the scene.
+    pub(super) fn count(&self, index: usize) -> Option<&Count> {
+        self.checks.iter().find(|(place, ..)| *place == index).map(|(.., count)| count)
+    }
+}
+
+/// Kinds of events that decide a check; `None` for a check on something else.
+fn interest(kind: &CheckKind) -> Option<KindSet> {
+    match kind {
+        CheckKind::Contacts { .. } => Some(Kind::Contact.set()),
+        CheckKind::Prints { on: Screen::Stdout, .. } => Some(Kind::Stdout.set()),
+        CheckKind::Event { event, .. } => Some(event.set()),
+        CheckKind::Calls { .. } => Some(Kind::Call.set()),
+        CheckKind::Message { .. } => Some(Kind::RadioReceived.set()),
+        _ => None,
+    }
+}
+
+impl Sink for Tally {
+    fn interest(&self) -> KindSet {
+        self.interest
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        for (_, kind, count) in &mut self.checks {
+            count.take(kind, record);
+        }
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+impl Count {
+    fn take(&mut self, kind: &CheckKind, record: &Record<'_>) {
+        let is_of = |robot: &Option<RobotId>| robot.is_none_or(|robot| robot == record.robot);
+        match (kind, record.event) {
+            (CheckKind::Contacts { robot, with, max }, Event::Contact { at_s, with: obstacle, x_m, y_m })
+                if is_of(robot) && counts(*with, obstacle) =>
+            {
+                self.number += 1;
+                if self.number == max + 1 {
+                    (self.at, self.place, self.with) = (Some(at_s), Some([x_m, y_m]), Some(obstacle));
+                    self.robot = Some(record.robot);
+                }
+            }
+            (CheckKind::Prints { robot, .. }, Event::Stdout { text }) if *robot == record.robot => {
+                if self.search.as_mut().is_some_and(|search| search.take(text)) {
+                    self.number = 1;
+                    self.at = Some(record.time.seconds());
+                }
+            }
+            (CheckKind::Event { robot, event, count, .. }, found) if *event == found.kind() && is_of(robot) => {
+                self.add(*count, record);
+            }
+            (CheckKind::Calls { robot, function, count }, Event::Call { function: called, .. })
+                if function == called && is_of(robot) =>
+            {
+                self.add(*count, record);
+            }
+            (CheckKind::Message { from, to, text, count }, Event::RadioReceived { from: sender, data, .. }) => {
+                let is_from = from.is_none_or(|from| from.0 == sender);
+                let has_text = |text: &String| String::from_utf8_lossy(data).contains(text.as_str());
+                if is_from && is_of(to) && text.as_ref().is_none_or(has_text) {
+                    self.add(*count, record);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn add(&mut self, count: Counts, record: &Record<'_>) {
+        self.number += 1;
+        if self.number == count.min || count.max.is_some_and(|max| self.number == max + 1) {
+            self.at = Some(record.time.seconds());
+            self.robot = Some(record.robot).filter(|robot| *robot != WORLD);
+        }
+    }
+
+    /// Returns true if the check of this kind is met.
+    pub fn is_met(&self, kind: &CheckKind) -> bool {
+        match kind {
+            CheckKind::Contacts { max, .. } => self.number <= *max,
+            CheckKind::Prints { .. } => self.search.as_ref().is_some_and(Search::is_found),
+            CheckKind::Event { count, by, .. } => count.contains(self.number) && !self.is_late(*count, *by),
+            CheckKind::Calls { count, .. } | CheckKind::Message { count, .. } => count.contains(self.number),
+            _ => false,
+        }
+    }
+
+    /// Returns true if the least number was reached only after `by`.
+    pub fn is_late(&self, count: Counts, by: Option<Time>) -> bool {
+        let is_enough = count.min > 0 && self.number >= count.min;
+        is_enough && by.zip(self.at).is_some_and(|(by, at)| at > by.seconds())
+    }
+}
+
+fn counts(with: Contacted, obstacle: Obstacle) -> bool {
+    match with {
+        Contacted::Anything => true,
+        Contacted::Walls => matches!(obstacle, Obstacle::Wall | Obstacle::Terrain),
+        Contacted::Robots => matches!(obstacle, Obstacle::Robot(_)),
+        Contacted::Objects => matches!(obstacle, Obstacle::Object(_)),
+    }
+}

@@ -1,0 +1,80 @@
+use serde_json::json;
+use sim_core::RobotId;
+use sim_core::spec::Printed;
+
+use super::metric::judge;
+use super::prints::Search;
+
+/// Explanation after these lines; true if the search has succeeded.
+fn search(what: &Printed, lines: &str) -> (bool, String) {
+    let mut search = Search::new(what);
+    lines.lines().for_each(|line| _ = search.take(line));
+    (search.is_found(), search.explain(RobotId(1), "printed"))
+}
+
+fn numbers(rows: &[&[f64]], tolerance: f64) -> Printed {
+    Printed::Numbers { rows: rows.iter().map(|row| row.to_vec()).collect(), tolerance }
+}
+
+#[test]
+fn patterns_match_whole_lines() {
+    for (pattern, line, is_match) in [
+        ("goal", "goal", true),
+        ("goal", "goal!", false),
+        ("goal*", "goal!", true),
+        ("*goal", "the goal", true),
+        ("*goal", "the goal!", false),
+        ("x=* y=*", "x=1 y=2", true),
+        ("x=* y=*", "y=2 x=1", false),
+        ("a*a", "a", false),
+        ("*ab*ab*", "abab", true),
+        ("*ab*ab*", "aab", false),
+    ] {
+        assert_eq!(search(&Printed::Pattern(pattern.into()), line).0, is_match, "{pattern} {line}");
+    }
+}
+
+#[test]
+fn grids_are_found_between_other_lines_and_differences_are_named() {
+    let grid = numbers(&[&[0.0, 1.0, 2.0], &[1.0, 2.0, 3.0]], 0.0);
+    assert!(search(&grid, "distances\n7 7 7\n[0, 1, 2]\n\n[1, 2, 3]\nready").0);
+    assert!(search(&grid, "row 0: 0 1 2\nrow 1: 1 2 3\n").0, "a number before the row is allowed");
+    let (is_found, why) = search(&grid, "0 1 2\n1 9 3\n");
+    assert_eq!((is_found, why.as_str()), (false, "row 2, number 2: r1 printed 9, not 2"));
+    assert_eq!(search(&grid, "0 1 2\n1 2\n").1, "row 2, r1 printed 2 numbers, not 3");
+    assert_eq!(search(&grid, "").1, "r1 printed nothing");
+    assert_eq!(search(&grid, "hello\n").1, "r1 printed no 2 rows of numbers in one line");
+}
+
+#[test]
+fn numbers_have_a_tolerance() {
+    let one = numbers(&[&[0.3]], 0.1);
+    assert!(search(&one, "about 0.4 m").0 && search(&one, "x=0.2").0 && !search(&one, "0.41").0);
+    assert!(!search(&numbers(&[&[1.0]], 0.0), "nan inf x1 1e5 1.0.0").0);
+    assert!(search(&numbers(&[&[-1e-3]], 0.0), "v=-1e-3.").0);
+}
+
+#[test]
+fn metrics_are_found_by_their_path_and_points_are_partial() {
+    let report = json!({ "robots": [{ "path_m": 2.5, "reason": null, "lcd": ["a"] }], "sim_time_s": 10.0 });
+    let passed = |path: &str, min, max| judge(&report, path, [min, max], None).share == 1.0;
+    assert!(passed("robots[0].path_m", Some(2.5), Some(2.5)) && passed("sim_time_s", None, Some(10.0)));
+    assert!(!passed("robots[0].path_m", Some(2.6), None) && !passed("robots[0].path_m", None, Some(2.4)));
+    for (full, zero, share) in [(2.0, 5.0, 1.0), (1.0, 4.0, 0.5), (1.0, 2.0, 0.0), (5.0, 0.0, 0.5)] {
+        assert_eq!(judge(&report, "robots[0].path_m", [None; 2], Some((full, zero))).share, share);
+    }
+    for (path, why) in [
+        ("robot", "the report has no `robot`; it has robots, sim_time_s"),
+        ("robots[1].path_m", "`robots` has 1 entries, counted from 0"),
+        ("robots[0].path", "`robots[0]` has no `path`; it has lcd, path_m, reason"),
+        ("robots[0", "`robots[0` has no `]`"),
+        ("robots[-1]", "`-1` in `robots[-1]` is no index from 0"),
+        ("robots[0]x", "`robots[0]x`: expected `.` or `[` after `robots[0]`"),
+        ("robots[0].reason", "`robots[0].reason` has no value in this run"),
+        ("robots[0].lcd[0]", "`robots[0].lcd[0]` is the text `a`, no number"),
+        ("sim_time_s.x", "`sim_time_s` has no parts"),
+    ] {
+        let verdict = judge(&report, path, [None; 2], None);
+        assert_eq!((verdict.share, verdict.message.as_str()), (0.0, why));
+    }
+}

@@ -1,0 +1,200 @@
+//! Results of checks in words: what happened, when, where, and what was wanted.
+
+use glam::DVec2;
+use sim_core::check::Finding;
+use sim_core::record::Obstacle;
+use sim_core::spec::{CheckKind, Counts, Place};
+use sim_core::time::Time;
+use sim_core::unit;
+
+use super::tally::Count;
+
+/// A name of the report with blanks: `no program`.
+pub(super) fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// `12.345 s`.
+fn seconds(seconds: f64) -> String {
+    format!("{seconds:.3} s")
+}
+
+/// `230.1 mm`; few digits for whole millimetres.
+fn mm(metres: f64) -> String {
+    let rounded = (unit::mm_from_metres(metres) * 10.0).round() / 10.0;
+    // No minus sign before a value rounded to zero.
+    format!("{} mm", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// `(1250, 830.5) mm`.
+fn point(point: DVec2) -> String {
+    let [x, y] = point.to_array().map(|metres| mm(metres).trim_end_matches(" mm").to_owned());
+    format!("({x}, {y}) mm")
+}
+
+fn percent(share: f64) -> String {
+    // Rounded down, so that a share that is too small never looks like enough.
+    format!("{:.1} %", (share * 1000.0 + 1e-6).floor() / 10.0)
+}
+
+fn by_text(by: Option<Time>) -> String {
+    by.map(|by| format!(" by {} s", by.seconds())).unwrap_or_default()
+}
+
+/// `at 5.200 s at (1250, 830) mm`.
+fn at(finding: &Finding) -> String {
+    let instant = finding.at.map(|at| format!("at {}", seconds(at)));
+    let place = finding.position.map(|position| format!("at {}", point(position)));
+    instant.into_iter().chain(place).collect::<Vec<_>>().join(" ")
+}
+
+fn place_text(place: &Place) -> String {
+    match place {
+        Place::Disc { centre, radius } => format!("within {} of {}", mm(*radius), point(*centre)),
+        Place::Polygon(_) => "in the area".to_owned(),
+    }
+}
+
+/// Result of a check on motion in words.
+pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
+    let (value, is_met) = (finding.value.unwrap_or_default(), finding.is_met);
+    let when = finding.at.map(seconds).unwrap_or_default();
+    match kind {
+        CheckKind::Reach { .. } if is_met => format!("at {when}"),
+        CheckKind::Reach { body, place, by, stay } => match (finding.at, finding.value) {
+            (Some(_), Some(distance)) => {
+                let to = if matches!(place, Place::Disc { .. }) { "its centre" } else { "its border" };
+                format!(
+                    "{body} was never {}; it came as near as {} to {to} {}",
+                    place_text(place),
+                    mm(distance),
+                    at(finding)
+                )
+            }
+            (Some(found), None) if by.is_some_and(|by| found > by.seconds()) => {
+                format!("{body} was there only at {when}, not{}", by_text(*by))
+            }
+            (Some(_), None) => format!("{body} was there from {when} on, but not for {} s", stay.seconds()),
+            (None, _) => format!("{body} was not there"),
+        },
+        CheckKind::Visits { places, .. } if is_met => format!("all {}, the last at {when}", places.len()),
+        CheckKind::Visits { body, places, any_order, by, .. } => {
+            let whole = places.len();
+            if value as usize == whole {
+                return format!("{body} visited the last place only at {when}, not{}", by_text(*by));
+            }
+            let missing = match places.get(value as usize).filter(|_| !any_order) {
+                Some(next) => format!("; the next one is {}", point(*next)),
+                None => String::new(),
+            };
+            let last = finding.at.map(|at| format!(", the last at {}", seconds(at))).unwrap_or_default();
+            format!("{body} visited {value} of {whole} places{last}{missing}")
+        }
+        CheckKind::StaysIn { .. } if is_met => "all the time".to_owned(),
+        CheckKind::StaysIn { body, place } => format!("{body} was not {} {}", place_text(place), at(finding)),
+        CheckKind::Laps { .. } if is_met => format!("{value}, complete at {when}"),
+        CheckKind::Laps { body, min, by, .. } => match finding.at {
+            Some(_) => format!("{body} completed {min} only at {when}, not{}", by_text(*by)),
+            None => format!("{body} passed the gate {value} times, not {min}"),
+        },
+        CheckKind::Clearance { .. } if is_met && finding.value.is_some() => format!("smallest gap {}", mm(value)),
+        CheckKind::Clearance { .. } if is_met => "nothing was near".to_owned(),
+        CheckKind::Clearance { robot, min, .. } => {
+            format!("the gap of {robot} fell below {} {}; the smallest was {}", mm(*min), at(finding), mm(value))
+        }
+        CheckKind::FollowsWall { .. } if is_met => format!("{} of the path", percent(value)),
+        CheckKind::FollowsWall { robot, gap, share } => {
+            let [least, greatest] = gap.map(mm);
+            format!(
+                "{robot} kept a gap of {least} to {greatest} on {} of its path, not {}",
+                percent(value),
+                percent(*share)
+            )
+        }
+        CheckKind::Coverage { .. } if is_met => {
+            format!("{}{}", percent(value), finding.at.map(|_| format!(", enough at {when}")).unwrap_or_default())
+        }
+        CheckKind::Coverage { share, by, .. } => match finding.at {
+            Some(_) => format!("{} only at {when}, not{}", percent(*share), by_text(*by)),
+            None => format!("{}, not {}", percent(value), percent(*share)),
+        },
+        CheckKind::OdometryError { at_end: true, .. } if is_met => format!("{} at the end", mm(value)),
+        CheckKind::OdometryError { .. } if is_met => format!("at most {}", mm(value)),
+        CheckKind::OdometryError { robot, max, at_end: true } => {
+            format!("odometry of {robot} was wrong by {} at the end, not at most {}", mm(value), mm(*max))
+        }
+        CheckKind::OdometryError { robot, max, .. } => {
+            format!(
+                "odometry of {robot} was wrong by more than {} {}; the most was {}",
+                mm(*max),
+                at(finding),
+                mm(value)
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// Result of a check on events in words.
+pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
+    let number = count.number;
+    match kind {
+        CheckKind::Contacts { .. } if number == 0 => "no contact".to_owned(),
+        CheckKind::Contacts { max, .. } if number <= *max => format!("{} of {max}", times(number)),
+        CheckKind::Contacts { max, .. } => {
+            let (robot, with) = (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), with(count.with));
+            let when = count.at.map(seconds).unwrap_or_default();
+            let place = count.place.map(|place| point(DVec2::from(place))).unwrap_or_default();
+            let first = if *max == 0 { "first" } else { "one too many" };
+            let more = if number > 1 { format!(", {}", times(number)) } else { String::new() };
+            format!("{robot} touched {with} at {when} at {place} ({first}){more}")
+        }
+        CheckKind::Prints { robot, .. } => {
+            let when = count.at.map(|at| format!(" at {}", seconds(at))).unwrap_or_default();
+            count.search.as_ref().map(|search| search.explain(*robot, "printed") + &when).unwrap_or_default()
+        }
+        CheckKind::Event { count: wanted, by, event, .. } => {
+            if count.is_late(*wanted, *by) {
+                return format!(
+                    "`{}` only at {}, not{}",
+                    event.name(),
+                    seconds(count.at.unwrap_or_default()),
+                    by_text(*by)
+                );
+            }
+            of_times(count, *wanted)
+        }
+        CheckKind::Calls { count: wanted, .. } | CheckKind::Message { count: wanted, .. } => of_times(count, *wanted),
+        _ => String::new(),
+    }
+}
+
+fn with(obstacle: Option<Obstacle>) -> String {
+    match obstacle {
+        Some(Obstacle::Robot(id)) => format!("r{id}"),
+        Some(Obstacle::Object(id)) => format!("o{id}"),
+        Some(Obstacle::Terrain) => "the terrain".to_owned(),
+        Some(Obstacle::Wall) | None => "a wall".to_owned(),
+    }
+}
+
+fn of_times(count: &Count, wanted: Counts) -> String {
+    let bounds = match wanted {
+        _ if wanted.contains(count.number) => return times(count.number),
+        Counts { min, max: None } => format!("at least {}", times(min)),
+        Counts { min: 0, max: Some(max) } => format!("at most {}", times(max)),
+        Counts { min, max: Some(max) } => format!("{min} to {max} times"),
+    };
+    let is_too_often = count.number > wanted.min;
+    let since = count.at.filter(|_| is_too_often).map(|at| format!(", too often since {}", seconds(at)));
+    let robot = count.robot.filter(|_| is_too_often).map(|robot| format!(" ({robot})"));
+    format!("{}, not {bounds}{}{}", times(count.number), since.unwrap_or_default(), robot.unwrap_or_default())
+}
+
+fn times(number: u64) -> String {
+    match number {
+        0 => "never".to_owned(),
+        1 => "once".to_owned(),
+        number => format!("{number} times"),
+    }
+}

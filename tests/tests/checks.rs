@@ -1,0 +1,320 @@
+//! Checks of scenes: every kind on its page, exact instants for every slot length, verdicts, messages.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+use tests::{Scratch, root};
+
+/// Blocks of a page with this language.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    page.split(&fence).skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block).collect()
+}
+
+/// Kinds of checks in the schema.
+fn kinds() -> BTreeSet<String> {
+    let schema: Value = serde_json::from_str(&Scratch::new().eyesim(&["schema"]).stdout).expect("a schema");
+    let variants = schema["$defs"]["CheckForm"]["oneOf"].as_array().expect("variants").clone();
+    variants.iter().map(|variant| variant["properties"]["kind"]["const"].as_str().expect("a word").to_owned()).collect()
+}
+
+#[test]
+fn the_page_has_an_example_of_every_kind_that_holds() {
+    let page = std::fs::read_to_string(root().join("docs/checks.md")).expect("the page");
+    let scratch = Scratch::new();
+    for program in blocks(&page, "c") {
+        let name = program.lines().next().and_then(|line| line.strip_prefix("// ")).expect("the name of a program");
+        scratch.write(name, program);
+    }
+    let examples = blocks(&page, "toml");
+    scratch.write("room.scene.toml", &[&blocks(&page, "scene.toml")[..], &examples[..]].concat().join("\n\n"));
+    let report = scratch.report("room.scene.toml", &[], 0);
+    let checks = report["checks"].as_array().expect("checks");
+    let shown: BTreeSet<String> =
+        checks.iter().map(|check| check["kind"].as_str().expect("a kind").to_owned()).collect();
+    assert_eq!(shown, kinds());
+    for kind in kinds() {
+        assert!(page.contains(&format!("\n## {kind}\n")), "{kind}");
+    }
+    assert_eq!(report["points"], report["max_points"], "{checks:#?}");
+}
+
+/// A floor with one robot at (500, 500) that drives `program`, and these checks.
+fn scene(program: &str, checks: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("drive.c", &format!("#include \"eyebot.h\"\nint main() {{\n{program}\nreturn 0;\n}}\n"));
+    let world = "[world]\nfloor_mm = [3000, 2000]\nwall = [{ from_mm = [2000, 0], to_mm = [2000, 2000] }]\n";
+    let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"drive.c\"\nx_mm = 500\ny_mm = 500\n";
+    scratch.write("a.scene.toml", &format!("{world}{robot}{checks}"));
+    scratch
+}
+
+/// A curve, then a straight line; both at speeds that no slot length divides.
+const CURVE: &str = "VWCurve(700, 80, 170); VWWait(); VWStraight(400, 230); VWWait(); OSWait(2000);";
+
+#[test]
+fn verdicts_and_instants_are_the_same_for_every_slot_length() {
+    // Where the curve ends, and the greatest y of the line after it, with closed forms: the robot turns left by 80 degrees.
+    let (radius, turn) = (0.7 / 80_f64.to_radians(), 80_f64.to_radians());
+    let end = [500.0 + 1e3 * radius * turn.sin(), 500.0 + 1e3 * radius * (1.0 - turn.cos())];
+    let top = [end[0] + 400.0 * turn.cos(), end[1] + 400.0 * turn.sin()];
+    // Discs beside the line, at its middle: their radius is the distance from it, a little more, a little less.
+    let middle = [0.5 * (end[0] + top[0]), 0.5 * (end[1] + top[1])];
+    let beside = [middle[0] + 100.0 * turn.sin(), middle[1] - 100.0 * turn.cos()];
+    let disc = |name: &str, radius: f64| {
+        format!("[[check]]\nname = \"{name}\"\nkind = \"reach\"\nat_mm = {beside:?}\nwithin_mm = {radius:.7}\n")
+    };
+    let grazing = disc("inside", 100.001) + &disc("outside", 99.999) + &disc("deep", 150.0);
+    let others = format!(
+        "[[check]]\nname = \"visits\"\nkind = \"visits\"\nplaces_mm = [{end:?}, {top:?}]\nwithin_mm = 3\n\
+         [[check]]\nname = \"leaves\"\nkind = \"stays_in\"\narea_mm = [[0, 0], [3000, {:.7}]]\n\
+         [[check]]\nname = \"stays\"\nkind = \"stays_in\"\narea_mm = [[0, 0], [3000, {:.7}]]\n\
+         [[check]]\nname = \"near\"\nkind = \"clearance\"\nmin_mm = 900\n\
+         [[check]]\nname = \"follows\"\nkind = \"follows_wall\"\ngap_mm = [900, 1200]\nshare_percent = 30\n\
+         [[check]]\nname = \"covers\"\nkind = \"coverage\"\nwidth_mm = 150\nshare_percent = 3\n\
+         [[check]]\nname = \"gate\"\nkind = \"laps\"\ngate_mm = [[700, 800], [700, 0]]\n\
+         [[check]]\nname = \"odometry\"\nkind = \"odometry_error\"\nmax_mm = 20\n\
+         [[check]]\nname = \"stop\"\nkind = \"reach\"\nat_mm = {top:?}\nwithin_mm = 1\nstay_s = 1.5\n",
+        top[1] - 0.001,
+        top[1] + 0.001,
+    );
+    let scratch = scene(CURVE, &(grazing + &others));
+    for noise in ["none", "real"] {
+        let run = |slot: &str| {
+            let args = ["run", "a.scene.toml", "--slot", slot, "--noise", noise, "--report", "r.json"];
+            let ran = scratch.eyesim(&args);
+            assert_eq!(ran.code, Some(1), "{ran:#?}");
+            serde_json::from_str::<Value>(&scratch.read("r.json")).expect("a report")["checks"].clone()
+        };
+        let checks = run("50");
+        for slot in ["1", "7.3", "100", "200"] {
+            assert_eq!(run(slot), checks, "slots of {slot} ms, noise {noise}");
+        }
+        if noise == "none" {
+            let failed: Vec<&str> = checks
+                .as_array()
+                .expect("checks")
+                .iter()
+                .filter(|check| check["passed"] == false)
+                .map(|check| check["name"].as_str().expect("a name"))
+                .collect();
+            assert_eq!(failed, ["outside", "leaves", "near"], "{checks:#}");
+            let follows = checks[6]["value"].as_f64().expect("a share");
+            assert!(follows > 0.3 && follows < 1.0, "{checks:#}");
+        }
+    }
+}
+
+#[test]
+fn instants_are_those_of_the_closed_form() {
+    let checks = "[[check]]\nkind = \"reach\"\nat_mm = [1000, 500]\nwithin_mm = 100\n[[check]]\nkind = \"clearance\"\nmin_mm = 800\n";
+    let scratch = scene("VWStraight(800, 200); VWWait();", checks);
+    scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json", "--trace", "t.jsonl"]);
+    let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+    let start =
+        scratch.trace("t.jsonl").iter().find(|event| event["event"] == "drive_straight").expect("a drive")["t_s"]
+            .as_f64()
+            .expect("a time");
+    let at = |index: usize| report["checks"][index]["at_s"].as_f64().expect("an instant") - start;
+    assert!((at(0) - 2.0).abs() < 1e-6, "400 mm at 200 mm/s: {} s", at(0));
+    // The gap to the wall at x = 2000 is 800 mm when the centre is at 1200 mm less the radius.
+    let gap = report["checks"][1]["x_m"].as_f64().expect("a place");
+    assert!((at(1) - (gap - 0.5) / 0.2).abs() < 1e-6, "{} s at {gap} m", at(1));
+    let message = report["checks"][1]["message"].as_str().expect("words");
+    assert!(message.contains("the gap of r1 fell below 800 mm at "), "{message}");
+}
+
+#[test]
+fn a_failing_student_sees_what_where_and_when() {
+    let checks = "[[check]]\nname = \"the goal\"\nkind = \"reach\"\nat_mm = [2500, 500]\nwithin_mm = 100\npoints = 4\n\
+                  [[check]]\nname = \"touches nothing\"\nkind = \"contacts\"\npoints = 3\n\
+                  [[check]]\nname = \"tells\"\nkind = \"prints\"\ntext = \"found\"\n\
+                  [[check]]\nname = \"a short way\"\nkind = \"metric\"\npath = \"robots[0].path_m\"\nfull = 0\nzero = 4\npoints = 2\n";
+    let scratch = scene("printf(\"lost\\n\"); VWStraight(3000, 300); VWWait();", checks);
+    let ran = scratch.eyesim(&["run", "a.scene.toml", "--slot=20", "--report", "r.json"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    let lines: Vec<&str> = ran.stdout.lines().skip_while(|line| !line.starts_with("checks: ")).collect();
+    let [head, goal, touches, tells, way, view] = lines[..] else { panic!("{lines:#?}") };
+    assert!(head.starts_with("checks: 0 of 4 passed, 1.") && head.ends_with(" of 10 points"), "{head}");
+    assert!(
+        goal.starts_with("FAILED  the goal")
+            && goal.contains("r1 was never within 100 mm of (2500, 500) mm; it came as near as"),
+        "{goal}"
+    );
+    assert!(
+        touches.starts_with("FAILED  touches nothing")
+            && touches.contains("r1 touched a wall at ")
+            && touches.contains("(2000, 500) mm"),
+        "{touches}"
+    );
+    assert!(tells.contains("r1 printed no `found` in one line"), "{tells}");
+    assert!(way.starts_with("FAILED  a short way") && way.contains("/2"), "{way}");
+    assert!(view.starts_with("to see it: eyesim view a.scene.toml --slot=20 --at "), "{view}");
+}
+
+#[test]
+fn checks_change_neither_the_run_nor_its_digest() {
+    let checks =
+        "[[check]]\nkind = \"calls\"\nfunction = \"VWStraight\"\n[[check]]\nkind = \"clearance\"\nmin_mm = 0\n";
+    let digests = ["", checks].map(|checks| {
+        let report = scene(CURVE, checks).report("a.scene.toml", &["--noise", "real"], 0);
+        report["digest"].clone()
+    });
+    assert_eq!(digests[0], digests[1]);
+}
+
+#[test]
+fn objects_reach_places_and_a_removed_goal_is_no_crash() {
+    let ball = "[[object]]\ntype = \"Golf\"\nx_mm = 700\ny_mm = 500\n\
+                [[check]]\nkind = \"reach\"\nobject = 1\nat_mm = [900, 500]\nwithin_mm = 20\n\
+                [[check]]\nkind = \"stays_in\"\nobject = 1\narea_mm = [[650, 450], [750, 550]]\n";
+    let scratch = scene("VWStraight(500, 200); VWWait();", ball);
+    let reports = ["1", "50", "200"].map(|slot| scratch.report("a.scene.toml", &["--slot", slot], 1)["checks"].clone());
+    assert_eq!(reports[0][0]["passed"], true, "{:#}", reports[0]);
+    assert_eq!(reports[0][1]["passed"], false, "{:#}", reports[0]);
+    assert_eq!((&reports[0], &reports[0]), (&reports[1], &reports[2]));
+}
+
+#[test]
+fn mistakes_in_checks_are_told_with_their_place() {
+    for (check, message) in [
+        ("kind = \"reech\"", "`reech` is no kind"),
+        ("name = \"x\"", "`check` has no `kind`"),
+        ("kind = \"reach\"", "a check has no `at_mm`"),
+        ("kind = \"reach\"\nat_mm = [1, 2]", "a check has no `within_mm`"),
+        ("kind = \"reach\"\nat_mm = [1, nan]\nwithin_mm = 1", "`NaN` is out of range"),
+        ("kind = \"reach\"\nat_mm = [1, 2]\nwithin_mm = -1", "`-1` is out of range"),
+        ("kind = \"reach\"\nat_mm = [1, 2]\narea_mm = [[0, 0], [1, 1]]", "`at_mm` and `area_mm` exclude each other"),
+        ("kind = \"reach\"\narea_mm = [[0, 0], [1, 0]]", "`area_mm` is no area"),
+        ("kind = \"reach\"\narea_mm = [[0, 0, 0]]", "array"),
+        (
+            "kind = \"reach\"\nrobot = 1\nobject = 1\nat_mm = [1, 2]\nwithin_mm = 1",
+            "`robot` and `object` exclude each other",
+        ),
+        ("kind = \"reach\"\nobject = 1\nat_mm = [1, 2]\nwithin_mm = 1", "is about o1, which the scene does not have"),
+        ("kind = \"contacts\"\nrobot = 2", "check `contacts` is about r2, which the scene does not have"),
+        ("kind = \"contacts\"\npoints = -1", "`-1` is out of range"),
+        ("kind = \"visits\"\nplaces_mm = []\nwithin_mm = 1", "`places_mm` is empty"),
+        ("kind = \"laps\"\ngate_mm = [[1, 1], [1, 1]]", "`gate_mm` is no gate"),
+        ("kind = \"follows_wall\"\ngap_mm = [5, 1]", "has its least value above its greatest"),
+        ("kind = \"coverage\"\nwidth_mm = 5\ncell_mm = 1", "the area has 6000000 squares"),
+        ("kind = \"metric\"\npath = \"points\"", "a metric has no limit"),
+        ("kind = \"metric\"\npath = \"points\"\nmin = 2\nmax = 1", "`min` is greater than `max`"),
+        ("kind = \"metric\"\npath = \"points\"\nmin = 2\nfull = 1\nzero = 0", "exclude `full` and `zero`"),
+        ("kind = \"prints\"", "has 0 of `text`, `pattern` and `numbers`"),
+        ("kind = \"prints\"\ntext = \"a\"\nnumbers = [1]", "has 2 of `text`, `pattern` and `numbers`"),
+        ("kind = \"prints\"\nnumbers = [[]]", "has an empty row"),
+        ("kind = \"event\"\nevent = \"beeb\"", "`beeb` is no event"),
+        ("kind = \"calls\"\nfunction = \"VWStraigt\"", "there is no function `VWStraigt`"),
+        ("kind = \"calls\"\nfunction = \"VWStraight\"\nmin = 3\nmax = 2", "is less than `min`"),
+        ("kind = \"outcome\"\nis = \"won\"", "`won` is no is"),
+    ] {
+        let scratch = scene("", &format!("[[check]]\n{check}\n"));
+        for command in ["run", "check"] {
+            let ran = scratch.eyesim(&[command, "a.scene.toml"]);
+            let text = ran.stdout + &ran.stderr;
+            assert!(ran.code != Some(0) && text.contains(message) && text.contains("a.scene.toml"), "{check}: {text}");
+        }
+    }
+}
+
+#[test]
+fn names_are_unique_and_scenes_with_checks_convert_and_read_back() {
+    let twice = "[[check]]\nname = \"a\"\nkind = \"contacts\"\n[[check]]\nname = \"a\"\nkind = \"contacts\"\n";
+    let ran = scene("", twice).eyesim(&["check", "a.scene.toml"]);
+    assert!((ran.stdout + &ran.stderr).contains("is named `a`, too"));
+    let page = std::fs::read_to_string(root().join("docs/checks.md")).expect("the page");
+    let scratch = scene(
+        "",
+        &blocks(&page, "toml")
+            .join("\n\n")
+            .replace("to = 2", "")
+            .replace("kind = \"calls\"\nrobot = 1", "kind = \"calls\""),
+    );
+    let converted = |from: &str, to: &str| {
+        let ran = scratch.eyesim(&["convert", from, "-o", to]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        scratch.read(to)
+    };
+    let once = converted("a.scene.toml", "b.scene.toml");
+    assert_eq!(once.matches("[[check]]").count(), blocks(&page, "toml").join("\n").matches("[[check]]").count());
+    assert_eq!(converted("b.scene.toml", "c.scene.toml"), once);
+}
+
+#[test]
+fn the_first_setting_fixes_the_frame_of_odometry_and_later_ones_count() {
+    let check = |program: &str, max: f64, at_end: bool| {
+        let checks = format!("[[check]]\nkind = \"odometry_error\"\nmax_mm = {max}\nat_end = {at_end}\n");
+        let scratch = scene(program, &checks);
+        scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        report["checks"][0].clone()
+    };
+    let start = "VWSetPosition(5000, 700, 90); VWStraight(300, 200); VWWait();";
+    let anchored = check(start, 0.001, false);
+    assert_eq!(anchored["passed"], true, "{anchored:#}");
+    let wrong = format!("{start} VWSetPosition(5000, 1100, 90); VWStraight(100, 200); VWWait();");
+    let corrected = check(&wrong, 50.0, false);
+    assert_eq!(corrected["passed"], false, "{corrected:#}");
+    assert!((corrected["value"].as_f64().expect("an error") - 0.1).abs() < 1e-6, "{corrected:#}");
+    assert!((corrected["x_m"].as_f64().expect("a place") - 0.8).abs() < 1e-6, "where it was set: {corrected:#}");
+    let back = format!("{wrong} VWSetPosition(5000, 1100, 90);");
+    assert_eq!(check(&back, 50.0, true)["passed"], true, "only the end counts");
+}
+
+#[test]
+fn the_gap_between_two_robots_is_that_of_two_circles_that_pass() {
+    let scratch = scene("VWStraight(1000, 200); VWWait();", "");
+    let other = "[[robot]]\ntype = \"S4\"\nprogram = \"drive.c\"\nx_mm = 1500\ny_mm = 900\nheading_deg = 180\n";
+    let scene = scratch.read("a.scene.toml");
+    let run = |min: f64, slot: &str| {
+        let check = format!("[[check]]\nkind = \"clearance\"\nto = \"robots\"\nmin_mm = {min}\n");
+        scratch.write("b.scene.toml", &format!("{scene}{other}{check}"));
+        scratch.eyesim(&["run", "b.scene.toml", "--slot", slot, "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        report["checks"][0].clone()
+    };
+    // The ways are 400 mm apart, and the robots pass each other at x = 1000.
+    let gap = 1e3 * run(0.0, "50")["value"].as_f64().expect("a gap");
+    for (min, is_met) in [(gap - 0.001, true), (gap + 0.001, false)] {
+        let checks = ["1", "50", "200"].map(|slot| run(min, slot));
+        assert_eq!(checks[0]["passed"], is_met, "{:#}", checks[0]);
+        assert!(checks[0] == checks[1] && checks[0] == checks[2], "{checks:#?}");
+    }
+    let place = run(gap + 0.001, "50")["x_m"].as_f64().expect("a place");
+    assert!((place - 1.0).abs() < 0.02, "{place} m");
+}
+
+#[test]
+fn passages_of_a_gate_backwards_are_subtracted() {
+    let laps = |gate: &str, min: u64| {
+        let checks = format!("[[check]]\nkind = \"laps\"\ngate_mm = {gate}\nmin = {min}\n");
+        let scratch = scene(
+            "for (int i = 0; i < 3; i++) { VWStraight(400, 300); VWWait(); VWStraight(-400, 300); VWWait(); }",
+            &checks,
+        );
+        scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json"]);
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        (report["checks"][0]["passed"].clone(), report["checks"][0]["value"].clone())
+    };
+    assert_eq!(laps("[[700, 800], [700, 0]]", 1), (true.into(), 0.0.into()), "once ahead, then back");
+    assert_eq!(laps("[[700, 800], [700, 0]]", 2).0, false);
+    assert_eq!(laps("[[700, 0], [700, 800]]", 1), (false.into(), 0.0.into()));
+    assert_eq!(laps("[[700, 800], [700, 600]]", 1).0, false, "beside the gate");
+}
+
+#[test]
+fn a_run_without_any_time_shows_where_bodies_start() {
+    let checks = "[[check]]\nkind = \"reach\"\nat_mm = [500, 500]\nwithin_mm = 1\n\
+                  [[check]]\nkind = \"stays_in\"\narea_mm = [[1000, 0], [2000, 1000]]\n";
+    let scratch = scene("", checks);
+    let text = scratch.read("a.scene.toml").replace("program = \"drive.c\"\n", "");
+    scratch.write("a.scene.toml", &text);
+    let report = scratch.report("a.scene.toml", &[], 1);
+    assert_eq!(
+        (&report["checks"][0]["passed"], &report["checks"][1]["passed"]),
+        (&true.into(), &false.into()),
+        "{report:#}"
+    );
+    assert_eq!(report["checks"][1]["at_s"], 0.0);
+}
