@@ -79,7 +79,7 @@ fn check(language: &str, compiler: &str) {
         assert_eq!(prepared.name, name);
         let mut loader = Loader::new().expect("a run folder");
         for _ in 0..12 {
-            loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
+            loader.load(&prepared, &[], None).unwrap_or_else(|error| panic!("{error}"));
         }
         check_run(&place, name);
         check_editor_settings(&place.join("programs").join(name));

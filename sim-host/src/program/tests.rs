@@ -122,7 +122,7 @@ impl Bench {
 
     fn loaded_with(&self, names: &[&str], arguments: &[&str]) -> LoadedProgram {
         let arguments: Vec<String> = arguments.iter().map(|&argument| argument.to_owned()).collect();
-        let loaded = Loader::new().expect("a run folder").load(&self.prepared(names), &arguments);
+        let loaded = Loader::new().expect("a run folder").load(&self.prepared(names), &arguments, None);
         loaded.unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -335,7 +335,7 @@ fn each_copy_has_its_own_globals() {
     let prepared = bench.prepared(&["count.c"]);
     let mut loader = Loader::new().expect("a run folder");
     // More copies than are complete files, so that some contain only the loaded part.
-    let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&prepared, &[]).expect("a copy")).collect();
+    let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&prepared, &[], None).expect("a copy")).collect();
     for program in &programs {
         assert_eq!(run(program), 111);
         assert_eq!(run(program), 212);
@@ -397,7 +397,7 @@ fn libraries_that_do_not_fit_are_told_why() {
         compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path(name));
         assert!(compiler.status().expect("a compiler").success());
         let prepared = prepared(ProgramImage::read(&library, None).expect("an image"));
-        Loader::new().expect("a run folder").load(&prepared, &[]).expect_err("incompatible").to_string()
+        Loader::new().expect("a run folder").load(&prepared, &[], None).expect_err("incompatible").to_string()
     };
     let classic = message("classic.c");
     assert!(
@@ -424,6 +424,29 @@ fn files_that_are_no_library_are_refused() {
     assert!(matches!(refused(&bench.path("none.so")), ImageError::Read { .. }));
     let this = std::env::current_exe().expect("this program");
     assert!(refused(&this).to_string().contains("executable"));
+}
+
+#[test]
+fn robots_that_share_a_copy_have_their_own_variables() {
+    const COUNT: &str =
+        "static int count, steps = 5, zeros[100];\nint main(void) { zeros[9]++; return count += steps + zeros[9]; }\n";
+    let Some(bench) = Bench::with(&[("a.c", COUNT)]) else { return };
+    let prepared = bench.prepared(&["a.c"]);
+    let mut loader = Loader::new().expect("a run folder");
+    let programs: Vec<_> = (0..6).map(|_| loader.load(&prepared, &[], Some(2)).expect("a copy")).collect();
+    let workers = programs.iter().map(|program| program.variables().map(|variables| variables.worker()));
+    assert_eq!(workers.collect::<Vec<_>>(), [0, 1, 0, 1, 0, 1].map(Some));
+    assert_eq!(programs[0].addresses(), programs[4].addresses());
+    assert_ne!(programs[0].addresses(), programs[1].addresses());
+    let run = |program: &LoadedProgram| {
+        let Some(variables) = program.variables() else { panic!("a shared copy") };
+        // SAFETY: this thread is the only one that uses the copies.
+        unsafe { variables.swap_in() };
+        program.run(&Listener::default())
+    };
+    assert_eq!(programs.iter().map(run).collect::<Vec<_>>(), [6; 6]);
+    assert_eq!(programs.iter().rev().map(run).collect::<Vec<_>>(), [13; 6]);
+    drop(programs.into_iter().nth(4));
 }
 
 #[test]
@@ -466,7 +489,7 @@ fn the_kit_of_robios_6_gives_programs_what_they_include() {
     assert_eq!((prepared.output.as_str(), prepared.name.as_str()), ("", "a"));
     // Nothing that the shim itself uses is outside the guarantee.
     assert_eq!(prepared.warnings, Vec::<String>::new());
-    let program = Loader::new().expect("a run folder").load(&prepared, &["b c".into()]).expect("a program");
+    let program = Loader::new().expect("a run folder").load(&prepared, &["b c".into()], None).expect("a program");
     let host = Listener::default();
     assert_eq!(program.run(&host), 3);
     assert_eq!(host.console.take(), "b c 2 0\n");
