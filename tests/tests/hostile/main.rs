@@ -1,6 +1,6 @@
 //! The catalogue of hostile programs: each is ended in time and told, and changes no other robot's record.
 //!
-//! `cargo test` runs a sample; `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all on threads and in processes, and with
+//! `cargo test` runs a sample; `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all in processes, on threads and on fibers, and with
 //! `INSTA_UPDATE=always` besides writes the table of what each is told, docs/hostile.md.
 
 mod cases;
@@ -192,7 +192,8 @@ fn flows(case: &Case) -> &'static [&'static str] {
     match case.language {
         Language::Python => &["process"],
         _ if ONLY_APART.contains(&case.name.as_str()) => &["process"],
-        _ => &["process", "thread"],
+        Language::C | Language::C7 => &["process", "thread", "fiber"],
+        Language::Cpp | Language::Rust => &["process", "thread"],
     }
 }
 
@@ -275,18 +276,18 @@ fn the_page_lists_every_case() {
 fn page(cases: &[Case], told: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\
-         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in a process of its own and on a thread of\n\
-         `eyesim`. None hangs, none ends with exit code 0 without a whole record, and none changes the record of another robot.\n\
+         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in a process of its own, on a thread and\n\
+         on a fiber of `eyesim` (in C; on a thread where the program is not fit for a fiber). None hangs, none ends with exit code 0 without a whole record, and none changes the record of another robot.\n\
          The cells say the exit code of `eyesim`, then the outcome of robot 2 and its reason. `--exec auto`, the default, chooses a process\n\
-         for programs whose imports show that they could end or stop `eyesim`; on a thread, as `--exec thread` asks for, such a program may end\n\
-         it by a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
+         for programs whose imports show that they could end or stop `eyesim`; on a thread or fiber, as `--exec thread` or `fiber` asks for, such a\n\
+         program may end it by a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
          The table is written by `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test hostile`; the programs are in\n\
          `tests/tests/hostile/cases.rs`.\n\n\
-         | class | program | in a process | on a thread |\n|---|---|---|---|\n",
+         | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",
     );
     for (case, told) in cases.iter().zip(told) {
         let cell = |place: usize| told.get(place).map_or("", String::as_str).replace('|', "\\|").replace('<', "&lt;");
-        let _ = writeln!(page, "| {} | {} | {} | {} |", case.class, case.name, cell(0), cell(1));
+        let _ = writeln!(page, "| {} | {} | {} | {} | {} |", case.class, case.name, cell(0), cell(1), cell(2));
     }
     page
 }
