@@ -40,6 +40,9 @@ fn main() {
     if is_wanted("crowd/radio") {
         radio(is_smoke_test);
     }
+    if is_wanted("crowd/swarm") {
+        swarm(is_smoke_test);
+    }
 }
 
 /// Cost of a run.
@@ -158,14 +161,59 @@ fn radio(is_smoke_test: bool) {
     );
 }
 
+/// The swarm on each kind of flow with one worker and two: thousands of robot-steps a second, and memory.
+fn swarm(is_smoke_test: bool) {
+    /// Robots, and simulated seconds of a run.
+    const SIZES: [(usize, f64); 5] = [(1, 20_000.0), (10, 2_000.0), (100, 200.0), (1_000, 20.0), (10_000, 4.0)];
+    /// Kinds of flow, workers, and the largest swarm that is run so.
+    const WAYS: [(&str, &str, usize); 5] = [
+        ("fiber", "1", usize::MAX),
+        ("fiber", "2", usize::MAX),
+        ("thread", "1", 1_000),
+        ("thread", "2", 1_000),
+        ("process", "2", 100),
+    ];
+    let scratch = Scratch::new();
+    if !is_smoke_test {
+        println!(
+            "| robots | flows | workers | 1,000 robot-steps/s | times real time | MiB |\n|---|---|---|---|---|---|"
+        );
+    }
+    for (robots, seconds) in if is_smoke_test { &SIZES[1..2] } else { &SIZES[..] } {
+        benches::swarm::write(*robots, scratch.path()).expect("the scene can be written");
+        for (exec, workers, most) in WAYS {
+            if *robots > most {
+                continue;
+            }
+            let options = ["swarm.sim", "--exec", exec, "--threads", workers];
+            if is_smoke_test {
+                run_with(&scratch, &options, 0.5);
+                continue;
+            }
+            let seconds = if exec == "process" { seconds / 10.0 } else { *seconds };
+            let runs = (0..REPEATS).map(|_| run_with(&scratch, &options, seconds));
+            let best = runs.min_by(|a, b| a.real.total_cmp(&b.real)).expect("at least one run");
+            let steps = best.simulated / 0.05 * *robots as f64 / best.real / 1e3;
+            let (times, peak) = (best.simulated / best.real, best.peak.unwrap_or(0) as f64 / 1024.0);
+            println!("| {robots} | {exec} | {workers} | {steps:.0} | {times:.1} | {peak:.0} |");
+        }
+    }
+    if is_smoke_test {
+        println!("crowd/swarm    runs");
+    }
+}
+
 fn fastest(scratch: &Scratch, seconds: f64, repeats: usize) -> Run {
-    let runs = (0..repeats).map(|_| run(scratch, seconds));
+    let runs = (0..repeats).map(|_| run_with(scratch, &["crowd.sim"], seconds));
     runs.min_by(|a, b| a.real.total_cmp(&b.real)).expect("at least one run")
 }
 
-fn run(scratch: &Scratch, seconds: f64) -> Run {
+/// Runs a scene with these options for this many simulated seconds.
+fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
     let until = seconds.to_string();
-    let mut command = scratch.command(&["run", "crowd.sim", "--until", &until, "--speed", "max", "--report", "r.json"]);
+    let mut all = vec!["run", "--until", &until, "--speed", "max", "--report", "r.json"];
+    all.extend(options);
+    let mut command = scratch.command(&all);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("eyesim starts");
     let peak = watch(&mut child);
     let status = child.wait().expect("eyesim ends");

@@ -1,6 +1,7 @@
 //! Scenes shared by the benches.
 #![forbid(unsafe_code)]
 
+pub mod swarm;
 pub mod terrain;
 
 use accuracy::world::{self, Random};

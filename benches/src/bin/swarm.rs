@@ -1,20 +1,11 @@
-//! Writes the scene of the swarm bench: `swarm ROBOTS FOLDER` creates `FOLDER/swarm.sim`, to be run with `eyesim run`.
-//!
-//! One robot a square metre, on a grid in a square arena with walls on all sides, each with a heading of its own. The robots'
-//! type and program lie beside the sources of the benches in `swarm/`. The scene is fixed: figures of different versions of
-//! eyesim are comparable.
+//! Writes the scene of the swarm: `swarm ROBOTS FOLDER` creates `FOLDER/swarm.sim`, to be run with `eyesim run`.
 #![forbid(unsafe_code)]
 
-use std::fmt::Write as _;
+use std::env;
 use std::path::Path;
 use std::process::ExitCode;
-use std::{env, fs, io};
 
-/// Room of one robot, mm.
-const CELL: usize = 1000;
-
-/// Headings of neighbours in the list differ by the golden angle, degrees.
-const GOLDEN_ANGLE: f64 = 137.5;
+use benches::swarm;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -26,45 +17,11 @@ fn main() -> ExitCode {
         eprintln!("usage: swarm ROBOTS FOLDER");
         return ExitCode::from(2);
     };
-    match write(robots, folder) {
+    match swarm::write(robots, folder) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("cannot write to `{}`: {error}", folder.display());
             ExitCode::from(2)
         }
     }
-}
-
-fn write(robots: usize, folder: &Path) -> io::Result<()> {
-    fs::create_dir_all(folder)?;
-    for file in ["swarm.c", "swarm.robi", "swarm.toml"] {
-        fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("swarm").join(file), folder.join(file))?;
-    }
-    fs::write(folder.join("swarm.wld"), world(robots))?;
-    fs::write(folder.join("swarm.sim"), scene(robots))
-}
-
-/// Robots in a row of the grid.
-fn columns(robots: usize) -> usize {
-    robots.isqrt().max(1)
-}
-
-/// The arena: a rectangle of whole cells with a wall on each side.
-fn world(robots: usize) -> String {
-    let (width, height) = (CELL * columns(robots), CELL * robots.div_ceil(columns(robots)));
-    format!(
-        "floor {width} {height}\n0 0 {width} 0\n{width} 0 {width} {height}\n{width} {height} 0 {height}\n0 {height} 0 0\n"
-    )
-}
-
-/// The sim file: each robot in the middle of its cell.
-fn scene(robots: usize) -> String {
-    let mut sim = String::from("world swarm.wld\n");
-    for index in 0..robots {
-        let (x, y) = (CELL * (index % columns(robots)) + CELL / 2, CELL * (index / columns(robots)) + CELL / 2);
-        let heading = (index as f64 * GOLDEN_ANGLE) % 360.0;
-        // Writing to a string does not fail.
-        let _ = writeln!(sim, "robi swarm.robi swarm.c {x} {y} {heading}");
-    }
-    sim
 }
