@@ -230,7 +230,7 @@ impl RunningWorker {
 
     /// Ends the worker; false if it runs a fiber that does not come back: it is lost.
     fn join(self) -> bool {
-        const POLL_INTERVAL: Duration = Duration::from_millis(1);
+        const POLL_INTERVAL: Duration = Duration::from_micros(50);
         let Self { worker, thread } = self;
         worker.is_ending.store(true, Ordering::Release);
         worker.wake();
@@ -502,6 +502,7 @@ impl Executor for FiberExecutor {
     fn resume(&self, robot: RobotId, worker: u32) {
         let fibers = self.robot(robot);
         let Some(workers) = self.workers.get() else { return };
+        let worker = fibers.variables.as_ref().map_or(worker, |variables| variables.worker());
         let home = fibers.home.get_or_init(|| Arc::clone(&workers[worker as usize]));
         if let Some(token_holder) = fibers.token_holder() {
             home.enqueue(fibers, token_holder);
