@@ -437,3 +437,39 @@ print(RADIORelease(), RADIORelease())
         said(&trace, 1)
     );
 }
+
+#[test]
+fn what_a_robios_7_program_sent_goes_out_after_its_end() {
+    let leader = "
+        #include \"eyebot.h\"
+        int main(void)
+        {
+            int i; char text[20];
+            RADIOInit();
+            OSWait(100);
+            for (i = 0; i < 5; i++) { sprintf(text, \"go %d\", i); RADIOSend(2, text); }
+            RADIOSend(2, \"stop\");
+            RADIORelease();
+            return 0;
+        }";
+    let follower = "
+        #include \"eyebot.h\"
+        #include <string.h>
+        int main(void)
+        {
+            int id, n = 0; char text[20];
+            RADIOInit();
+            do { RADIOReceive(&id, text, 20); n++; } while (strcmp(text, \"stop\") != 0);
+            printf(\"%d\\n\", n);
+            RADIORelease();
+            return 0;
+        }";
+    for medium in ["free", "aloha"] {
+        let scratch = row(&["leader.c", "follower.c"], &format!("[radio]\nmedium = \"{medium}\"\nbaud = 9600\n"));
+        scratch.write("leader.c", leader);
+        scratch.write("follower.c", follower);
+        let (_, trace) = traced(&scratch, &["--api", "7"], 0);
+        let said = trace.iter().find(|event| event["event"] == "stdout").expect("what the follower says");
+        assert_eq!(said["text"].as_str().map(str::trim), Some("6"), "{medium}");
+    }
+}

@@ -89,15 +89,25 @@ impl Station {
     /// messages at the end of each slot). Returns the outcomes of the messages on their way; the channel reports unsent
     /// messages. Does nothing if the station is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
+        self.switch_off_after(now)
+    }
+
+    /// Switches the station off as [`Station::switch_off`], but messages whose transmission begins by `last` are sent.
+    pub fn switch_off_after(&mut self, last: Time) -> Vec<Delivery> {
         if self.member.take().is_none() {
             return Vec::new();
         }
         self.has_changed = true;
-        self.outgoing = self.outgoing.iter().filter(|it| self.goes_out(it, now)).copied().collect();
-        self.switched_off.push(SwitchedOff { robot: self.robot, at: now, last_sequence: self.last_sequence });
+        self.outgoing = self.outgoing.iter().filter(|it| self.goes_out(it, last)).copied().collect();
+        self.switched_off.push(SwitchedOff { robot: self.robot, at: last, last_sequence: self.last_sequence });
         self.inbox.clear();
         let unheard = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
         self.coming.drain(..).map(unheard).collect()
+    }
+
+    /// Start of the last transmission, if it lies after `now`, else `now`; of a token ring, which decides it later, `now`.
+    pub fn last_start(&self, now: Time) -> Time {
+        self.outgoing.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }
 
     /// Number of messages that would never be sent if the station were switched off at `now`, including all that wait

@@ -32,11 +32,22 @@ impl Robot {
 
     /// Switches the radio off, see [`Station::switch_off`]; returns the number of messages that are never sent.
     pub fn switch_radio_off(&mut self) -> usize {
+        self.switch_radio_off_after(|_, now| now)
+    }
+
+    /// Switches the radio off after it has sent its messages, see [`Station::switch_off_after`]; returns the number of messages that are
+    /// never sent: those that wait for a token.
+    pub fn retire_radio(&mut self) -> usize {
+        self.switch_radio_off_after(|station, now| station.last_start(now))
+    }
+
+    fn switch_radio_off_after(&mut self, last: impl FnOnce(&Station, Time) -> Time) -> usize {
         let now = self.now;
         self.settle_radio(now);
         let Some(station) = self.station_on() else { return 0 };
-        let unsent = station.unsent(now);
-        let unheard = station.switch_off(now);
+        let last = last(station, now);
+        let unsent = station.unsent(last);
+        let unheard = station.switch_off_after(last);
         unheard.iter().for_each(|fate| self.record_fate(now, fate));
         unsent
     }

@@ -48,9 +48,9 @@ pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
     robot.refused(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; returns the number of messages left unsent.
+/// Switches the radio off; returns the number of messages left unsent. In RoBIOS-7 messages that were sent still go out, as in EyeSim VR.
 fn switch_off(robot: &mut Robot) -> usize {
-    let unsent = robot.switch_radio_off();
+    let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);
     unsent
 }
