@@ -1,4 +1,5 @@
 //! Checks of scenes: every kind on its page, exact instants for every slot length, verdicts, messages.
+#![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a micrometre")]
 
 use std::collections::BTreeSet;
 
@@ -56,7 +57,7 @@ const CURVE: &str = "VWCurve(700, 80, 170); VWWait(); VWStraight(400, 230); VWWa
 fn verdicts_and_instants_are_the_same_for_every_slot_length() {
     // Where the curve ends, and the greatest y of the line after it, with closed forms: the robot turns left by 80 degrees.
     let turn = 80_f64.to_radians();
-    let (radius, (sin, cos)) = (0.7 / turn, sim_core::math::sin_cos(turn));
+    let (radius, (sin, cos)) = (0.7 / turn, turn.sin_cos());
     let end = [500.0 + 1e3 * radius * sin, 500.0 + 1e3 * radius * (1.0 - cos)];
     let top = [end[0] + 400.0 * cos, end[1] + 400.0 * sin];
     // Discs beside the line, at its middle: their radius is the distance from it, a little more, a little less.
