@@ -1,4 +1,5 @@
 //! Checks of scenes: every kind on its page, exact instants for every slot length, verdicts, messages.
+#![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a micrometre")]
 
 use std::collections::BTreeSet;
 
@@ -55,12 +56,13 @@ const CURVE: &str = "VWCurve(700, 80, 170); VWWait(); VWStraight(400, 230); VWWa
 #[test]
 fn verdicts_and_instants_are_the_same_for_every_slot_length() {
     // Where the curve ends, and the greatest y of the line after it, with closed forms: the robot turns left by 80 degrees.
-    let (radius, turn) = (0.7 / 80_f64.to_radians(), 80_f64.to_radians());
-    let end = [500.0 + 1e3 * radius * turn.sin(), 500.0 + 1e3 * radius * (1.0 - turn.cos())];
-    let top = [end[0] + 400.0 * turn.cos(), end[1] + 400.0 * turn.sin()];
+    let turn = 80_f64.to_radians();
+    let (radius, (sin, cos)) = (0.7 / turn, turn.sin_cos());
+    let end = [500.0 + 1e3 * radius * sin, 500.0 + 1e3 * radius * (1.0 - cos)];
+    let top = [end[0] + 400.0 * cos, end[1] + 400.0 * sin];
     // Discs beside the line, at its middle: their radius is the distance from it, a little more, a little less.
     let middle = [0.5 * (end[0] + top[0]), 0.5 * (end[1] + top[1])];
-    let beside = [middle[0] + 100.0 * turn.sin(), middle[1] - 100.0 * turn.cos()];
+    let beside = [middle[0] + 100.0 * sin, middle[1] - 100.0 * cos];
     let disc = |name: &str, radius: f64| {
         format!("[[check]]\nname = \"{name}\"\nkind = \"reach\"\nat_mm = {beside:?}\nwithin_mm = {radius:.7}\n")
     };

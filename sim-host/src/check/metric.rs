@@ -45,7 +45,9 @@ fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
         known.push_str(name);
         while !indices.is_empty() {
             let (index, rest) = indices.split_once(']').ok_or_else(|| format!("`{path}` has no `]`"))?;
-            let index: usize = index.trim().parse().map_err(|_| format!("`{index}` in `{path}` is no index from 0"))?;
+            let Ok(index) = index.trim().parse::<usize>() else {
+                return Err(format!("`{index}` in `{path}` is no index from 0"));
+            };
             let count = value.as_array().map(Vec::len);
             value = value.get(index).ok_or_else(|| match count {
                 Some(count) => format!("`{known}` has {count} entries, counted from 0"),

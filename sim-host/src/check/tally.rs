@@ -104,11 +104,11 @@ impl Count {
                     self.robot = Some(record.robot);
                 }
             }
-            (CheckKind::Prints { robot, .. }, Event::Stdout { text }) if *robot == record.robot => {
-                if self.search.as_mut().is_some_and(|search| search.take(text)) {
-                    self.number = 1;
-                    self.at = Some(record.time.seconds());
-                }
+            (CheckKind::Prints { robot, .. }, Event::Stdout { text })
+                if *robot == record.robot && self.search.as_mut().is_some_and(|search| search.take(text)) =>
+            {
+                self.number = 1;
+                self.at = Some(record.time.seconds());
             }
             (CheckKind::Event { robot, event, count, .. }, found) if *event == found.kind() && is_of(robot) => {
                 self.add(*count, record);

@@ -60,7 +60,7 @@ fn metrics_are_found_by_their_path_and_points_are_partial() {
     let passed = |path: &str, min, max| judge(&report, path, [min, max], None).share == 1.0;
     assert!(passed("robots[0].path_m", Some(2.5), Some(2.5)) && passed("sim_time_s", None, Some(10.0)));
     assert!(!passed("robots[0].path_m", Some(2.6), None) && !passed("robots[0].path_m", None, Some(2.4)));
-    for (full, zero, share) in [(2.0, 5.0, 1.0), (1.0, 4.0, 0.5), (1.0, 2.0, 0.0), (5.0, 0.0, 0.5)] {
+    for (full, zero, share) in [(3.0, 5.0, 1.0), (1.0, 4.0, 0.5), (1.0, 2.0, 0.0), (5.0, 0.0, 0.5)] {
         assert_eq!(judge(&report, "robots[0].path_m", [None; 2], Some((full, zero))).share, share);
     }
     for (path, why) in [
