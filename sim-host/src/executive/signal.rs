@@ -501,9 +501,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     let fault = Fault { signal, code, address, pc, sp };
     match block.on_fault {
         OnFault::Park(_) => {
-            if block.in_host.load(Ordering::Relaxed) {
-                interrupt::arm_last_resort();
-            }
+            interrupt::arm_last_resort();
             block.park_faulted(fault)
         }
         OnFault::Report(report) => report(block, fault),

@@ -98,14 +98,19 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         &["no RoBIOS call returned in time"],
     ),
     ("stack", "array overrun by a little", "overrun(24);", &["segmentation fault", "illegal"]),
-    ("stack", "array overrun far", "overrun(6000);", &["segmentation fault", "makes no sense"]),
+    (
+        "stack",
+        "array overrun far",
+        "overrun(6000);",
+        &["beyond the top of its stack", "segmentation fault", "makes no sense"],
+    ),
     ("stack", "array overrun, protected", "smash(24);", &["stack smashed"]),
     ("stack", "array overrun far, protected", "smash(600);", &["stack smashed"]),
     (
         "stack",
         "array overrun into the host, protected",
         "smash(6000);",
-        &["stack smashed", "makes no sense", "has overwritten"],
+        &["beyond the top of its stack", "stack smashed", "makes no sense", "has overwritten"],
     ),
     (
         "stack",
@@ -417,7 +422,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     (
         "calls",
         "text without an end",
-        "{ char *p = mmap(0, 4096, 3, 34, -1, 0); memset(p, 'x', 4096); LCDPutString(p); }",
+        "{ char *p = mmap(0, 8192, 3, 34, -1, 0); memset(p, 'x', 8192); mprotect(p + 4096, 4096, 0); LCDPutString(p); }",
         &["segmentation fault"],
     ),
     ("calls", "format of a wild string", "LCDPrintf(\"%s\", (char *)16);", &["segmentation fault at address 0x1"]),
