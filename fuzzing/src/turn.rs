@@ -36,22 +36,31 @@ impl Robios7 for Robot {}
 ///
 /// The host must answer each message or give the process up, with a reason.
 pub fn turn(input: &[u8]) {
+    let (is_over, program) = (AtomicBool::new(false), Arc::clone(&PROGRAM));
     // The process does nothing by itself: this process writes its channel.
     let mut command = Command::new("sleep");
     command.arg("1000");
     let child = Child::start(command).expect("the system has room for a process");
     let path = format!("/proc/{}/fd/0", child.pid());
     let file = File::options().read(true).write(true).open(path).expect("the channel of a process that lives");
-    let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| write_records(&file, input, &is_over));
-        match RemoteProgram::new(child, Arc::clone(&PROGRAM), &["argument".to_owned()]) {
+        let _over = Over(&is_over);
+        match RemoteProgram::new(child, program, &["argument".to_owned()]) {
             Ok(program) => serve(&program),
             Err(LoadRefusal::Broken(why)) => assert!(!why.is_empty(), "given up without a reason"),
             Err(LoadRefusal::Linker(_) | LoadRefusal::Incompatible(_)) => {}
         }
-        is_over.store(true, Ordering::Release);
     });
+}
+
+/// Sets its variable when dropped, also by a panic.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
 }
 
 /// Runs the program to its end and looks at all that is known of it then.
@@ -101,7 +110,7 @@ fn record(input: &[u8]) -> Option<(&[u8], &[u8])> {
 static PROGRAM: LazyLock<Arc<Prepared>> = LazyLock::new(|| {
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the kernel lists the mappings");
     let library = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
-    let library = library.into_iter().find(|path| path.contains("/libc.so")).expect("the C library is mapped");
+    let library = library.into_iter().find(|path| path.contains("/ld-linux")).expect("the dynamic linker is mapped");
     let image = ProgramImage::read(Path::new(&library), None).unwrap_or_else(|error| panic!("{error}"));
     Arc::new(Prepared {
         name: "program".to_owned(),

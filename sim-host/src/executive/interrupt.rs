@@ -81,8 +81,8 @@ pub(super) fn take_back(is_of_program: impl Fn(usize) -> bool) {
     }
 }
 
-/// Ends this process if a run does not end within this time after a program has broken while the host worked on its thread: the program
-/// has harmed the host, and locks may be held for ever. Our choice.
+/// Time in seconds without a sign of life of the supervisor after a program has broken on a thread of the host: the program has harmed
+/// the host then, and locks may be held for ever. Our choice.
 const LAST_RESORT_TIMEOUT: libc::time_t = 10;
 
 /// The kernel's timer behind [`arm_last_resort`].
@@ -128,7 +128,8 @@ impl LastResort {
     }
 }
 
-/// Ends the process of a binary with a message if [`disarm_last_resort`] does not follow in time. Async-signal-safe.
+/// Ends the process of a binary with a message unless this function is called again, or [`disarm_last_resort`], in time.
+/// Async-signal-safe.
 pub(super) fn arm_last_resort() {
     LAST_RESORT.set(LAST_RESORT_TIMEOUT);
 }

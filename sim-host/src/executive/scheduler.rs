@@ -282,6 +282,9 @@ impl Scheduler {
             }
             let wait = if left.is_zero() { POLL_INTERVAL } else { left.clamp(SHORTEST_WAIT, POLL_INTERVAL) };
             self.run.notifier().wait(wait);
+            if !self.broken.is_empty() {
+                interrupt::arm_last_resort();
+            }
             for (id, broken) in self.run.executor().broken() {
                 self.handle_broken(id, broken, deadline);
             }

@@ -565,7 +565,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
     let code = if code == libc::SI_USER { -1 } else { code };
     let fault = Fault { signal, code, address, pc, sp };
-    if !matches!(block.on_fault, OnFault::Report(_)) && block.in_host.load(Ordering::Relaxed) {
+    if !matches!(block.on_fault, OnFault::Report(_)) {
         interrupt::arm_last_resort();
     }
     match &block.on_fault {

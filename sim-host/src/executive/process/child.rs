@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
-use robios_sys::wire::Reader;
+use robios_sys::wire::{Malformed, Reader};
 
 use super::channel::{Channel, Channels, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
@@ -415,14 +415,14 @@ impl Child {
             let words = body.rest().chunks_exact(8).take(SEARCH);
             let words = words.map(|word| word.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)));
             if signal == 0 {
-                return Ok(self.broken(&text));
+                return if text.trim().is_empty() { Err(Malformed) } else { Ok(self.broken(&text)) };
             }
             let fault = Fault { signal, code, address: address as usize, pc: pc as usize, sp: 0 };
             let last_call = self.last_call.load(Ordering::Relaxed);
             let broken = Broken::new(fault, [low as usize, high as usize], last_call, words.collect());
-            Ok::<_, robios_sys::wire::Malformed>(Broken { place: text, ..broken })
+            Ok(Broken { place: text, ..broken })
         };
-        parse().unwrap_or_else(|_malformed| self.broken("its process broke, and did not say how"))
+        parse().unwrap_or_else(|Malformed| self.broken("its process broke, and did not say how"))
     }
 }
 

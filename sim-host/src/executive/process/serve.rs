@@ -60,6 +60,7 @@ impl RemoteProgram {
                 Err(match what {
                     refusal::LINKER => LoadRefusal::Linker(text),
                     refusal::INCOMPATIBLE => LoadRefusal::Incompatible(text),
+                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().what),
                     _ => LoadRefusal::Broken(text),
                 })
             }
