@@ -207,6 +207,24 @@ fn schema_and_reader_know_the_same_keys() {
         .map(|kind| object(&format!("collider = {{ kind = \"{kind}\", zzz = 1 }}")));
     let echoes =
         ["laser", "ultrasonic", "reflectance"].map(|kind| robot(&format!("{kind} = [{{ name = \"a\", zzz = 1 }}]")));
+    let checks = [
+        "reach",
+        "visits",
+        "stays_in",
+        "laps",
+        "clearance",
+        "follows_wall",
+        "coverage",
+        "odometry_error",
+        "contacts",
+        "metric",
+        "prints",
+        "outcome",
+        "event",
+        "calls",
+        "message",
+    ]
+    .map(|kind| format!("[[check]]\nkind = \"{kind}\"\nzzz = 1"));
     let noise = |section: &str| format!("[scene.noise.{section}]\nzzz = 1");
     let function = |name| format!("[world.terrain]\nfunction = \"{name}\"\nzzz = 1");
     let cases: &[(&str, Vec<String>)] = &[
@@ -228,6 +246,7 @@ fn schema_and_reader_know_the_same_keys() {
         ("SettingsForm", vec!["[settings]\nzzz = 1".into()]),
         ("RobotForm", vec!["[[robot]]\nzzz = 1".into()]),
         ("ObjectForm", vec!["[[object]]\nzzz = 1".into()]),
+        ("CheckForm", checks.to_vec()),
         ("MarkerForm", vec!["[[marker]]\nzzz = 1".into()]),
         ("LayoutForm", layouts.to_vec()),
         ("RobotTypeForm", vec![robot("zzz = 1")]),

@@ -24,22 +24,7 @@ pub struct ProgramImage {
     path: PathBuf,
     source_folder: Option<PathBuf>,
     bytes: Vec<u8>,
-    /// Length of the mapped part of the file: up to the end of the last loaded segment.
-    loaded_len: usize,
-    /// Addresses of the loaded segments, relative to the base.
-    span: Range<usize>,
-    mappings: usize,
-    read_only: Vec<ReadOnlySegment>,
-    description: Option<Description>,
-    undefined: Vec<String>,
-    /// Number of functions that the dynamic linker calls when the library is unloaded.
-    destructors: usize,
-    /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
-    has_resolvers: bool,
-    /// See [`ProgramImage::why_thread_bound`].
-    thread_bound: Option<String>,
-    /// Places of its variables, relative to the base.
-    variables: Vec<Range<usize>>,
+    parts: ImageParts,
     /// Debug information, read when a line is first requested; the inner `None` means that there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
@@ -133,39 +118,12 @@ impl ProgramImage {
             let broken = |what: object::Error| ImageError::Broken { path: path.to_owned(), what: what.to_string() };
             constructors::hide(&mut bytes).map_err(broken)?;
         }
-        let ImageParts {
-            loaded_len,
-            span,
-            mappings,
-            read_only,
-            description,
-            undefined,
-            destructors,
-            has_resolvers,
-            thread_bound,
-            variables,
-        } = parts;
         let source_folder = source_folder.map(|folder| {
             // A source that is named without a folder is in the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned())
         });
-        Ok(Self {
-            path: path.to_owned(),
-            source_folder,
-            bytes,
-            loaded_len,
-            span,
-            mappings,
-            read_only,
-            description,
-            undefined,
-            destructors,
-            has_resolvers,
-            thread_bound,
-            variables,
-            lines: OnceLock::new(),
-        })
+        Ok(Self { path: path.to_owned(), source_folder, bytes, parts, lines: OnceLock::new() })
     }
 
     /// The library's file, with its debug information.
@@ -182,7 +140,7 @@ impl ProgramImage {
     ///
     /// The header of this copy names no sections, since their table is cut off.
     pub fn loaded_part(&self) -> Vec<u8> {
-        let mut bytes = self.bytes[..self.loaded_len].to_vec();
+        let mut bytes = self.bytes[..self.parts.loaded_len].to_vec();
         // e_shoff (8 bytes), e_shnum and e_shstrndx (2 bytes each) of a 64-bit header: ELF-64 Object File Format 1.5.
         for field in [0x28..0x30, 0x3c..0x40] {
             bytes[field].fill(0);
@@ -192,52 +150,52 @@ impl ProgramImage {
 
     /// Addresses of the loaded segments, relative to the base at which a copy is loaded.
     pub fn span(&self) -> Range<usize> {
-        self.span.clone()
+        self.parts.span.clone()
     }
 
     /// Number of memory mappings of one copy: one for each loaded segment, and those that the dynamic linker splits off: variables
     /// that start as zero, the part that is read-only after loading, gaps between segments.
     pub fn mappings(&self) -> usize {
-        self.mappings
+        self.parts.mappings
     }
 
     /// The segments that are identical in every copy: not writable, changed by no relocation, alone in their pages.
     pub fn read_only_segments(&self) -> &[ReadOnlySegment] {
-        &self.read_only
+        &self.parts.read_only
     }
 
     /// The library's description; `None` if it is no robot program.
     pub fn description(&self) -> Option<Description> {
-        self.description
+        self.parts.description
     }
 
     /// Functions and variables that the library imports, sorted.
     pub fn undefined(&self) -> &[String] {
-        &self.undefined
+        &self.parts.undefined
     }
 
     /// Returns true if code of the library runs while the dynamic linker loads it, because it has IFUNC symbols.
     pub fn has_resolvers(&self) -> bool {
-        self.has_resolvers
+        self.parts.has_resolvers
     }
 
     /// Returns true if a copy can be unmapped once its program has returned. As far as its imports tell, the program then has started no
     /// thread and registered no function or memory with the C library, and it has no destructors besides those of the compiler's start
     /// files and of the shim. The dynamic linker itself keeps a copy as long as destructors of thread-locals are pending.
     pub fn can_unmap(&self) -> bool {
-        let is_rust = self.description.is_some_and(|description| description.language == language::RUST);
+        let is_rust = self.parts.description.is_some_and(|description| description.language == language::RUST);
         // Rust's standard library imports these for executables only, or to look up newer functions.
         let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
         let keeps = |name: &String| RETAINING_FUNCTIONS.contains(&name.as_str()) && !is_unused(name);
-        self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
+        self.parts.destructors <= OWN_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
     }
 
     /// Places of the variables, relative to the base, if robots on one worker can share a copy: their flows can share a thread, the copy
     /// can be unmapped, and the variables are few enough to be copied at each change of the robot.
     pub fn shared_variables(&self) -> Option<&[Range<usize>]> {
-        let len: usize = self.variables.iter().map(Range::len).sum();
+        let len: usize = self.parts.variables.iter().map(Range::len).sum();
         (self.why_thread_bound().is_none() && self.can_unmap() && (1..=MAX_SHARED_VARIABLES).contains(&len))
-            .then_some(&self.variables)
+            .then_some(&self.parts.variables)
     }
 
     /// Reason why several flows of this program cannot share a thread, without its subject, ``calls `gettid`, ...``; `None` if they can.
@@ -245,7 +203,7 @@ impl ProgramImage {
     /// a switch saves: the program is in C, has no thread-local variables, uses no libraries but those of C, and calls no function whose
     /// effect is on its thread.
     pub fn why_thread_bound(&self) -> Option<&str> {
-        self.thread_bound.as_deref()
+        self.parts.thread_bound.as_deref()
     }
 
     /// The line of the source at `offset` from the base, if the debug information contains it.
@@ -254,7 +212,7 @@ impl ProgramImage {
     /// the innermost one in the program's own folder. Allocates; safe to call after a program has faulted, as the host does not
     /// use the C library's heap.
     pub fn source_line(&self, offset: usize) -> Option<SourceLine> {
-        if !self.span.contains(&offset) {
+        if !self.parts.span.contains(&offset) {
             return None;
         }
         let lines = self.lines.get_or_init(|| addr2line::Loader::new(&self.path).ok().map(Mutex::new)).as_ref()?.lock();
@@ -308,7 +266,7 @@ impl ProgramImage {
 
 impl std::fmt::Debug for ProgramImage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ProgramImage").field("path", &self.path).field("loaded_len", &self.loaded_len).finish()
+        f.debug_struct("ProgramImage").field("path", &self.path).field("loaded_len", &self.parts.loaded_len).finish()
     }
 }
 
@@ -395,16 +353,23 @@ const THREAD_BOUND_FUNCTIONS: &[&str] = &[
 /// Number of destructors in the compiler's start files and in the shim, which closes the console.
 const OWN_DESTRUCTORS: usize = 2;
 
+/// What the headers and tables of a library tell.
 struct ImageParts {
+    /// Length of the mapped part of the file: up to the end of the last loaded segment.
     loaded_len: usize,
+    /// Addresses of the loaded segments, relative to the base.
     span: Range<usize>,
     mappings: usize,
     read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
+    /// Number of functions that the dynamic linker calls when the library is unloaded.
     destructors: usize,
+    /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
     has_resolvers: bool,
+    /// See [`ProgramImage::why_thread_bound`].
     thread_bound: Option<String>,
+    /// Places of its variables, relative to the base.
     variables: Vec<Range<usize>>,
 }
 
