@@ -20,7 +20,7 @@ pub enum Exec {
     /// In a process of its own where its imports show that it could end or stop the host, else on a fiber, or a thread as below.
     Auto,
     /// On a fiber of the host; on a thread if it could end the host, or if something of it belongs to its thread
-    /// ([`Prepared::why_thread_bound`]).
+    /// ([`why_thread_bound`](crate::program::prepare::Prepared::why_thread_bound)).
     #[default]
     Fiber,
     /// On a thread of the host.

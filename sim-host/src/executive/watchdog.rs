@@ -32,7 +32,7 @@ pub struct FlowSample {
     pub processor_time: Duration,
     /// The flow sleeps in the kernel.
     pub is_asleep: bool,
-    /// The flow imports a module, which may take [`IMPORT_TIMEOUT_FACTOR`] times as long as anything else.
+    /// The flow imports a module, which may take twelve times as long as anything else.
     pub is_importing: bool,
     /// Processor time of earlier imports, which does not count. The program's process says so and may lie.
     pub imports: Duration,

@@ -131,7 +131,7 @@ impl ProgramImage {
         &self.path
     }
 
-    /// All bytes of the file, with the constructors of a Rust program [hidden](constructors::hide).
+    /// All bytes of the file, with the constructors of a Rust program hidden from the dynamic linker.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
