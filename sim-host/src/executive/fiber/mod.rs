@@ -64,6 +64,10 @@ struct Worker {
     /// Provides the thread's alternate stack, which the fibers use.
     block: FlowBlock,
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
+    /// Length of the queue.
+    queued: AtomicUsize,
+    /// It waits in the kernel, which takes microseconds to wake it.
+    is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
@@ -193,6 +197,8 @@ impl RunningWorker {
         let worker = Arc::new(Worker {
             block: FlowBlock::notifying(Arc::clone(notifier)),
             queue: Mutex::default(),
+            queued: AtomicUsize::new(0),
+            is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
@@ -232,7 +238,7 @@ impl RunningWorker {
     fn join(self) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(50);
         let Self { worker, thread } = self;
-        worker.is_ending.store(true, Ordering::Release);
+        worker.is_ending.store(true, Ordering::SeqCst);
         worker.wake();
         let start = Instant::now();
         while !thread.is_finished() {
@@ -258,8 +264,11 @@ impl Worker {
 
     /// Lets `fiber` of `robot` run after those that wait already.
     fn enqueue(&self, robot: &Arc<RobotFibers>, fiber: Arc<Fiber>) {
-        self.queue.lock().push_back((Arc::clone(robot), fiber));
-        if WORKER.get() != ptr::from_ref(self) {
+        let mut queue = self.queue.lock();
+        queue.push_back((Arc::clone(robot), fiber));
+        self.queued.store(queue.len(), Ordering::SeqCst);
+        drop(queue);
+        if self.is_parked.load(Ordering::SeqCst) {
             self.wake();
         }
     }
@@ -267,13 +276,41 @@ impl Worker {
     /// Runs fibers until the worker ends.
     fn run(&self) {
         loop {
-            let next = self.queue.lock().pop_front();
-            match next {
-                Some((robot, fiber)) => self.advance(&robot, &fiber),
-                None if self.is_ending.load(Ordering::Acquire) => return,
-                None => thread::park(),
+            if let Some((robot, fiber)) = self.next() {
+                self.advance(&robot, &fiber);
+            } else if self.is_ending.load(Ordering::SeqCst) {
+                return;
+            } else {
+                self.wait();
             }
         }
+    }
+
+    /// Takes the first fiber from the queue.
+    fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
+        let mut queue = self.queue.lock();
+        let first = queue.pop_front();
+        self.queued.store(queue.len(), Ordering::SeqCst);
+        first
+    }
+
+    /// Waits until a fiber is in the queue or the worker is to end: a short time awake, since the next slot of a few robots begins
+    /// sooner than the kernel could wake a thread, then in the kernel.
+    fn wait(&self) {
+        /// Turns of a wait, some tens of microseconds.
+        const SPINS: usize = 1000;
+        let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
+        for _ in 0..SPINS {
+            if is_over() {
+                return;
+            }
+            std::hint::spin_loop();
+        }
+        self.is_parked.store(true, Ordering::SeqCst);
+        if !is_over() {
+            thread::park();
+        }
+        self.is_parked.store(false, Ordering::SeqCst);
     }
 
     /// Runs `fiber` until it suspends itself, ends or faults.
