@@ -36,7 +36,8 @@ impl Broken {
     pub(super) fn new(fault: Fault, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
         let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
-        let near_guard = low > 0 && is_deep && (low.saturating_sub(GUARD)..low.saturating_add(GUARD)).contains(&fault.address);
+        let near_guard =
+            low > 0 && is_deep && (low.saturating_sub(GUARD)..low.saturating_add(GUARD)).contains(&fault.address);
         let what = match fault.signal {
             OVERDUE_SIGNAL => "no RoBIOS call returned in time".into(),
             EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
