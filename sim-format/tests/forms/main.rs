@@ -259,6 +259,7 @@ fn schema_and_reader_know_the_same_keys() {
         ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]")]),
         ("InfraredForm", vec![robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
         ("LinkForm", vec![robot("link = [{ name = \"a\", zzz = 1 }]")]),
+        ("HullForm", vec![robot("drive = { kind = \"thrusters\" }\nhull = { zzz = 1 }")]),
         ("LegsForm", vec![legged("legs = { zzz = 1 }")]),
         ("GaitForm", vec![legged("legs = { gait = [{ zzz = 1 }] }")]),
         ("LegForm", vec![legged("leg = [{ zzz = 1 }]")]),
