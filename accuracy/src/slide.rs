@@ -39,14 +39,14 @@ impl Case {
     pub fn by_steps(&self, seconds: f64, steps: u64) -> DVec2 {
         let step = seconds / steps as f64;
         let mut centre = self.start.position;
-        let mut velocity = self.push(0.0);
+        let mut velocity = self.free_velocity(0.0);
         for index in 0..steps {
             let (mut from, end) = (index as f64 * step, (index + 1) as f64 * step);
             // The disc reaches no more than eight walls within one step.
             for _ in 0..8 {
                 let left = end - from;
-                velocity = self.settle(centre, self.push(from + 0.5 * left), velocity, left);
-                let part = self.clear_part(centre, velocity * left);
+                velocity = self.constrained_velocity(centre, self.free_velocity(from + 0.5 * left), velocity, left);
+                let part = self.free_share(centre, velocity * left);
                 centre += velocity * (part * left);
                 from += part * left;
                 if part == 1.0 {
@@ -67,7 +67,7 @@ impl Case {
     }
 
     /// Velocity of the centre after `seconds` if no wall hinders the disc, world frame, m/s.
-    pub fn push(&self, seconds: f64) -> DVec2 {
+    pub fn free_velocity(&self, seconds: f64) -> DVec2 {
         let (sin, cos) = math::sin_cos(self.twist.omega * seconds);
         let heading = self.start.heading.direction().rotate(DVec2::new(cos, sin));
         heading.rotate(DVec2::new(self.twist.vx, self.twist.vy))
@@ -78,7 +78,7 @@ impl Case {
     }
 
     /// Share of the displacement `way`, 0 to 1, after which the disc reaches the first of the walls whose gap is open.
-    fn clear_part(&self, centre: DVec2, way: DVec2) -> f64 {
+    fn free_share(&self, centre: DVec2, way: DVec2) -> f64 {
         let mut part = 1.0;
         for wall in &self.walls {
             let gap = self.gap(wall, centre);
@@ -99,9 +99,9 @@ impl Case {
         part
     }
 
-    /// Velocity in a step from `centre` on: `push`, plus a slip over the floor in the direction of the forces at the
+    /// Velocity in a step from `centre` on: `free_velocity`, plus a slip over the floor in the direction of the forces at the
     /// contacts.
-    fn settle(&self, centre: DVec2, push: DVec2, before: DVec2, step: f64) -> DVec2 {
+    fn constrained_velocity(&self, centre: DVec2, free: DVec2, before: DVec2, step: f64) -> DVec2 {
         struct Contact {
             normal: DVec2,
             gap: f64,
@@ -118,7 +118,7 @@ impl Case {
                 contacts.push(Contact { normal, gap, roll: self.twist.omega * offset.length(), force: DVec2::ZERO });
             }
         }
-        let mut velocity = push;
+        let mut velocity = free;
         for _ in 0..ROUNDS {
             let mut change: f64 = 0.0;
             for contact in &mut contacts {

@@ -66,8 +66,8 @@ impl Audio<'_> {
     /// # Errors
     /// [`Error::Refused`] if nothing can be recorded.
     #[track_caller]
-    pub fn record(&self, room: &mut [u8], rate: Frequency) -> Result<Frequency> {
-        let rate: i32 = robios!(self.0, AURecordSample(ByteBuffer::from(room), rate.as_hertz().round() as i64));
+    pub fn record(&self, buffer: &mut [u8], rate: Frequency) -> Result<Frequency> {
+        let rate: i32 = robios!(self.0, AURecordSample(ByteBuffer::from(buffer), rate.as_hertz().round() as i64));
         rate_of("AURecordSample", Device::Microphone, rate)
     }
 

@@ -177,7 +177,7 @@ pub unsafe fn run<M: Machine, O: Outcome>(
 /// # Safety
 /// As for [`run`].
 pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
-    reader: call_site::Recorder,
+    recorder: call_site::Recorder,
     host: *const Host,
     context: *mut c_void,
     argc: c_int,
@@ -188,7 +188,7 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     // SAFETY: the caller vouches for the arguments.
     let arguments = unsafe { arguments(argc, argv) };
     // SAFETY: the caller vouches for host and context, and the robot is closed below.
-    let robot = unsafe { Robot::new(host, context, arguments, reader) };
+    let robot = unsafe { Robot::new(host, context, arguments, recorder) };
     let code = catch_failure(&robot, || main(&M::of(&robot)).failure());
     robot.end_tasks();
     robot.close();

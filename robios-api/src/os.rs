@@ -156,7 +156,7 @@ fn device_of(entry: &HDTEntry) -> Option<Device> {
 }
 
 /// Text that a call has written to a buffer, with the length that the call has returned.
-pub(crate) fn text_of(room: &[u8], len: i32) -> String {
-    let len = usize::try_from(len).unwrap_or(0).min(room.len());
-    String::from_utf8_lossy(&room[..len]).into_owned()
+pub(crate) fn text_of(buffer: &[u8], len: i32) -> String {
+    let len = usize::try_from(len).unwrap_or(0).min(buffer.len());
+    String::from_utf8_lossy(&buffer[..len]).into_owned()
 }

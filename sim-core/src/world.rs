@@ -32,7 +32,7 @@ pub use lifetime::Lifetime;
 pub use objects::ObjectStep;
 use objects::Objects;
 pub use ray::{HitSurface, Ray, RayHit, Tilt};
-use settle::{Settling, Truth};
+use settle::{ContactResolution, TrueMotions};
 use space::IndexedSpace;
 pub use space::{Space, ThickWall};
 pub use touch::{LegClearance, LegContact};
@@ -84,7 +84,7 @@ pub struct World {
     forgotten: usize,
     /// Buffer for the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
-    truth: Truth,
+    truth: TrueMotions,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
     /// Geometry that only rays in space meet.
@@ -131,7 +131,7 @@ impl World {
             resting: BoundsIndex::default(),
             forgotten: 0,
             bounds: Vec::new(),
-            truth: Truth::default(),
+            truth: TrueMotions::default(),
             objects: None,
             indexed_space,
             quiescence: Quiescence::default(),
@@ -402,7 +402,7 @@ impl World {
         active.sort_by_key(|motion| motion.id());
         let mut truth = std::mem::take(&mut self.truth);
         let mut objects = self.objects.take();
-        Settling::new(&mut truth, self, active).run(objects.as_deref_mut());
+        ContactResolution::new(&mut truth, self, active).run(objects.as_deref_mut());
         self.objects = objects;
         let mut contacts = Vec::new();
         for motion in active.iter_mut() {
@@ -417,7 +417,7 @@ impl World {
         }
         contacts.sort_by_key(|contact| (contact.time, contact.robot));
         if active.iter().any(|motion| motion.blocker().is_some()) {
-            Settling::new(&mut truth, self, active).resume();
+            ContactResolution::new(&mut truth, self, active).resume();
         }
         self.truth = truth;
         self.now = end;

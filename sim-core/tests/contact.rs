@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use accuracy::{oracle, world::Random};
 use glam::DVec2;
 use sim_core::{
-    contact::{Path, Rolling, SKIN, TOUCH, first_contact, first_touch},
+    contact::{MovingDisc, Path, SKIN, TOUCH, first_contact, first_touch},
     pose::{Pose, Twist},
     scene::{Bounds, Segment},
 };
@@ -179,7 +179,7 @@ fn two_moving_discs_touch_where_sampling_says() {
             let omega = if random.chance(0.3) { 0.0 } else { random.between(-8.0, 8.0) };
             let twist = Twist { vx: random.between(-1.0, 1.0), vy: random.between(-0.3, 0.3), omega };
             let path = if random.chance(0.1) { Path::resting(pose.position) } else { Path::new(&pose, twist) };
-            Rolling { path, elapsed: random.between(0.0, 1.0), radius: random.between(0.02, 0.3) }
+            MovingDisc { path, elapsed: random.between(0.0, 1.0), radius: random.between(0.02, 0.3) }
         };
         let (a, b) = (disc(), disc());
         let gap = |t: f64| {

@@ -285,7 +285,7 @@ fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
             let centre = motion.pose(at).position;
             let (before, after) = (motion.pose(at - Time(1)).position, motion.pose(at + Time(1)).position);
             let velocity = (after - before) / 2e-6;
-            let slip = case.push(at.seconds()) - velocity;
+            let slip = case.free_velocity(at.seconds()) - velocity;
             let near = |wall: &&Segment| (centre - wall.nearest_point(centre)).length() < RADIUS + 2.0 * SKIN;
             let touched: Vec<&Segment> = case.walls.iter().filter(near).collect();
             let [wall] = touched[..] else { continue };

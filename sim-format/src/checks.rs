@@ -10,7 +10,7 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{BodyRef, CheckKind, SceneSpec};
 
 /// Greatest number of squares of an area. Our choice.
-const MOST_SQUARES: f64 = 1e6;
+const MAX_SQUARES: f64 = 1e6;
 
 /// Mistakes in the checks of a scene whose robots and objects are known.
 pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
@@ -46,7 +46,7 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
                 None => scene.world.floor,
             };
             let squares = (size / *cell).ceil().element_product();
-            if squares > MOST_SQUARES {
+            if squares > MAX_SQUARES {
                 let message = format!("the area has {squares:.0} squares");
                 sink.error(Code::NumberRange, check.span, message, "at most a million: a greater `cell_mm`");
             }

@@ -104,7 +104,7 @@ impl<'s> Reference<'s> {
             let mut faces = faces.peekable();
             std::iter::from_fn(move || {
                 faces.peek()?;
-                Some(Body::new(number, part.label, faces.by_ref().take(IN_A_BALL).collect()))
+                Some(Body::new(number, part.label, faces.by_ref().take(FACES_PER_SPHERE).collect()))
             })
         });
         let bodies: Vec<Body> = bodies.collect();
@@ -138,23 +138,23 @@ impl<'s> Reference<'s> {
             return vec![sight(nothing, [0.0; 3], false)];
         };
         let origin = view.world_from_camera().position;
-        let mut met: Vec<(f64, Met)> = Vec::new();
+        let mut met: Vec<(f64, Hit)> = Vec::new();
         for body in self.bodies.iter().filter(|body| !body.is_own && body.may_be_met(origin, ray)) {
             for face in body.faces.iter().filter(|face| (origin - face.corners[0]).dot(face.normal).abs() > EDGE_ON) {
-                let distance = oracle::distance_to_triangle(&face.corners, origin, ray, WIDER);
-                met.extend(distance.map(|metres| (metres, Met::Face(body, face))));
+                let distance = oracle::distance_to_triangle(&face.corners, origin, ray, FACE_MARGIN);
+                met.extend(distance.map(|metres| (metres, Hit::Face(body, face))));
             }
         }
         if self.posed.scenery().ground().is_some() && origin.z > 0.0 && ray.z < 0.0 {
-            met.push((origin.z / -ray.z, Met::Ground));
+            met.push((origin.z / -ray.z, Hit::Ground));
         }
         met.sort_by(|one, other| one.0.total_cmp(&other.0));
         let reach = met.first().map_or(0.0, |nearest| nearest.0 * (1.0 + slack));
         let near = met.into_iter().take_while(|(metres, _)| *metres <= reach);
         let mut sights: Vec<Sight> = near
             .map(|(metres, met)| match met {
-                Met::Ground => self.ground(view, at, metres),
-                Met::Face(body, face) => self.face(view, at, body, face, metres),
+                Hit::Ground => self.ground(view, at, metres),
+                Hit::Face(body, face) => self.face(view, at, body, face, metres),
             })
             .collect();
         if sights.is_empty() {
@@ -252,7 +252,7 @@ impl<'s> Reference<'s> {
         let light = self.posed.scenery().light();
         let is_met = |body: &Body, face: &Face| {
             of != Some((body.part, face.number))
-                && oracle::distance_to_triangle(&face.corners, point, light.towards, WIDER)
+                && oracle::distance_to_triangle(&face.corners, point, light.towards, FACE_MARGIN)
                     .is_some_and(|metres| metres > NO_SHADOW)
         };
         !light.shadows
@@ -299,18 +299,18 @@ impl<'s> Reference<'s> {
 }
 
 /// Distance by which faces are widened, m, so that no ray slips between two faces that share an edge.
-const WIDER: f64 = 1e-9;
+const FACE_MARGIN: f64 = 1e-9;
 /// Distance of a camera from a face's plane, m, below which the face is seen edge-on, i.e. not at all.
 const EDGE_ON: f64 = 1e-9;
 /// Number of consecutive faces of a mesh that share a bounding sphere.
-const IN_A_BALL: usize = 12;
+const FACES_PER_SPHERE: usize = 12;
 /// Distance from a surface, m, within which nothing casts a shadow on it, so that faces sharing an edge with the
 /// surface do not.
 const NO_SHADOW: f64 = 1e-6;
 /// Longest footprint in an image, in probes.
 const PROBES: f64 = 2.0;
 
-enum Met<'a, 's> {
+enum Hit<'a, 's> {
     Ground,
     Face(&'a Body<'s>, &'a Face<'s>),
 }

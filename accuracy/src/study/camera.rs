@@ -27,7 +27,7 @@ fn run(effort: Effort) -> Outcome {
         let posed = scenery.pose_at(&world::empty(), Time::ZERO);
         let settings = SETTINGS.map(|setting| row(&posed, shadows, setting, effort));
         rows.extend(settings);
-        rows.push(by_all(&posed, shadows));
+        rows.push(brute_force(&posed, shadows));
     }
     rows.into()
 }
@@ -90,7 +90,7 @@ fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), ef
 }
 
 /// Brute force: one ray per pixel and another for shadows, each tested against all faces.
-fn by_all(posed: &PosedScenery, shadows: bool) -> Row {
+fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
     let (views, reference) = (views(size), Reference::new(posed, None));
     let look = |view: &View, [column, row]: [u32; 2]| reference.pixel(view, column, row, 1).unwrap_or_default();
@@ -122,9 +122,9 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 14);
         for rows in rows.chunks(7) {
-            let [of_one, of_four, by_all] = [1, 5, 6].map(|place| rows[place].error);
+            let [of_one, of_four, brute_force] = [1, 5, 6].map(|place| rows[place].error);
             assert!(of_four < 0.5 * of_one, "{of_four} for {of_one}");
-            assert!((of_one - by_all).abs() < 0.5, "rounded to whole levels: {of_one}, {by_all}");
+            assert!((of_one - brute_force).abs() < 0.5, "rounded to whole levels: {of_one}, {brute_force}");
         }
     }
 }

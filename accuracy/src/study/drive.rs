@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn the_closed_form_is_off_by_one_and_the_same_at_every_slot_and_euler_by_more_the_longer() {
+    fn the_closed_form_has_one_error_at_every_slot_and_that_of_euler_grows_with_it() {
         // The second drive is a curve.
         let course = Course(Course::ten_minutes().0[1..].to_vec()).first(2);
         let rows = drives(&course, Effort::Quick);

@@ -39,11 +39,11 @@ const RANGE: f64 = 100.0;
 
 fn run(effort: Effort) -> Outcome {
     let span = Time::from_millis(1_000 * effort.of(60) as i64);
-    let measure = |method: &str, sight: Sight| {
+    let measure = |method: &str, state: TargetState| {
         let rows = SLOTS_MS.map(|slot_ms| {
             let slot = Time::from_millis(slot_ms);
             let mut error = 0.0;
-            let time_ns = nanoseconds(3, 1, || error = errors(slot, span, sight).root_mean_square());
+            let time_ns = nanoseconds(3, 1, || error = errors(slot, span, state).root_mean_square());
             Row {
                 study: STUDY.name,
                 method: method.to_owned(),
@@ -56,14 +56,16 @@ fn run(effort: Effort) -> Outcome {
         });
         rows.to_vec()
     };
-    [measure("published plan", Sight::Plan), measure("frozen at the slot's start", Sight::Frozen)].concat().into()
+    [measure("published plan", TargetState::Published), measure("frozen at the slot's start", TargetState::Frozen)]
+        .concat()
+        .into()
 }
 
 /// State of the target that the sensor sees.
 #[derive(Clone, Copy)]
-enum Sight {
+enum TargetState {
     /// Published motion at the instant of the reading.
-    Plan,
+    Published,
     /// Pose at the start of the slot.
     Frozen,
 }
@@ -89,7 +91,7 @@ impl Errors {
 }
 
 /// Errors of the readings against the true distance at their instants.
-fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
+fn errors(slot: Time, span: Time, state: TargetState) -> Errors {
     let (model, walls) = (Arc::new(model()), Arc::new(Walls::new(Vec::new())));
     let robot = |id, pose| Motion::new(RobotId(id), Arc::clone(&model), Arc::clone(&walls), pose);
     let mut watcher = robot(1, Pose::new(0.0, 0.0, 0.0));
@@ -106,9 +108,9 @@ fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
             target.command(at, twist, &[]).expect("a differential drive obeys any twist");
         }
         while let Some(at) = readings.next_if(|at| *at < end) {
-            let seen_at = match sight {
-                Sight::Plan => at,
-                Sight::Frozen => start,
+            let seen_at = match state {
+                TargetState::Published => at,
+                TargetState::Frozen => start,
             };
             let hit = world.cast(RobotId(1), &Ray::flat(DVec2::ZERO, DVec2::X, RANGE), seen_at);
             let seen = hit.expect("the target stays within range").distance;
@@ -128,7 +130,7 @@ mod tests {
     fn the_error_is_bounded_by_the_change_of_speed_times_the_slot() {
         for slot_ms in [1, 20, 200] {
             let (slot, span) = (Time::from_millis(slot_ms), Time::from_millis(5_000));
-            let [plan, frozen] = [Sight::Plan, Sight::Frozen].map(|sight| errors(slot, span, sight));
+            let [plan, frozen] = [TargetState::Published, TargetState::Frozen].map(|state| errors(slot, span, state));
             let is_better = plan.root_mean_square() < 0.7 * frozen.root_mean_square();
             assert!(is_better || slot > COMMAND, "{plan:?} {frozen:?}");
             let (plan, frozen) = (plan.greatest, frozen.greatest);

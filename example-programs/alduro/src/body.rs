@@ -40,7 +40,7 @@ const CORNER: (f64, f64) = (1.5, 0.9);
 /// Clearance around the middle of the robot that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m
 /// with corrections. Less than 1.9 m is enough, since on the map the outlines of high obstacles are about one cell
 /// (0.5 m) too wide.
-pub const RADIUS: f64 = 1.6;
+pub const OPERATOR_CLEARANCE: f64 = 1.6;
 
 /// The sonar with this number, counted from 0.
 ///

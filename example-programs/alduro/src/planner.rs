@@ -147,8 +147,8 @@ impl Planner {
         let patches = self.map.grid();
         let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKING_MEMBERSHIP);
         let goal = pose.ground.position + direction(bearing) * distance;
-        let command = operator::look(&is_high, pose.ground.position, goal, body::RADIUS);
-        let speed = (SPEED * command.room / body::RADIUS).clamp(LEAST_SPEED, SPEED).min(distance);
+        let command = operator::look(&is_high, pose.ground.position, goal, body::OPERATOR_CLEARANCE);
+        let speed = (SPEED * command.room / body::OPERATOR_CLEARANCE).clamp(LEAST_SPEED, SPEED).min(distance);
         let wanted = direction(command.direction) * speed;
 
         let mut excess = Vector2::zeros();

@@ -51,19 +51,19 @@ impl OccupancyGrid {
                 if r > measured + band {
                     continue;
                 }
-                let angle = model.membership_of_alpha(sonar.angle_to(&point));
-                if angle < model.least {
+                let beam_gain = model.membership_of_alpha(sonar.angle_to(&point));
+                if beam_gain < model.least {
                     continue;
                 }
                 touched += 1;
                 let index = slot * self.layers + layer;
                 if r < measured - band {
                     let nearness = r / (measured - band);
-                    let empty = angle * (1.0 - nearness * nearness);
+                    let empty = beam_gain * (1.0 - nearness * nearness);
                     self.empty[index] += empty - self.empty[index] * empty;
                 } else {
                     let ratio = (r - measured) / band;
-                    hits.push((index, angle * (1.0 - ratio * ratio)));
+                    hits.push((index, beam_gain * (1.0 - ratio * ratio)));
                 }
             }
         }

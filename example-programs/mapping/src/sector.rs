@@ -521,7 +521,7 @@ mod tests {
     }
 
     #[test]
-    fn as_printed_continuous_would_be_no_pair_at_all() {
+    fn no_pair_is_continuous_by_the_printed_condition() {
         // No d_B satisfies d_A <= d_B <= d_A cos a. A wall whose foot is at the far edge of A's sector gives exactly
         // d_B = d_A / cos a.
         let a = of_wall(0.0, -HALF, 1.0);
@@ -617,7 +617,7 @@ mod tests {
     }
 
     #[test]
-    fn a_confident_error_stays_under_equation_4_and_goes_with_log_odds() {
+    fn equation_4_keeps_a_confident_error_and_log_odds_correct_it() {
         let (wrong, right) = (0.98, 0.03);
         let mut by_equation_4 = updated(UNKNOWN, wrong);
         let cell = Cell::new(0, 0);

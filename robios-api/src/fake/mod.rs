@@ -253,9 +253,9 @@ impl Fake {
 
     fn run_machine<M: Machine, O: Outcome>(self, main: impl FnOnce(&M) -> O) -> Run {
         self.run_with(M::GENERATION, |last_call_site, host, context, argc, argv| {
-            let reader = call_site::Recorder::Fake(last_call_site);
+            let recorder = call_site::Recorder::Fake(last_call_site);
             // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
-            unsafe { entry::run_for(reader, host, context, argc, argv, main) }
+            unsafe { entry::run_for(recorder, host, context, argc, argv, main) }
         })
     }
 

@@ -65,9 +65,9 @@ impl Audio<'_> {
     /// # Errors
     /// [`Error::Refused`](crate::Error::Refused) if nothing can be recorded.
     #[track_caller]
-    pub fn record(&self, room: &mut [u8], rate: Frequency) -> Result {
+    pub fn record(&self, buffer: &mut [u8], rate: Frequency) -> Result {
         let rate_hz = rate.as_hertz().round() as i64;
-        checked("AURecord", Device::Microphone, robios7!(self.0, AURecord(ByteBuffer::from(room), rate_hz)))
+        checked("AURecord", Device::Microphone, robios7!(self.0, AURecord(ByteBuffer::from(buffer), rate_hz)))
     }
 
     /// Returns true if a recording is in progress.

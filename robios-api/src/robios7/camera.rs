@@ -60,8 +60,8 @@ impl Camera<'_> {
         if image.size != self.size {
             *image = ColorImage::new(self.size);
         }
-        let room = ByteBuffer::from(&mut image.bytes[..]);
-        checked("CAMGet", Device::Camera, robios7!(self.robot, CAMGet(room)))
+        let buffer = ByteBuffer::from(&mut image.bytes[..]);
+        checked("CAMGet", Device::Camera, robios7!(self.robot, CAMGet(buffer)))
     }
 
     /// Takes a grey image.
@@ -78,16 +78,16 @@ impl Camera<'_> {
         if image.size != self.size {
             *image = GrayImage::new(self.size);
         }
-        let room = ByteBuffer::from(&mut image.bytes[..]);
-        checked("CAMGetGray", Device::Camera, robios7!(self.robot, CAMGetGray(room)))
+        let buffer = ByteBuffer::from(&mut image.bytes[..]);
+        checked("CAMGetGray", Device::Camera, robios7!(self.robot, CAMGetGray(buffer)))
     }
 
     /// Depths of the last image, without noise. An extension of this simulator.
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; self.size.pixels()];
-        let room = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
-        checked("CAMGetDepth", Device::Camera, robios7!(self.robot, CAMGetDepth(room)))?;
+        let buffer = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
+        checked("CAMGetDepth", Device::Camera, robios7!(self.robot, CAMGetDepth(buffer)))?;
         Ok(DepthImage { size: self.size, mm })
     }
 
@@ -95,8 +95,8 @@ impl Camera<'_> {
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; self.size.pixels()];
-        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
-        checked("CAMGetLabels", Device::Camera, robios7!(self.robot, CAMGetLabels(room)))?;
+        let buffer = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        checked("CAMGetLabels", Device::Camera, robios7!(self.robot, CAMGetLabels(buffer)))?;
         Ok(LabelImage { size: self.size, numbers })
     }
 }

@@ -154,7 +154,7 @@ impl Robot {
 }
 
 /// Text in a buffer, up to the terminating 0.
-fn text_of(room: &[u8]) -> String {
-    let len = room.iter().position(|byte| *byte == 0).unwrap_or(room.len());
-    String::from_utf8_lossy(&room[..len]).into_owned()
+fn text_of(buffer: &[u8]) -> String {
+    let len = buffer.iter().position(|byte| *byte == 0).unwrap_or(buffer.len());
+    String::from_utf8_lossy(&buffer[..len]).into_owned()
 }

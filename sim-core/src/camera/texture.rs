@@ -217,7 +217,7 @@ impl MipMap {
         let first = row * S::i32s::splat(simd, stride as i32) + column;
         let first = first.as_slice();
         let texels = &self.texels[level.start..];
-        let mut found = [[[0_i32; 2]; 2]; MOST_LANES];
+        let mut found = [[[0_i32; 2]; 2]; MAX_LANES];
         if wanted.count_ones() as usize == S::f32s::LEN {
             for (found, at) in found.iter_mut().zip(first) {
                 let at = *at as u32 as usize;
@@ -273,7 +273,7 @@ impl MipMap {
 const BLENDED: f32 = 0.25;
 
 /// Number of lanes of the widest vectors.
-const MOST_LANES: usize = 16;
+const MAX_LANES: usize = 16;
 
 /// Logarithm to base 2, within 5e-5; undefined for NaN and values of 0 or less.
 #[inline(always)]

@@ -101,8 +101,8 @@ impl Section {
     pub fn length(&self, from: f64, to: f64) -> f64 {
         match self.path.pace {
             _ if self.path.is_resting() => 0.0,
-            Pace::Even => self.path.speed() * (to - from),
-            Pace::Led { law, .. } => (law.length(to - self.origin) - law.length(from - self.origin)).abs(),
+            Pace::ConstantTwist => self.path.speed() * (to - from),
+            Pace::Sliding { law, .. } => (law.length(to - self.origin) - law.length(from - self.origin)).abs(),
         }
     }
 

@@ -2,7 +2,7 @@ use glam::DVec2;
 
 use super::region::{Between, Negative, ToSegment, stretches_in};
 use super::section::{Section, Smooth, find_least, find_zeros, push, take_until};
-use crate::contact::{Law, Pace, Path};
+use crate::contact::{LengthLaw, Pace, Path};
 use crate::math;
 use crate::pose::{Pose, Twist};
 use crate::scene::Segment;
@@ -90,9 +90,9 @@ fn every_zero_of_the_distance_between_two_circling_bodies_is_found() {
 
 #[test]
 fn curvatures_bound_the_second_differences_also_while_sliding() {
-    let law = Law::Round { radius: 0.1, speed: 0.3, phase: 0.4, rate: 0.9, sense: 1.0 };
+    let law = LengthLaw::Round { radius: 0.1, speed: 0.3, phase: 0.4, rate: 0.9, sense: 1.0 };
     let round = Path {
-        pace: Pace::Led { omega: 0.9, law },
+        pace: Pace::Sliding { omega: 0.9, law },
         ..Path::new(&Pose::new(0.3, 0.1, 1.0), Twist { vx: 1.0, vy: 0.0, omega: -10.0 })
     };
     let sliding = Section::on(round, 0.0, (0.0, 2.0));

@@ -11,8 +11,8 @@ mod wall;
 
 use glam::DVec2;
 
-pub use pair::{Rolling, first_touch};
-pub use path::{Law, Pace, Path};
+pub use pair::{MovingDisc, first_touch};
+pub use path::{LengthLaw, Pace, Path};
 pub use slide::{Push, Slide};
 pub use wall::{WallContact, first_contact};
 

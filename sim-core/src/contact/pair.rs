@@ -4,7 +4,7 @@ use super::{APPROACH, Path, TOUCH};
 
 /// A moving disc: the path of its centre, the time since the path's start, and its radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rolling {
+pub struct MovingDisc {
     /// Path of the centre.
     pub path: Path,
     /// Seconds since the start of the path.
@@ -18,10 +18,10 @@ pub struct Rolling {
 /// The second derivative of the gap is at least -A, where A is the sum of the accelerations of both discs. From a gap g
 /// with rate g', the discs cannot meet before the root h of g + g' h - A h^2 / 2. Repeated steps to this root therefore
 /// converge to the contact from before and never pass one.
-pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
+pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
     // Least step in seconds for discs that roll along each other in contact.
-    let patience = (1e-3 * span).max(1e-6);
+    let least_step = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
     while t < span {
         let offset = b.path.position(b.elapsed + t) - a.path.position(a.elapsed + t);
@@ -44,7 +44,7 @@ pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
             // Two discs on straight lines that do not approach each other now never will.
             return None;
         } else {
-            t += ((rate + APPROACH) / acceleration).max(patience);
+            t += ((rate + APPROACH) / acceleration).max(least_step);
         }
     }
     None

@@ -28,13 +28,13 @@ pub struct Path {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// The point moves with the path's twist, and the body's heading follows the path.
-    Even,
+    ConstantTwist,
     /// The point slides along the path's track as `law` states, while the body's heading turns at `omega` rad/s.
-    Led {
+    Sliding {
         /// Turning speed of the body, rad/s.
         omega: f64,
         /// The length covered, as a function of time.
-        law: Law,
+        law: LengthLaw,
     },
 }
 
@@ -44,7 +44,7 @@ pub enum Pace {
 /// Beta is the angle of docs/motion.md, section Sliding: the angle of the push from the contact's normal, plus the
 /// angle of friction where the rim slides to the left of the normal, minus that angle where it slides to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum LengthLaw {
     /// Constant speed, m/s.
     Steady(f64),
     /// A turning body slides along a straight wall at the speed `speed` sin(`phase` + `rate` t).
@@ -72,7 +72,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl LengthLaw {
     /// The length covered after `seconds`, m.
     pub fn length(&self, seconds: f64) -> f64 {
         match *self {
@@ -103,7 +103,7 @@ impl Law {
         }
     }
 
-    /// Change of beta after `seconds`, rad; 0 for other laws than [`Law::Round`].
+    /// Change of beta after `seconds`, rad; 0 for other laws than [`LengthLaw::Round`].
     fn turned(&self, seconds: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return 0.0 };
         let pull = speed / radius;
@@ -114,7 +114,7 @@ impl Law {
         2.0 * math::atan2(0.5 * odd * (rate - pull * sin), even + 0.5 * odd * pull * cos)
     }
 
-    /// Seconds after which the beta of [`Law::Round`] has changed by `angle`, up to half a turn; infinite if it never
+    /// Seconds after which the beta of [`LengthLaw::Round`] has changed by `angle`, up to half a turn; infinite if it never
     /// does.
     pub(super) fn seconds_to_turn(&self, angle: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return f64::INFINITY };
@@ -157,12 +157,12 @@ fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
 impl Path {
     /// The path of the origin of a frame that starts at `pose` and moves with `twist`.
     pub fn new(pose: &Pose, twist: Twist) -> Self {
-        Self { origin: pose.position, direction: pose.heading.direction(), twist, pace: Pace::Even }
+        Self { origin: pose.position, direction: pose.heading.direction(), twist, pace: Pace::ConstantTwist }
     }
 
     /// The path of a point at rest.
     pub fn resting(origin: DVec2) -> Self {
-        Self { origin, direction: DVec2::X, twist: Twist::ZERO, pace: Pace::Even }
+        Self { origin, direction: DVec2::X, twist: Twist::ZERO, pace: Pace::ConstantTwist }
     }
 
     /// Returns true if the point is at rest; its frame may still turn.
@@ -178,24 +178,24 @@ impl Path {
     /// Turning speed of the body, rad/s.
     pub fn omega(&self) -> f64 {
         match self.pace {
-            Pace::Even => self.twist.omega,
-            Pace::Led { omega, .. } => omega,
+            Pace::ConstantTwist => self.twist.omega,
+            Pace::Sliding { omega, .. } => omega,
         }
     }
 
     /// Upper bound of the acceleration, m/s^2.
     pub fn acceleration(&self) -> f64 {
         match self.pace {
-            Pace::Even => self.speed() * self.twist.omega.abs(),
-            Pace::Led { law, .. } => law.acceleration(self.twist.omega),
+            Pace::ConstantTwist => self.speed() * self.twist.omega.abs(),
+            Pace::Sliding { law, .. } => law.acceleration(self.twist.omega),
         }
     }
 
     /// Time in seconds at which the path's twist alone reaches the point's position after `seconds`.
-    fn even_seconds(&self, seconds: f64) -> f64 {
+    fn twist_seconds(&self, seconds: f64) -> f64 {
         match self.pace {
-            Pace::Even => seconds,
-            Pace::Led { law, .. } => law.length(seconds),
+            Pace::ConstantTwist => seconds,
+            Pace::Sliding { law, .. } => law.length(seconds),
         }
     }
 
@@ -204,18 +204,18 @@ impl Path {
         if self.is_resting() {
             return self.origin;
         }
-        let Twist { vx, vy, omega } = self.twist.scaled(self.even_seconds(seconds));
+        let Twist { vx, vy, omega } = self.twist.scaled(self.twist_seconds(seconds));
         let (s, c) = (math::sinc(omega), math::cosc(omega));
         self.origin + self.direction.rotate(DVec2::new(vx * s - vy * c, vx * c + vy * s))
     }
 
     /// Velocity after `seconds`, m/s in the world.
     pub fn velocity(&self, seconds: f64) -> DVec2 {
-        let (sin, cos) = math::sin_cos(self.twist.omega * self.even_seconds(seconds));
+        let (sin, cos) = math::sin_cos(self.twist.omega * self.twist_seconds(seconds));
         let velocity = self.direction.rotate(DVec2::new(cos, sin).rotate(DVec2::new(self.twist.vx, self.twist.vy)));
         match self.pace {
-            Pace::Even => velocity,
-            Pace::Led { law, .. } => velocity * law.speed(seconds),
+            Pace::ConstantTwist => velocity,
+            Pace::Sliding { law, .. } => velocity * law.speed(seconds),
         }
     }
 
@@ -236,11 +236,11 @@ impl Path {
         if self.is_resting() {
             return (self.origin, 0.0);
         }
-        let (from, to) = (self.even_seconds(from), self.even_seconds(to));
+        let (from, to) = (self.twist_seconds(from), self.twist_seconds(to));
         let speed = self.speed();
         // No point is farther from the middle than half the length of the way, or than the diameter of the circle.
         let half_way = 0.5 * speed * (to - from);
-        let middle = Self { pace: Pace::Even, ..*self }.position(0.5 * (from + to));
+        let middle = Self { pace: Pace::ConstantTwist, ..*self }.position(0.5 * (from + to));
         (middle, half_way.min(2.0 * speed / self.twist.omega.abs()))
     }
 }

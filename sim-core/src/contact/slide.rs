@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use super::{Law, Pace, Path, SKIN, TOUCH, first_contact};
+use super::{LengthLaw, Pace, Path, SKIN, TOUCH, first_contact};
 use crate::{
     math,
     pose::Twist,
@@ -206,36 +206,41 @@ impl Push {
     fn next_angle(&self, contact: &Contact, sense: f64) -> Option<f64> {
         let (most, edge) = self.edge();
         let ratio = self.omega() * contact.distance / most;
-        let mut marks = [f64::NAN; 10];
-        marks[..2].copy_from_slice(&[FRAC_PI_2, -FRAC_PI_2]);
+        let mut critical_angles = [f64::NAN; 10];
+        critical_angles[..2].copy_from_slice(&[FRAC_PI_2, -FRAC_PI_2]);
         for (index, edge) in [edge, -edge].into_iter().enumerate() {
             let turned = if ratio.abs() <= 1.0 { math::asin(ratio) } else { f64::NAN };
-            marks[2 + 4 * index..6 + 4 * index].copy_from_slice(&[turned - edge, PI - turned - edge, -edge, PI - edge]);
+            critical_angles[2 + 4 * index..6 + 4 * index].copy_from_slice(&[
+                turned - edge,
+                PI - turned - edge,
+                -edge,
+                PI - edge,
+            ]);
         }
-        // Within a quarter turn of the normal the push leads away from the wall, so a mark there has no effect.
-        let counts = |mark: &f64| math::cos(*mark) < 1e-9;
-        let ahead = marks.into_iter().filter(counts).map(|mark| {
-            let angle = (sense * (mark - contact.alpha)).rem_euclid(TAU);
+        // Within a quarter turn of the normal the push leads away from the wall, so a critical angle there has no effect.
+        let counts = |angle: &f64| math::cos(*angle) < 1e-9;
+        let ahead = critical_angles.into_iter().filter(counts).map(|critical| {
+            let angle = (sense * (critical - contact.alpha)).rem_euclid(TAU);
             if angle <= SAME_ANGLE || angle >= TAU - SAME_ANGLE { TAU } else { angle }
         });
         ahead.reduce(f64::min).map(|angle| sense * angle)
     }
 
     /// Length covered along the track as a function of time.
-    fn law(&self, contact: &Contact, round: bool, regime: Regime, sense: f64) -> Law {
+    fn law(&self, contact: &Contact, round: bool, regime: Regime, sense: f64) -> LengthLaw {
         let (speed, edge) = self.edge();
         let omega = self.omega();
         match regime {
-            Regime::Off => Law::Steady(0.0),
-            Regime::Rolling => Law::Steady((omega * contact.distance).abs()),
+            Regime::Off => LengthLaw::Steady(0.0),
+            Regime::Rolling => LengthLaw::Steady((omega * contact.distance).abs()),
             Regime::Sliding(side) => {
                 let phase = contact.alpha + side * edge;
                 if round {
-                    Law::Round { radius: contact.distance, speed, phase, rate: omega, sense }
+                    LengthLaw::Round { radius: contact.distance, speed, phase, rate: omega, sense }
                 } else if omega == 0.0 {
-                    Law::Steady(sense * speed * math::sin(phase))
+                    LengthLaw::Steady(sense * speed * math::sin(phase))
                 } else {
-                    Law::Wave { speed: sense * speed, phase, rate: omega }
+                    LengthLaw::Wave { speed: sense * speed, phase, rate: omega }
                 }
             }
         }
@@ -257,7 +262,12 @@ impl Push {
         let law = self.law(contact, track.round, track.regime, track.sense);
         let tangent = contact.normal.perp() * track.sense;
         let bend = if track.round { track.sense / contact.distance } else { 0.0 };
-        let way = Path { origin: self.free.origin, direction: tangent, twist: Twist::new(1.0, bend), pace: Pace::Even };
+        let way = Path {
+            origin: self.free.origin,
+            direction: tangent,
+            twist: Twist::new(1.0, bend),
+            pace: Pace::ConstantTwist,
+        };
         let mut seconds = track.seconds.min(duration);
         let mut length = track.length;
         if seconds.is_finite() {
@@ -277,21 +287,21 @@ impl Push {
         if meets.is_some() || length == track.length {
             seconds = seconds_of(&law, length, seconds);
         }
-        let path = Path { pace: Pace::Led { omega: self.omega(), law }, ..way };
+        let path = Path { pace: Pace::Sliding { omega: self.omega(), law }, ..way };
         let meets = meets.filter(|(.., is_fresh)| *is_fresh).map(|(_, wall, _)| wall);
         Some(Slide { path, after: seconds, against, meets })
     }
 
-    /// The first wall other than `but` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length
+    /// The first wall other than `except` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length
     /// up to the contact, the wall, and whether the disc did not touch that wall at the start.
-    fn first_on(&self, walls: &Walls, way: &Path, but: WallId, length: f64) -> Option<(f64, WallId, bool)> {
+    fn first_on(&self, walls: &Walls, way: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
         let mut from = 0.0;
         let mut stretch = 4.0 * self.radius;
         while from < length {
             let to = (from + stretch).min(length);
             let mut first: Option<(f64, WallId, bool)> = None;
             walls.for_each_in(way.bounds(from, to).grown(self.radius + 2.0 * SKIN), |wall, segment| {
-                if wall == but {
+                if wall == except {
                     return;
                 }
                 let Some(contact) = first_contact(way, self.radius, segment, length) else { return };
@@ -428,8 +438,8 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// Seconds, at most `most`, after which a law has covered `length` metres; `most` if the law never covers them.
-fn seconds_of(law: &Law, length: f64, most: f64) -> f64 {
-    if let Law::Steady(speed) = law {
+fn seconds_of(law: &LengthLaw, length: f64, most: f64) -> f64 {
+    if let LengthLaw::Steady(speed) = law {
         return (length / speed).min(most);
     }
     if length <= 0.0 {

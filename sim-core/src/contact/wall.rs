@@ -35,16 +35,16 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
     let along = wall.b - wall.a;
     let side = |seconds: f64| along.perp_dot(path.position(seconds) - wall.a);
     let marks = CriticalTimes::new(path, wall, duration.min(path.period()));
-    let mut from = Mark { time: 0.0, gap: gap(0.0), side: side(0.0) };
+    let mut from = StretchEnd { time: 0.0, gap: gap(0.0), side: side(0.0) };
     let mut touching = from.gap <= TOUCH;
     let fresh = !touching;
     let tolerance = 8.0 * f64::EPSILON * (path.origin.abs().max_element() + radius);
     for &time in marks.as_slice() {
-        let end = Mark { time, gap: gap(time), side: side(time) };
+        let end = StretchEnd { time, gap: gap(time), side: side(time) };
         // The distance may have a kink where the centre crosses the wall's line, so the stretch is divided there.
         let passage = (from.side * end.side < 0.0).then(|| {
             let time = root(side, (from.time, from.side), (end.time, end.side));
-            Mark { time, gap: gap(time), side: 0.0 }
+            StretchEnd { time, gap: gap(time), side: 0.0 }
         });
         for to in passage.into_iter().chain([end]) {
             if touching {
@@ -63,7 +63,7 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
 }
 
 /// State of the disc at an end of a stretch of the path.
-struct Mark {
+struct StretchEnd {
     time: f64,
     gap: f64,
     /// Sign: the side of the wall's line on which the centre is.

@@ -115,14 +115,14 @@ pub(super) fn step(
     let (wheels, settled) = match (target, &controllers.body) {
         (Target::Wheels { rates, held }, _) => {
             let of_wheel = |i: usize| controllers.wheels[i].filter(|_| held[i]);
-            (std::array::from_fn(|i| hold(model, of_wheel(i), rates[i], i, &mut actuation)), rates)
+            (std::array::from_fn(|i| wheel_output(model, of_wheel(i), rates[i], i, &mut actuation)), rates)
         }
         (Target::Twist(twist), None) => {
             let wheels = model.wheels_from_twist(twist);
             (wheels, wheels)
         }
         (Target::Twist(twist), Some(gains)) => {
-            (control(model, gains, twist, steering, &mut actuation), model.wheels_from_twist(twist))
+            (body_output(model, gains, twist, steering, &mut actuation), model.wheels_from_twist(twist))
         }
     };
     let share = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
@@ -140,7 +140,7 @@ pub(super) fn step(
 
 /// Rate to which the motor of wheel `i` is set, for the commanded rate `set`; integrates the error if the wheel's own
 /// controller is active.
-fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
+fn wheel_output(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
     let Some(pid) = pid else {
         (actuation.sums[i], actuation.last[i]) = (0.0, 0.0);
         return set;
@@ -161,7 +161,7 @@ fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Act
 }
 
 /// Rates to which the PI controllers set the wheels; integrates the errors.
-fn control(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
+fn body_output(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
     let is = model.twist_from_wheels(&actuation.rates, steering);
     // Finer than the tolerance for settled wheels, so that all errors are 0 once they are settled.
     let close = 1e-10 * model.max_wheel_rate * model.wheel_diameter;

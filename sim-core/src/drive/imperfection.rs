@@ -163,7 +163,7 @@ pub enum ContactRule {
 pub(super) struct Vehicle {
     pub model: Arc<Model>,
     /// `None` for perfect motion.
-    pub errors: Option<Box<Errors>>,
+    pub errors: Option<Box<MotionErrors>>,
     pub contact: ContactRule,
     /// Hull of a robot in the water.
     pub hull: Option<Hull>,
@@ -171,7 +171,7 @@ pub(super) struct Vehicle {
 
 /// An imperfection with its random streams.
 #[derive(Clone, Debug)]
-pub(super) struct Errors {
+pub(super) struct MotionErrors {
     pub imperfection: Imperfection,
     slip: Events,
     command: Events,
@@ -180,7 +180,7 @@ pub(super) struct Errors {
 
 /// Twists of the axle that result from wheels with errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Erring {
+pub(super) struct ErringTwists {
     pub truth: Twist,
     pub odometry: Twist,
     /// Random errors contribute, so the twists hold only until the next tick.
@@ -190,18 +190,18 @@ pub(super) struct Erring {
 impl Vehicle {
     /// Twists that result from wheels with the rates `during`, from `start` on; `belief` is the twist of error-free
     /// wheels at these rates.
-    pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
+    pub fn erring_twists(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
         match &self.errors {
             // The errors are those of wheels and legs.
             Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
                 errors.apply(&self.model, start, orders, during, belief)
             }
-            _ => Erring { truth: belief, odometry: belief, is_drawn: false },
+            _ => ErringTwists { truth: belief, odometry: belief, is_drawn: false },
         }
     }
 }
 
-impl Errors {
+impl MotionErrors {
     /// The errors of `robot` in a run with `seed`; `None` for perfect motion.
     pub fn unless_perfect(imperfection: Imperfection, seed: u64, robot: RobotId) -> Option<Box<Self>> {
         (imperfection != Imperfection::default()).then(|| Box::new(Self::new(imperfection, seed, robot)))
@@ -217,10 +217,10 @@ impl Errors {
         }
     }
 
-    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
+    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
         let tick = Events::index(start, TICK);
-        let mut erring = Erring { truth: belief, odometry: belief, is_drawn: false };
+        let mut erring = ErringTwists { truth: belief, odometry: belief, is_drawn: false };
         let mut slips = [slip; 4];
         // Standing feet do not slip.
         let slips_at_all = model.kind != DriveKind::Legged;

@@ -19,8 +19,8 @@ pub use control::{Gains, Pid};
 pub use hull::{Drag, Hull};
 pub use imperfection::{ContactRule, Imperfection};
 pub use model::{DriveKind, Model, ModelError, Wheels};
+pub(crate) use motion::{DriveState, Passage};
 pub use motion::{Impact, Motion};
-pub(crate) use motion::{Passage, Thrust};
 pub use piece::{Cause, Piece, Rates, State};
 
 use crate::time::Time;

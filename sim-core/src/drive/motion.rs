@@ -11,11 +11,11 @@ use super::{
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
     hull::{Afloat, Hull},
-    imperfection::{ContactRule, Errors, Imperfection, Vehicle},
+    imperfection::{ContactRule, Imperfection, MotionErrors, Vehicle},
     legged::Walk,
     model::{DriveKind, Model, ModelError, Wheels},
     piece::{Cause, Piece, State},
-    stage::{Grip, Leg, Stage, axle_of},
+    stage::{Grip, SlideSegment, Stage, axle_of},
 };
 use crate::{
     ObjectId, RobotId,
@@ -97,7 +97,7 @@ impl Passage {
     /// A passage of constant twist is such a stretch itself. A slide along a wall is replaced by the circular arc
     /// between its poses at `from` and `to`.
     pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
-        if self.path.pace == Pace::Even {
+        if self.path.pace == Pace::ConstantTwist {
             let start = self.since();
             return (start, self.pose(start), self.path.twist, self.after - self.begin);
         }
@@ -133,7 +133,7 @@ impl Passage {
 
 /// Drive of a robot along its own path at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Thrust {
+pub(crate) struct DriveState {
     /// Pose of the centre in the world.
     pub centre: Pose,
     /// The ordered twist of the centre, in the robot's frame.
@@ -216,7 +216,7 @@ impl Motion {
     /// The first number of the imperfection that is out of range.
     pub fn with_imperfection(mut self, seed: u64, imperfection: Imperfection) -> Result<Self, ModelError> {
         imperfection.check()?;
-        self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
+        self.vehicle.errors = MotionErrors::unless_perfect(imperfection, seed, self.id);
         Ok(self)
     }
 
@@ -278,7 +278,7 @@ impl Motion {
         );
         let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
         let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
-        self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
+        self.vehicle.errors = MotionErrors::unless_perfect(imperfection, seed, self.id);
         let mut next = Stage::open(&self.vehicle, at, state, orders, before, &[], grip);
         if let Some(blocker) = blocker {
             // Only a new command can free the body from its blocker.
@@ -508,8 +508,8 @@ impl Motion {
         if stage.piece.has_ended(at) {
             return impact_of(&model, stage);
         }
-        let (leg, _) = stage.slip(&model, at)?;
-        leg_impact(&model, stage, leg)
+        let (segment, _) = stage.slip(&model, at)?;
+        segment_impact(&model, stage, segment)
     }
 
     /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed of the push;
@@ -678,7 +678,7 @@ impl Motion {
         while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
             self.stages.pop_front();
         }
-        self.stages[0].forget_legs(end - HISTORY);
+        self.stages[0].forget_segments(end - HISTORY);
         impacts
     }
 
@@ -702,7 +702,7 @@ impl Motion {
     }
 
     /// Drive of the robot at `at`, for the computation of movable objects.
-    pub(crate) fn thrust(&mut self, at: Time) -> Thrust {
+    pub(crate) fn drive_state(&mut self, at: Time) -> DriveState {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         let is_held = stage.is_held(at);
@@ -715,7 +715,7 @@ impl Motion {
         } else {
             (stage.ordered_at_centre(&model, at), stage.grip.share, left)
         };
-        Thrust { centre, ordered, share, left }
+        DriveState { centre, ordered, share, left }
     }
 
     /// Slows the robot to `share` (0 to 1) of its ordered twist from `at` on, an instant of the present slot; a share
@@ -894,22 +894,22 @@ impl Motion {
         DriveEnd::After(stage.piece.start)
     }
 
-    /// Returns true if the body was pressed against the wall of `leg` (a leg of stage `index`) within [`HISTORY`]
-    /// before `leg`.
-    fn has_rubbed(&self, index: usize, leg: &Leg) -> bool {
-        let wall = leg.against.map(|(wall, _)| wall);
+    /// Returns true if the body was pressed against the wall of `segment` (a segment of stage `index`) within [`HISTORY`]
+    /// before `segment`.
+    fn has_rubbed(&self, index: usize, segment: &SlideSegment) -> bool {
+        let wall = segment.against.map(|(wall, _)| wall);
         let start = self.stages[index].piece.start;
         for (place, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
-            // Start of the leg and end of this stage, both in seconds after the start of this stage.
-            let begin = (start - stage.piece.start).seconds() + leg.from;
+            // Start of the segment and end of this stage, both in seconds after the start of this stage.
+            let begin = (start - stage.piece.start).seconds() + segment.from;
             let over =
                 if place == index { begin } else { (self.stages[place + 1].piece.start - stage.piece.start).seconds() };
             let since = begin - HISTORY.seconds();
-            let is_same = |earlier: &Leg| {
+            let is_same = |earlier: &SlideSegment| {
                 let end = (earlier.from + earlier.after).min(stage.piece.after).min(over);
                 earlier.against.map(|(wall, _)| wall) == wall && earlier.from < over && end >= since
             };
-            if stage.legs.iter().any(is_same) {
+            if stage.segments.iter().any(is_same) {
                 return true;
             }
             if stage.is_placed || since > 0.0 {
@@ -928,13 +928,14 @@ impl Motion {
             let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
             let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);
             if piece.start <= until {
-                let is_known =
-                    |leg: &&Leg| (self.committed - piece.start).seconds() >= leg.from && piece.start < self.committed;
-                let has_begun = |leg: &&Leg| (bound - piece.start).seconds() >= leg.from;
-                let legs = stage.legs.iter().skip_while(is_known).take_while(has_begun);
-                for leg in legs {
-                    let Some(impact) = leg_impact(&self.vehicle.model, stage, leg) else { continue };
-                    let fresh = impact.fresh && !self.has_rubbed(index, leg);
+                let is_known = |segment: &&SlideSegment| {
+                    (self.committed - piece.start).seconds() >= segment.from && piece.start < self.committed
+                };
+                let has_begun = |segment: &&SlideSegment| (bound - piece.start).seconds() >= segment.from;
+                let segments = stage.segments.iter().skip_while(is_known).take_while(has_begun);
+                for segment in segments {
+                    let Some(impact) = segment_impact(&self.vehicle.model, stage, segment) else { continue };
+                    let fresh = impact.fresh && !self.has_rubbed(index, segment);
                     impacts.push(Impact { fresh, ..impact });
                 }
             }
@@ -969,17 +970,17 @@ fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
     })
 }
 
-/// The contact with which a leg begins.
-fn leg_impact(model: &Model, stage: &Stage, leg: &Leg) -> Option<Impact> {
-    let (wall, point) = leg.against?;
-    let towards = stage.centre_after(model, leg.from).inverse_transform_point(point);
-    let time = stage.piece.start + Time::from_seconds_ceil(leg.from);
+/// The contact with which a segment begins.
+fn segment_impact(model: &Model, stage: &Stage, segment: &SlideSegment) -> Option<Impact> {
+    let (wall, point) = segment.against?;
+    let towards = stage.centre_after(model, segment.from).inverse_transform_point(point);
+    let time = stage.piece.start + Time::from_seconds_ceil(segment.from);
     Some(Impact {
         time,
         known: time,
         thing: Thing::Wall(wall),
         point,
         bearing: math::atan2(towards.y, towards.x),
-        fresh: leg.is_fresh,
+        fresh: segment.is_fresh,
     })
 }

@@ -7,7 +7,7 @@ use super::{
     command::{Orders, Pending},
     control::{self, Actuation},
     hull::{Afloat, Hull},
-    imperfection::{ContactRule, Erring, Vehicle},
+    imperfection::{ContactRule, ErringTwists, Vehicle},
     model::{DriveKind, Model},
     motion::Passage,
     piece::{Cause, Piece, Rates, State},
@@ -42,34 +42,34 @@ pub(super) struct Stage {
     /// The errors include random ones, which hold for this tick only.
     is_drawn: bool,
     /// Instant until which the robot moves without errors, because its errors would press it against a contact.
-    yields: Option<Time>,
+    error_free_until: Option<Time>,
     /// The coming ticks change nothing.
     steady: bool,
     /// Motion of the body from its first contact with a wall, in order of time, if contacts make it slide.
-    pub legs: Vec<Leg>,
+    pub segments: Vec<SlideSegment>,
 }
 
 /// A part of a stage that begins at a contact with a wall or where such a part ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Leg {
-    /// Seconds from the start of the stage to the start of the leg.
+pub(super) struct SlideSegment {
+    /// Seconds from the start of the stage to the start of the segment.
     pub from: f64,
     /// Duration in seconds; infinite while the end is not known.
     pub after: f64,
     /// Path of the centre.
     pub path: Path,
-    /// Length of the axle's path from the start of the stage to the start of the leg, m.
+    /// Length of the axle's path from the start of the stage to the start of the segment, m.
     pub covered: f64,
     /// Wall against which the body is pressed, and the touched point.
     pub against: Option<(WallId, DVec2)>,
-    /// The body did not touch the wall before this leg.
+    /// The body did not touch the wall before this segment.
     pub is_fresh: bool,
-    /// Wall at which the leg ends, if the body did not touch that wall before.
+    /// Wall at which the segment ends, if the body did not touch that wall before.
     pub meets: Option<WallId>,
 }
 
-impl Leg {
-    /// Passage of the leg; `whole` is the passage of its stage.
+impl SlideSegment {
+    /// Passage of the segment; `whole` is the passage of its stage.
     fn passage(&self, whole: &Passage) -> Passage {
         Passage { begin: self.from, after: (self.from + self.after).min(whole.after), path: self.path, ..*whole }
     }
@@ -88,11 +88,11 @@ impl Leg {
 /// Slip ratio above which the wheels count as stalled: slip speed divided by the speed of the push. Our choice.
 const STALL_SLIP: f64 = 0.5;
 
-/// Number of legs within [`RUSH_SECONDS`] after which the body rests. Our choice.
-const RUSH_LEGS: usize = 16;
+/// Number of segments within [`SEGMENT_WINDOW_S`] after which the body rests. Our choice.
+const MAX_SEGMENTS: usize = 16;
 
-/// Seconds within which [`RUSH_LEGS`] legs cause a rest; also the duration of that rest.
-const RUSH_SECONDS: f64 = 1e-3;
+/// Seconds within which [`MAX_SEGMENTS`] segments cause a rest; also the duration of that rest.
+const SEGMENT_WINDOW_S: f64 = 1e-3;
 
 /// Slow-down of a robot on its own path by movable objects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +126,7 @@ impl Stage {
         let model = &*vehicle.model;
         let during = actuate(vehicle, start, &orders, before);
         let belief = ordered_twist(model, &orders, &during);
-        let erring = vehicle.erring(start, &orders, &during, belief);
+        let erring = vehicle.erring_twists(start, &orders, &during, belief);
         let (rates, after, cause) = motion_of(model, &orders, belief, &erring, &during, grip.share);
         let mut stage = Self {
             piece: Piece { start, state, rates, after, cause },
@@ -139,16 +139,16 @@ impl Stage {
             explored: 0.0,
             is_placed: false,
             is_drawn: erring.is_drawn,
-            yields: None,
+            error_free_until: None,
             steady: false,
-            legs: Vec::new(),
+            segments: Vec::new(),
         };
         stage.set_path(model);
         let mut obstacle = stage.approached(model.body_radius, touching);
         if obstacle.is_some() && stage.is_erring() {
-            // Contacts with robots are found at ends of slots only, so the robot yields for the time within which
+            // Contacts with robots are found at ends of slots only, so the robot drives without errors for the time within which
             // contacts count as one.
-            stage.yield_to_contact(model, start + HISTORY);
+            stage.suppress_errors(model, start + HISTORY);
             obstacle = stage.approached(model.body_radius, touching);
         }
         if let Some(obstacle) = obstacle {
@@ -175,10 +175,10 @@ impl Stage {
         self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0))
     }
 
-    /// The leg in force `seconds` after the start of the stage; `None` before the first contact.
-    pub fn leg_at(&self, seconds: f64) -> Option<&Leg> {
-        let index = self.legs.partition_point(|leg| leg.from <= seconds);
-        index.checked_sub(1).map(|last| &self.legs[last])
+    /// The segment in force `seconds` after the start of the stage; `None` before the first contact.
+    pub fn segment_at(&self, seconds: f64) -> Option<&SlideSegment> {
+        let index = self.segments.partition_point(|segment| segment.from <= seconds);
+        index.checked_sub(1).map(|last| &self.segments[last])
     }
 
     /// Seconds from the start of the stage to `at`, not beyond its end.
@@ -195,8 +195,8 @@ impl Stage {
     fn state_after(&self, model: &Model, seconds: f64) -> State {
         let state = self.piece.state_after(seconds);
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
-        let Some(leg) = self.leg_at(seconds) else { return state };
-        let path = self.piece.state.path + (leg.covered + self.length_on(model, leg, seconds - leg.from));
+        let Some(segment) = self.segment_at(seconds) else { return state };
+        let path = self.piece.state.path + (segment.covered + self.length_on(model, segment, seconds - segment.from));
         State { world_from_axle: axle_of(model, &self.centre_after(model, seconds)), path, ..state }
     }
 
@@ -207,12 +207,12 @@ impl Stage {
 
     pub fn centre_after(&self, model: &Model, seconds: f64) -> Pose {
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
-        let Some(leg) = self.leg_at(seconds) else {
+        let Some(segment) = self.segment_at(seconds) else {
             let axle = self.piece.state.world_from_axle.moved(self.piece.covered(self.piece.rates.truth, seconds));
             return centre_of(model, &axle);
         };
-        let heading = self.piece.state.world_from_axle.heading.turned(leg.path.omega() * seconds);
-        Pose { position: leg.position(seconds), heading }
+        let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds);
+        Pose { position: segment.position(seconds), heading }
     }
 
     /// Appends the passages of the body from `from` to `to`; `until` is the start of the next stage.
@@ -220,59 +220,59 @@ impl Stage {
         let Piece { start, state, after, .. } = self.piece;
         let heading = state.world_from_axle.heading;
         let whole = Passage { start, begin: 0.0, until, after, path: self.path, heading };
-        if self.legs.is_empty() {
+        if self.segments.is_empty() {
             passages.push(whole);
             return;
         }
         let seconds = (from - start).seconds();
-        let first = self.legs.partition_point(|leg| leg.from <= seconds);
-        let begun = |leg: &&Leg| (to.min(until) - start).seconds() >= leg.from;
-        let at_first = first.checked_sub(1).map_or(whole, |first| self.legs[first].passage(&whole));
+        let first = self.segments.partition_point(|segment| segment.from <= seconds);
+        let begun = |segment: &&SlideSegment| (to.min(until) - start).seconds() >= segment.from;
+        let at_first = first.checked_sub(1).map_or(whole, |first| self.segments[first].passage(&whole));
         passages.push(at_first);
-        for leg in self.legs[first..].iter().take_while(begun) {
-            let begin = leg.from;
+        for segment in self.segments[first..].iter().take_while(begun) {
+            let begin = segment.from;
             let last = passages.last_mut().expect("one has been added");
             last.until = start + Time::from_seconds_ceil(begin);
             last.after = begin;
-            passages.push(leg.passage(&whole));
+            passages.push(segment.passage(&whole));
         }
     }
 
-    /// Length of the axle's path in the first `seconds` of a leg, m.
-    fn length_on(&self, model: &Model, leg: &Leg, seconds: f64) -> f64 {
-        let omega = leg.path.omega();
-        let seconds = seconds.min(leg.after);
-        match leg.path.pace {
-            Pace::Even if leg.against.is_none() => self.piece.rates.truth.speed() * seconds,
-            Pace::Even => (omega * model.axis_offset * seconds).abs(),
-            Pace::Led { law, .. } if model.axis_offset == 0.0 || omega == 0.0 => law.length(seconds),
+    /// Length of the axle's path in the first `seconds` of a segment, m.
+    fn length_on(&self, model: &Model, segment: &SlideSegment, seconds: f64) -> f64 {
+        let omega = segment.path.omega();
+        let seconds = seconds.min(segment.after);
+        match segment.path.pace {
+            Pace::ConstantTwist if segment.against.is_none() => self.piece.rates.truth.speed() * seconds,
+            Pace::ConstantTwist => (omega * model.axis_offset * seconds).abs(),
+            Pace::Sliding { law, .. } if model.axis_offset == 0.0 || omega == 0.0 => law.length(seconds),
             // If the axle is not at the centre, the length has no closed form.
-            Pace::Led { .. } => {
-                let heading = self.piece.state.world_from_axle.heading.turned(omega * leg.from).direction();
+            Pace::Sliding { .. } => {
+                let heading = self.piece.state.world_from_axle.heading.turned(omega * segment.from).direction();
                 let speed = |t: f64| {
                     let (sin, cos) = math::sin_cos(omega * t);
                     let ahead = heading.rotate(DVec2::new(cos, sin));
-                    (leg.path.velocity(t) + ahead.perp() * (omega * model.axis_offset)).length()
+                    (segment.path.velocity(t) + ahead.perp() * (omega * model.axis_offset)).length()
                 };
                 gauss(speed, seconds)
             }
         }
     }
 
-    /// The leg in force at `at`, if a wall presses the body, and the slip ratio: slip speed of the wheels over the
+    /// The segment in force at `at`, if a wall presses the body, and the slip ratio: slip speed of the wheels over the
     /// floor, divided by the speed of the push.
-    pub fn slip(&self, model: &Model, at: Time) -> Option<(&Leg, f64)> {
+    pub fn slip(&self, model: &Model, at: Time) -> Option<(&SlideSegment, f64)> {
         if self.piece.has_ended(at) {
             return None;
         }
         let seconds = self.seconds_at(at);
-        let leg = self.leg_at(seconds).filter(|leg| leg.against.is_some())?;
+        let segment = self.segment_at(seconds).filter(|segment| segment.against.is_some())?;
         let Twist { vx, vy, omega } = self.twist_of_centre(model);
         let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
         let pushed = heading.rotate(DVec2::new(vx, vy));
         let speed = pushed.length();
-        let slip = (pushed - leg.velocity(seconds)).length();
-        Some((leg, if speed > 0.0 { slip / speed } else { 0.0 }))
+        let slip = (pushed - segment.velocity(seconds)).length();
+        Some((segment, if speed > 0.0 { slip / speed } else { 0.0 }))
     }
 
     /// Returns true if the wheels slip so much at `at` that they count as stalled.
@@ -280,13 +280,13 @@ impl Stage {
         self.slip(model, at).is_some_and(|(_, share)| share > STALL_SLIP)
     }
 
-    /// Drops the legs that ended before `before`.
-    pub fn forget_legs(&mut self, before: Time) {
+    /// Drops the segments that ended before `before`.
+    pub fn forget_segments(&mut self, before: Time) {
         let seconds = (before - self.piece.start).seconds();
-        let kept = self.legs.partition_point(|leg| leg.from <= seconds);
-        // Draining is worthwhile only for many legs at a time.
+        let kept = self.segments.partition_point(|segment| segment.from <= seconds);
+        // Draining is worthwhile only for many segments at a time.
         if kept > 64 {
-            self.legs.drain(..kept - 1);
+            self.segments.drain(..kept - 1);
         }
     }
 
@@ -297,10 +297,10 @@ impl Stage {
 
     /// Switches to motion without errors until `until`: the wheels slip where only errors would press the robot against
     /// a contact.
-    fn yield_to_contact(&mut self, model: &Model, until: Time) {
+    fn suppress_errors(&mut self, model: &Model, until: Time) {
         self.ordered = ordered_twist(model, &self.orders, &self.during);
         self.piece.rates.truth = self.piece.rates.belief;
-        self.yields = Some(until);
+        self.error_free_until = Some(until);
         self.set_path(model);
     }
 
@@ -308,11 +308,13 @@ impl Stage {
     pub fn ordered_at_centre(&self, model: &Model, at: Time) -> Twist {
         let ordered = self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0));
         let seconds = self.seconds_at(at);
-        let Some(leg) = self.leg_at(seconds).filter(|leg| leg.against.is_some() && self.grip.share > 0.0) else {
+        let Some(segment) =
+            self.segment_at(seconds).filter(|segment| segment.against.is_some() && self.grip.share > 0.0)
+        else {
             return ordered;
         };
-        let heading = self.piece.state.world_from_axle.heading.turned(leg.path.omega() * seconds).direction();
-        let velocity = DVec2::new(heading.x, -heading.y).rotate(leg.velocity(seconds)) / self.grip.share;
+        let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds).direction();
+        let velocity = DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) / self.grip.share;
         Twist { vx: velocity.x, vy: velocity.y, ..ordered }
     }
 
@@ -336,25 +338,25 @@ impl Stage {
 
     /// Ends the stage after `seconds` at `obstacle`.
     pub fn stop(&mut self, seconds: f64, obstacle: Obstacle, fresh: bool) {
-        self.legs.retain(|leg| leg.from <= seconds);
+        self.segments.retain(|segment| segment.from <= seconds);
         self.piece.after = seconds;
         self.piece.cause = Cause::Impact { with: obstacle, fresh };
         self.explored = f64::INFINITY;
     }
 
-    /// Searches for walls up to `seconds` after the start. The first wall ends the stage, or begins a leg if the body
+    /// Searches for walls up to `seconds` after the start. The first wall ends the stage, or begins a segment if the body
     /// slides.
     ///
     /// The contact with each wall is computed for the whole path, and the intervals of the search are counted from the
     /// start. So the result does not depend on earlier searches.
     pub fn explore(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
         while self.explored < seconds.min(self.piece.after) {
-            let last = self.legs.last().copied();
-            if let Some(Leg { from, after, meets, against: Some(_), .. }) = last {
-                self.begin_leg(vehicle, walls, from + after, meets, meets.is_some());
+            let last = self.segments.last().copied();
+            if let Some(SlideSegment { from, after, meets, against: Some(_), .. }) = last {
+                self.begin_segment(vehicle, walls, from + after, meets, meets.is_some());
                 continue;
             }
-            let start = last.map_or(0.0, |leg| leg.from);
+            let start = last.map_or(0.0, |segment| segment.from);
             let from = (self.explored - start).max(0.0);
             let to = (2.0 * from).max(FIRST_LOOK);
             self.explored = if from >= self.last_path().period() { f64::INFINITY } else { start + to };
@@ -364,15 +366,15 @@ impl Stage {
         }
     }
 
-    /// Path of the last leg found so far, or of the stage if there is no leg.
+    /// Path of the last segment found so far, or of the stage if there is no segment.
     fn last_path(&self) -> &Path {
-        self.legs.last().map_or(&self.path, |leg| &leg.path)
+        self.segments.last().map_or(&self.path, |segment| &segment.path)
     }
 
     fn explore_stretch(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, to: f64) {
         let model = &*vehicle.model;
         let radius = model.body_radius;
-        let start = self.legs.last().map_or(0.0, |leg| leg.from);
+        let start = self.segments.last().map_or(0.0, |segment| segment.from);
         let path = *self.last_path();
         let duration = self.piece.after - start;
         let (middle, half_way) = path.surrounding_disc(from, to);
@@ -392,29 +394,29 @@ impl Stage {
         // A drive that ends exactly at the contact has reached its target.
         let Some((after, id, wall, fresh)) = first.filter(|(after, ..)| *after < duration) else { return };
         if vehicle.contact != ContactRule::Stall {
-            if let Some(leg) = self.legs.last_mut() {
-                leg.after = after;
+            if let Some(segment) = self.segments.last_mut() {
+                segment.after = after;
             }
-            return self.begin_leg(vehicle, walls, start + after, Some(id), fresh);
+            return self.begin_segment(vehicle, walls, start + after, Some(id), fresh);
         }
         if after == 0.0 && self.is_erring() {
-            return self.yield_to_contact(model, self.next_tick());
+            return self.suppress_errors(model, self.next_tick());
         }
         let point = wall.nearest_point(path.position(after));
         self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
     }
 
-    /// Begins the leg that follows a contact or another leg, `from` seconds after the start. `met` is the wall met at
+    /// Begins the segment that follows a contact or another segment, `from` seconds after the start. `met` is the wall met at
     /// that instant; `is_fresh` states that the body did not touch it before.
-    fn begin_leg(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, met: Option<WallId>, is_fresh: bool) {
+    fn begin_segment(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, met: Option<WallId>, is_fresh: bool) {
         let model = &*vehicle.model;
         let ContactRule::Slide { friction } = vehicle.contact else { return };
         let centre = self.centre_after(model, from);
         let covered = self.state_after(model, from).path - self.piece.state.path;
         let push = Push { free: Path::new(&centre, self.twist_of_centre(model)), radius: model.body_radius, friction };
-        let earlier = self.legs.len().checked_sub(RUSH_LEGS).map(|earlier| self.legs[earlier].from);
-        let slide = if earlier.is_some_and(|earlier| from - earlier < RUSH_SECONDS) {
-            push.resting(RUSH_SECONDS, self.legs.last().and_then(|leg| leg.against))
+        let earlier = self.segments.len().checked_sub(MAX_SEGMENTS).map(|earlier| self.segments[earlier].from);
+        let slide = if earlier.is_some_and(|earlier| from - earlier < SEGMENT_WINDOW_S) {
+            push.resting(SEGMENT_WINDOW_S, self.segments.last().and_then(|segment| segment.against))
         } else {
             push.slide(walls, met, self.piece.after - from)
         };
@@ -425,7 +427,7 @@ impl Stage {
             Some(_) => f64::INFINITY,
         };
         let Slide { path, after, against, meets } = slide;
-        self.legs.push(Leg { from, after, path, covered, against, is_fresh, meets });
+        self.segments.push(SlideSegment { from, after, path, covered, against, is_fresh, meets });
     }
 
     /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag, robots with
@@ -443,17 +445,17 @@ impl Stage {
             return None;
         }
         let is_settled = model.wheel_lag == 0.0 || self.step(model) == self.during;
-        if is_settled && !self.is_erring() && !self.is_drawn && self.yields.is_none() {
+        if is_settled && !self.is_erring() && !self.is_drawn && self.error_free_until.is_none() {
             self.steady = true;
             return None;
         }
-        if is_settled && !self.is_drawn && self.yields.is_none() && vehicle.contact != ContactRule::Stall {
+        if is_settled && !self.is_drawn && self.error_free_until.is_none() && vehicle.contact != ContactRule::Stall {
             // The errors are constant, and walls do not end the piece.
             self.steady = true;
             return None;
         }
         self.explore(vehicle, walls, (tick - self.piece.start).seconds());
-        if self.piece.has_ended(tick) || is_settled && !self.is_drawn && self.yields.is_none() {
+        if self.piece.has_ended(tick) || is_settled && !self.is_drawn && self.error_free_until.is_none() {
             return self.next_after_contact(vehicle, walls, limit);
         }
         Some(self.at_tick(vehicle, tick))
@@ -467,8 +469,8 @@ impl Stage {
     /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. The start of
     /// the stage if no better bound is known.
     pub fn steady_until(&self, vehicle: &Vehicle) -> Time {
-        // Each leg along a wall is published by itself, so no bound is given.
-        if !self.has_no_ticks(vehicle) || !self.legs.is_empty() {
+        // Each segment along a wall is published by itself, so no bound is given.
+        if !self.has_no_ticks(vehicle) || !self.segments.is_empty() {
             return self.piece.start;
         }
         let known = self.explored.min(self.piece.after).max(0.0);
@@ -485,7 +487,7 @@ impl Stage {
         self.steady = swim(&vehicle.model, hull, &self.orders, self.during) == self.during;
         if self.steady {
             self.explore(vehicle, walls, (limit - self.piece.start).seconds());
-            let contact = self.piece.start + Time::from_seconds_ceil(self.legs.first()?.from);
+            let contact = self.piece.start + Time::from_seconds_ceil(self.segments.first()?.from);
             tick = tick.max((contact + (TICK - Time(1))).floor_to(TICK));
         } else {
             self.explore(vehicle, walls, (tick - self.piece.start).seconds());
@@ -503,10 +505,12 @@ impl Stage {
     /// speed that the contact takes.
     fn impulse(&self, model: &Model, at: Time) -> DVec2 {
         let seconds = self.seconds_at(at);
-        let Some(leg) = self.leg_at(seconds).filter(|leg| leg.against.is_some()) else { return DVec2::ZERO };
+        let Some(segment) = self.segment_at(seconds).filter(|segment| segment.against.is_some()) else {
+            return DVec2::ZERO;
+        };
         let Twist { vx, vy, omega } = self.twist_of_centre(model);
         let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
-        DVec2::new(heading.x, -heading.y).rotate(leg.velocity(seconds)) - DVec2::new(vx, vy)
+        DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) - DVec2::new(vx, vy)
     }
 
     /// The stage that the first tick opens after errors have moved the body against a wall, if that happens up to
@@ -534,8 +538,8 @@ impl Stage {
         let (state, orders) = (self.state(&vehicle.model, tick), self.orders_at(tick));
         let before = self.actuation_before(&vehicle.model, tick);
         let mut next = Self::open(vehicle, tick, state, orders, before, &[], self.grip);
-        if let Some(until) = self.yields.filter(|until| *until > tick) {
-            next.yield_to_contact(&vehicle.model, until);
+        if let Some(until) = self.error_free_until.filter(|until| *until > tick) {
+            next.suppress_errors(&vehicle.model, until);
         }
         next
     }
@@ -673,7 +677,7 @@ fn motion_of(
     model: &Model,
     orders: &Orders,
     ordered: Twist,
-    erring: &Erring,
+    erring: &ErringTwists,
     during: &Actuation,
     share: f64,
 ) -> (Rates, f64, Cause) {

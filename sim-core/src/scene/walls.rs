@@ -31,7 +31,7 @@ const ENTRIES_PER_WALL: f64 = 8.0;
 
 /// Maximum sum of columns and rows of a grid: keeps distances to cell borders, which are summed step by step, exact
 /// within 10^-7 of a cell.
-const MOST_CELLS_ACROSS: f64 = 16384.0;
+const MAX_CELLS_ACROSS: f64 = 16384.0;
 
 /// All walls of a scene, immutable, with a uniform grid over them for rays.
 ///
@@ -229,7 +229,7 @@ fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segm
     let cell = (size.x * size.y / (CELLS_PER_WALL * count))
         .sqrt()
         .max(lengths / (ENTRIES_PER_WALL * count))
-        .max((size.x + size.y) / (8.0 * count + 64.0).min(MOST_CELLS_ACROSS))
+        .max((size.x + size.y) / (8.0 * count + 64.0).min(MAX_CELLS_ACROSS))
         .max(1e6 * rounding)
         .max(1e-9);
     let margin = (1e-6 * cell).max(rounding);

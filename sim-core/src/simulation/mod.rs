@@ -21,5 +21,5 @@ pub use factory::{FactoryError, RobotFactory};
 pub use intervention::{Effect, Intervention, Refusal, Robots};
 pub use placement::{Placeable, Placement};
 pub use robot::{Robot, WalkRecord};
-pub use roster::{MOST_OBJECTS, MOST_ROBOTS, Roster, Types};
+pub use roster::{MAX_OBJECTS, MAX_ROBOTS, Roster, Types};
 pub use value::{DEFAULT_SLOT, Options, Simulation};

@@ -13,10 +13,10 @@ use crate::world::World;
 
 /// Limit of robots added after the start of a simulation. Removed robots count too, because each keeps its number and
 /// its record. Our choice.
-pub const MOST_ROBOTS: usize = 1_000;
+pub const MAX_ROBOTS: usize = 1_000;
 
 /// Limit of movable objects added after the start of a simulation, removed ones included. Our choice.
-pub const MOST_OBJECTS: usize = 10_000;
+pub const MAX_OBJECTS: usize = 10_000;
 
 /// All robots and movable objects that a simulation has ever had, in the order of their ids, with their initial poses;
 /// and the named types of robots and objects that can be added.
@@ -92,7 +92,7 @@ impl Roster {
         if let Some(thing) = world.overlapped(start.position, 0.5 * robi.diameter) {
             return Err(Refusal::Occupied(thing));
         }
-        check_room(self.robots.len() - self.at_start[0], MOST_ROBOTS, "robots")?;
+        check_room(self.robots.len() - self.at_start[0], MAX_ROBOTS, "robots")?;
         let of_type = || self.robots.iter().find(|robot| Arc::ptr_eq(&robot.robi, &robi));
         let noise = model.or_else(of_type).map_or(&self.noise, |robot| &robot.noise).clone();
         Ok(RobotSpec {
@@ -114,7 +114,7 @@ impl Roster {
     /// [`Refusal`] if the type is unknown, or the limit is reached.
     pub fn object(&self, kind: &str, pose: Pose) -> Result<ObjectSpec, Refusal> {
         let kind = self.object_types.find(kind)?;
-        check_room(self.objects.len() - self.at_start[1], MOST_OBJECTS, "movable objects")?;
+        check_room(self.objects.len() - self.at_start[1], MAX_OBJECTS, "movable objects")?;
         Ok(ObjectSpec { friction: kind.friction, kind, pose, span: Default::default() })
     }
 

@@ -11,8 +11,8 @@ use glam::DVec2;
 use super::{World, objects::Objects, track::passages_bounds};
 use crate::{
     RobotId,
-    contact::{APPROACH, Body, Obstacle, Path, Rolling, TOUCH, Thing, first_touch},
-    drive::{Model, Motion, Passage, Thrust},
+    contact::{APPROACH, Body, MovingDisc, Obstacle, Path, TOUCH, Thing, first_touch},
+    drive::{DriveState, Model, Motion, Passage},
     object::{GRAVITY, Pusher, STEP},
     pose::Twist,
     scene::{Bounds, BoundsIndex},
@@ -24,7 +24,7 @@ const PASSIVE: u32 = u32::MAX;
 
 /// True motions in a slot. The next slot reuses the memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Truth {
+pub(super) struct TrueMotions {
     /// By robot, its index in the list of active motions, or [`PASSIVE`].
     places: Vec<u32>,
     /// Passages of the active motions.
@@ -65,8 +65,8 @@ impl Instant {
 }
 
 /// Resolution of the events of one slot.
-pub(super) struct Settling<'a, 'm> {
-    truth: &'a mut Truth,
+pub(super) struct ContactResolution<'a, 'm> {
+    truth: &'a mut TrueMotions,
     world: &'a World,
     active: &'a mut [&'m mut Motion],
     start: Time,
@@ -80,9 +80,9 @@ pub(super) struct Settling<'a, 'm> {
     changed: Vec<RobotId>,
 }
 
-impl<'a, 'm> Settling<'a, 'm> {
+impl<'a, 'm> ContactResolution<'a, 'm> {
     /// Reads the motions of the world's present slot; `active` is in the order of ids.
-    pub fn new(truth: &'a mut Truth, world: &'a World, active: &'a mut [&'m mut Motion]) -> Self {
+    pub fn new(truth: &'a mut TrueMotions, world: &'a World, active: &'a mut [&'m mut Motion]) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.places.clear();
         truth.places.resize(world.tracks.len(), PASSIVE);
@@ -170,22 +170,22 @@ impl<'a, 'm> Settling<'a, 'm> {
         }
         let at = objects.next_step().max(self.start);
         let near: Vec<RobotId> = self.near.iter().copied().collect();
-        let thrusts: Vec<Option<Thrust>> = near.iter().map(|robot| self.thrust(*robot, at)).collect();
-        let is_idle = thrusts.iter().flatten().all(|thrust| thrust.ordered.is_zero());
+        let states: Vec<Option<DriveState>> = near.iter().map(|robot| self.drive_state(*robot, at)).collect();
+        let is_idle = states.iter().flatten().all(|state| state.ordered.is_zero());
         if is_idle && objects.is_asleep() {
             objects.skip_to(objects.next_step() + STEP);
             return;
         }
         let mut robots = Vec::with_capacity(near.len());
         let mut shares = Vec::with_capacity(near.len());
-        for (robot, thrust) in near.iter().zip(&thrusts) {
-            let (pusher, share) = self.pusher(*robot, thrust.as_ref(), at);
+        for (robot, state) in near.iter().zip(&states) {
+            let (pusher, share) = self.pusher(*robot, state.as_ref(), at);
             robots.push(pusher);
             shares.push(share);
         }
         let pushes = objects.step(&robots).to_vec();
         for (place, push) in pushes.into_iter().enumerate() {
-            let (robot, Some(thrust)) = (near[place], thrusts[place]) else { continue };
+            let (robot, Some(state)) = (near[place], states[place]) else { continue };
             let active = self.truth.places[robot.index()] as usize;
             let touched = push.contact.map(|touch| {
                 let point = robots[place].centre + touch.direction * robots[place].radius;
@@ -194,12 +194,12 @@ impl<'a, 'm> Settling<'a, 'm> {
             if let Some((object, obstacle)) = touched {
                 self.active[active].touch(at, object, obstacle.point);
             }
-            if thrust.ordered.is_zero() {
+            if state.ordered.is_zero() {
                 continue;
             }
-            let share = self.share_after(active, &thrust, &robots[place], shares[place], push.velocity, push.omega);
+            let share = self.share_after(active, &state, &robots[place], shares[place], push.velocity, push.omega);
             let obstacle = touched.map(|(_, obstacle)| obstacle).or_else(|| self.active[active].pressed(at));
-            if share != thrust.share
+            if share != state.share
                 && let Some(obstacle) = obstacle
             {
                 self.active[active].slow(at, share, obstacle);
@@ -210,36 +210,36 @@ impl<'a, 'm> Settling<'a, 'm> {
     }
 
     /// Drive of an active robot at `at`; `None` for a passive robot.
-    fn thrust(&mut self, robot: RobotId, at: Time) -> Option<Thrust> {
+    fn drive_state(&mut self, robot: RobotId, at: Time) -> Option<DriveState> {
         let place = self.truth.places[robot.index()];
-        (place != PASSIVE).then(|| self.active[place as usize].thrust(at))
+        (place != PASSIVE).then(|| self.active[place as usize].drive_state(at))
     }
 
     /// A robot as the objects meet it in a step, and the share of the ordered twist that its traction can reach by the
     /// end of the step.
-    fn pusher(&self, robot: RobotId, thrust: Option<&Thrust>, at: Time) -> (Pusher, f64) {
+    fn pusher(&self, robot: RobotId, state: Option<&DriveState>, at: Time) -> (Pusher, f64) {
         let radius = self.radius(robot);
-        let Some(thrust) = thrust else {
+        let Some(state) = state else {
             let centre = self.world.tracks[robot.index()].centre(at);
             let still =
                 Pusher { robot, centre, velocity: DVec2::ZERO, omega: 0.0, radius, mass: 1.0, is_immovable: true };
             return (still, 1.0);
         };
         let model = self.active[self.truth.places[robot.index()] as usize].model();
-        let share = (thrust.share + gain(model, thrust.ordered)).min(1.0);
+        let share = (state.share + gain(model, state.ordered)).min(1.0);
         // If the robot comes to rest within the step, its mean velocity in the step is lower.
-        let part = share * (thrust.left / STEP.seconds()).min(1.0);
-        let half_turn = 0.5 * thrust.ordered.omega * part * STEP.seconds();
-        let heading = thrust.centre.heading.turned(half_turn).direction();
-        let Twist { vx, vy, omega } = thrust.ordered.scaled(part);
+        let part = share * (state.left / STEP.seconds()).min(1.0);
+        let half_turn = 0.5 * state.ordered.omega * part * STEP.seconds();
+        let heading = state.centre.heading.turned(half_turn).direction();
+        let Twist { vx, vy, omega } = state.ordered.scaled(part);
         let pusher = Pusher {
             robot,
-            centre: thrust.centre.position,
+            centre: state.centre.position,
             velocity: heading.rotate(DVec2::new(vx, vy)),
             omega,
             radius,
             mass: model.mass,
-            is_immovable: thrust.ordered.is_zero(),
+            is_immovable: state.ordered.is_zero(),
         };
         (pusher, share)
     }
@@ -249,7 +249,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     fn share_after(
         &self,
         active: usize,
-        thrust: &Thrust,
+        state: &DriveState,
         before: &Pusher,
         share: f64,
         velocity: DVec2,
@@ -260,13 +260,13 @@ impl<'a, 'm> Settling<'a, 'm> {
         let went = twist(before.velocity, before.omega);
         let lost = 1.0 - model.overlap(twist(velocity, omega), went);
         // Traction that was not needed for acceleration resists the push.
-        let left = gain(model, thrust.ordered) - (share - thrust.share);
+        let left = gain(model, state.ordered) - (share - state.share);
         let after = (share * (1.0 - lost.max(0.0)) + left.max(0.0)).clamp(0.0, share);
         // A speed below 0.1 mm/s counts as rest, because it is within the error of the solver.
-        if after * model.speed(thrust.ordered) < 1e-4 { 0.0 } else { after }
+        if after * model.speed(state.ordered) < 1e-4 { 0.0 } else { after }
     }
 
-    /// Releases bodies whose way has become free, at the slot's end, after [`Settling::run`].
+    /// Releases bodies whose way has become free, at the slot's end, after [`ContactResolution::run`].
     pub fn resume(&mut self) {
         for place in 0..self.active.len() {
             if self.active[place].blocker().is_some() {
@@ -337,8 +337,8 @@ impl<'a, 'm> Settling<'a, 'm> {
         let span = (self.end - self.start).seconds();
         let mut t = from;
         while t < span {
-            let (disc_a, until_a) = self.rolling(a, t);
-            let (disc_b, until_b) = self.rolling(b, t);
+            let (disc_a, until_a) = self.moving_disc(a, t);
+            let (disc_b, until_b) = self.moving_disc(b, t);
             if until_a == f64::INFINITY
                 && until_b == f64::INFINITY
                 && disc_a.path.is_resting()
@@ -357,7 +357,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     }
 
     /// Motion of a body `t` seconds after the start of the slot, and the instant up to which this motion holds.
-    fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
+    fn moving_disc(&self, robot: RobotId, t: f64) -> (MovingDisc, f64) {
         let passages = self.passages(robot);
         // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
         // at it, to the bit.
@@ -369,23 +369,23 @@ impl<'a, 'm> Settling<'a, 'm> {
         let elapsed = (seconds(passage) - passage.begin).max(0.0);
         let radius = self.radius(robot);
         if passage.path.is_resting() {
-            (Rolling { path: passage.path, elapsed: 0.0, radius }, until)
+            (MovingDisc { path: passage.path, elapsed: 0.0, radius }, until)
         } else if seconds(passage) >= passage.after {
             let rest = passage.path.position(passage.after - passage.begin);
-            (Rolling { path: Path::resting(rest), elapsed: 0.0, radius }, until)
+            (MovingDisc { path: Path::resting(rest), elapsed: 0.0, radius }, until)
         } else {
-            (Rolling { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.after))
+            (MovingDisc { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.after))
         }
     }
 
     /// Stops each of two touching bodies that approaches the contact.
     fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
         let seconds = instant.seconds();
-        let (disc_a, _) = self.rolling(a, seconds);
-        let (disc_b, _) = self.rolling(b, seconds);
+        let (disc_a, _) = self.moving_disc(a, seconds);
+        let (disc_b, _) = self.moving_disc(b, seconds);
         let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
         let towards_b = (centre_b - centre_a).normalize_or_zero();
-        let approach = |disc: &Rolling, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
+        let approach = |disc: &MovingDisc, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
         // Together they approach by more than the threshold, so at least one of them approaches by half of it or more.
         let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
         let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
@@ -487,7 +487,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     fn touching(&self, robot: RobotId, at: Time) -> Vec<Body> {
         let seconds = (at - self.start).seconds();
         let body = |robot: RobotId| {
-            let (disc, _) = self.rolling(robot, seconds);
+            let (disc, _) = self.moving_disc(robot, seconds);
             Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
         };
         let own = body(robot);

@@ -19,9 +19,9 @@ use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 
 /// Greatest number of corners of an area, of places, and of numbers in a row or column.
-const MOST_ITEMS: usize = 1000;
+const MAX_ITEMS: usize = 1000;
 /// Greatest count.
-const MOST: i64 = 1_000_000_000;
+const MAX_COUNT: i64 = 1_000_000_000;
 const POINTS: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
 const WITHIN: Quantity = Quantity::length("distance");
 const SHARE: Bounded = Bounded(Quantity::percent("share", 0.0, 100.0));
@@ -90,7 +90,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             if gate[0] == gate[1] && keys.is_complete() && keys.reading().is_some() {
                 refuse(keys, "gate_mm", "is no gate", "two different points");
             }
-            keys.key("min", "Least number of passages; 1 if left out.").optional(1..=MOST, min);
+            keys.key("min", "Least number of passages; 1 if left out.").optional(1..=MAX_COUNT, min);
             by_key(keys, by);
         }
         CheckKind::Clearance { robot, min, to } => {
@@ -128,7 +128,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Contacts { robot, with, max } => {
             any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
             keys.key("with", "The obstacles that count; `anything` if left out.").optional(Word, with);
-            keys.key("max", "Greatest number of contacts; 0 if left out.").optional(0..=MOST, max);
+            keys.key("max", "Greatest number of contacts; 0 if left out.").optional(0..=MAX_COUNT, max);
         }
         CheckKind::Metric { path, min, max, full, zero } => metric_keys(keys, path, [min, max, full, zero]),
         CheckKind::Prints { robot, on, what } => {
@@ -247,8 +247,8 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
 fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
     let usual = |count: &Counts| if count.max.is_some() { 0 } else { 1 };
     let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
-    keys.key("min", "Least number; 1 if left out, 0 if only `max` is given.").maybe(0..=MOST, &mut min);
-    keys.key("max", "Greatest number; any if left out.").maybe(0..=MOST, &mut count.max);
+    keys.key("min", "Least number; 1 if left out, 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
+    keys.key("max", "Greatest number; any if left out.").maybe(0..=MAX_COUNT, &mut count.max);
     if keys.reading().is_none() {
         return;
     }
@@ -346,10 +346,10 @@ const ROBOTS: Custom<Vec<RobotId>> = Custom {
 const CORNERS: Custom<Vec<DVec2>> = Custom {
     read: |At { reader, section, key }| {
         let items = reader.array(section, key, "an array of points [x, y]")?;
-        if items.len() > MOST_ITEMS {
+        if items.len() > MAX_ITEMS {
             let span = reader.value_span(section, key);
             let message = format!("`{key}` has {} points", items.len());
-            reader.sink.error(Code::TomlType, span, message, format!("at most {MOST_ITEMS} points"));
+            reader.sink.error(Code::TomlType, span, message, format!("at most {MAX_ITEMS} points"));
             return None;
         }
         let mut points = Vec::with_capacity(items.len());
@@ -429,14 +429,13 @@ const ROWS: Custom<Vec<Vec<f64>>> = Custom {
         } else {
             vec![row(reader, items)?]
         };
-        if rows.is_empty() || rows.len() > MOST_ITEMS || rows.iter().any(|row| row.is_empty() || row.len() > MOST_ITEMS)
-        {
+        if rows.is_empty() || rows.len() > MAX_ITEMS || rows.iter().any(|row| row.is_empty() || row.len() > MAX_ITEMS) {
             let message = format!("`{key}` has an empty row, or too many numbers");
             reader.sink.error(
                 Code::TomlType,
                 span,
                 message,
-                format!("1 to {MOST_ITEMS} rows of 1 to {MOST_ITEMS} numbers"),
+                format!("1 to {MAX_ITEMS} rows of 1 to {MAX_ITEMS} numbers"),
             );
             return None;
         }

@@ -15,7 +15,7 @@ use sim_core::drive::legged::Foot;
 use sim_core::unit;
 
 /// Greatest number of legs of a robot, and of gaits.
-const MOST: usize = 16;
+const MAX_PARTS: usize = 16;
 const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 
 /// Declares `[legs]` and `[[leg]]` of a robot type.
@@ -45,7 +45,7 @@ impl Form for LegsSpec {
         keys.key("radius_mm", "Radius of thighs and shanks in mm: what of them may touch; 20 if left out.")
             .optional(Quantity::length("radius of thighs and shanks"), &mut self.radius);
         keys.key("gait", "Gaits, the first is the one that it starts with; if left out, one foot after the other.")
-            .list(Parts(MOST), &mut self.gaits);
+            .list(Parts(MAX_PARTS), &mut self.gaits);
     }
 }
 
@@ -154,10 +154,10 @@ impl Form for Foot {
 impl Reader {
     /// Validates the legs of a robot type: reports inconsistencies, and legs on which the robot cannot stand or walk.
     fn settle_legs(&mut self, mut legs: LegsSpec, is_legged: bool, has_legs: bool, span: Span) -> Option<LegsSpec> {
-        if legs.legs.len() > MOST {
+        if legs.legs.len() > MAX_PARTS {
             let message = format!("the robot has {} legs", legs.legs.len());
-            self.sink.error(Code::NumberRange, span, message, format!("at most {MOST} legs"));
-            legs.legs.truncate(MOST);
+            self.sink.error(Code::NumberRange, span, message, format!("at most {MAX_PARTS} legs"));
+            legs.legs.truncate(MAX_PARTS);
         }
         if !is_legged {
             if has_legs {

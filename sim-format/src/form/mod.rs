@@ -239,10 +239,10 @@ impl Key<'_, '_> {
     /// Optional value, printed unless it is the default; an invalid one makes the whole table unusable.
     pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         let name = self.name;
-        let is_said = self.keys.reading().is_some_and(|(_, section)| section.has(name));
+        let is_given = self.keys.reading().is_some_and(|(_, section)| section.has(name));
         match self.read(&kind, None) {
             Some(read) => *value = read,
-            None if is_said => self.keys.refuse(),
+            None if is_given => self.keys.refuse(),
             None => {}
         }
         self.tell(&kind, Some(value), Need::Usual);

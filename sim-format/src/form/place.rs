@@ -250,17 +250,17 @@ impl Form for Layout {
 /// Declares two corners of a rectangle; returns false, after reporting it, if only one of them is given.
 fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
     let [mut from, mut to] = [area.map(|[from, _]| from), area.map(|[_, to]| to)];
-    let mut is_said = false;
+    let mut is_given = false;
     if let Some((reader, section)) = keys.reading() {
-        is_said = section.has("from_mm") || section.has("to_mm");
-        let missing = ["from_mm", "to_mm"].into_iter().filter(|key| is_said && !section.has(key));
+        is_given = section.has("from_mm") || section.has("to_mm");
+        let missing = ["from_mm", "to_mm"].into_iter().filter(|key| is_given && !section.has(key));
         missing.for_each(|key| reader.missing(section, key));
     }
     keys.key("from_mm", "A corner of the rectangle that the bodies stand in, x and y in mm; the floor if left out.")
         .maybe(POINT, &mut from);
     keys.key("to_mm", "The opposite corner.").maybe(POINT, &mut to);
     *area = from.zip(to).map(|(from, to)| [from.min(to), from.max(to)]);
-    let is_good = !is_said || area.is_some();
+    let is_good = !is_given || area.is_some();
     if !is_good {
         keys.refuse();
     }

@@ -25,7 +25,7 @@ const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 /// Keys of the function for boulders.
 const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
-const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
+const DIRECTIONS_DEG: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
 /// One selecting key for each kind of terrain, with its description.
 const ABOUT: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
@@ -286,7 +286,7 @@ const QUARTER_TURN: Custom<StairsDirection> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
         let degrees = reader.number(section, key, &DIRECTION)?;
-        let place = WAYS.iter().position(|way| *way == degrees.rem_euclid(360.0));
+        let place = DIRECTIONS_DEG.iter().position(|way| *way == degrees.rem_euclid(360.0));
         if place.is_none() {
             let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
             let message = format!("direction `{degrees}` is no multiple of a quarter turn");
@@ -295,7 +295,7 @@ const QUARTER_TURN: Custom<StairsDirection> = Custom {
         place.map(|place| StairsDirection::ALL[place])
     },
     print: |way| {
-        let ways = StairsDirection::ALL.iter().zip(WAYS);
+        let ways = StairsDirection::ALL.iter().zip(DIRECTIONS_DEG);
         ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
     },
     describe: |definitions| DIRECTION.describe(definitions),

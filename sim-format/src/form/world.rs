@@ -84,8 +84,8 @@ impl Form for WorldTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WorldForm", "The world.");
         let is_read = keys.reading().is_some();
-        let mut is_said = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
-        let (is_file, is_drawn) = (is_said("file"), is_said("maze"));
+        let mut is_given = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
+        let (is_file, is_drawn) = (is_given("file"), is_given("maze"));
         if is_file {
             keys.mention(&["kind"]);
         }

@@ -190,10 +190,10 @@ fn line_above(text: &str, place: usize) -> Option<&str> {
     let start = text[..place].rfind(is_break)?;
     // CR LF is one break.
     let end = if text[..=start].ends_with("\r\n") { start - 1 } else { start };
-    let near = text.floor_char_boundary(end.saturating_sub(MAX_NEIGHBOUR));
-    match text[near..end].rfind(is_break) {
-        Some(before) => Some(&text[near + before + 1..end]),
-        None if near == 0 => Some(&text[..end]),
+    let search_start = text.floor_char_boundary(end.saturating_sub(MAX_NEIGHBOUR));
+    match text[search_start..end].rfind(is_break) {
+        Some(before) => Some(&text[search_start + before + 1..end]),
+        None if search_start == 0 => Some(&text[..end]),
         None => None,
     }
 }

@@ -363,12 +363,12 @@ impl Sink for Comparison {
 }
 
 /// Longest time for which a run continues after the first difference.
-const STRETCH: Duration = Duration::from_millis(20);
+const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Advances the run, following `script`, to its end or to the first difference.
 fn run_until_divergence(run: &mut Scheduler, script: &mut Script, comparison: &Mutex<Comparison>) {
     while !comparison.lock().is_over() {
-        if script.advance(run, STRETCH) == Progress::Over {
+        if script.advance(run, CHECK_INTERVAL) == Progress::Over {
             return;
         }
     }

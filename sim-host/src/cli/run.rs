@@ -306,15 +306,15 @@ pub fn explain(finished: &Finished) {
         _ => {}
     }
     /// Most failed robots listed.
-    const MOST: usize = 20;
+    const MAX_LISTED: usize = 20;
     let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
-    for robot in failed.iter().take(MOST) {
+    for robot in failed.iter().take(MAX_LISTED) {
         let reason = robot.reason.as_deref().unwrap_or("no reason given");
         let blank = if robot.outcome == Outcome::Waiting { " " } else { ": " };
         say(format_args!("r{} (`{}`){blank}{reason}", robot.id, robot.program));
     }
-    if failed.len() > MOST {
-        say(format_args!("... and {} more: see --report", failed.len() - MOST));
+    if failed.len() > MAX_LISTED {
+        say(format_args!("... and {} more: see --report", failed.len() - MAX_LISTED));
     }
 }
 

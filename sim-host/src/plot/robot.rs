@@ -80,7 +80,7 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
     }
     let sensor_views = sensor_views(robi);
-    let ranges = sensor_views.iter().map(|sight| (sight.at, sight.line()));
+    let ranges = sensor_views.iter().map(|view| (view.at, view.line()));
     let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
     for (position, line) in ranges.chain(infrareds.map(|(position, line)| (position.truncate(), line))) {
         let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, least: 2.0 };
@@ -95,8 +95,8 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         walls.cast(origin, direction, range).map_or(range, |hit| hit.distance)
     };
     let sensor_views = sensor_views(robi);
-    for (sight, half) in sensor_views.iter().filter_map(|sight| Some((sight, sight.half_angle?))) {
-        draw_cone(drawing, sight, half, pose, walls);
+    for (view, half) in sensor_views.iter().filter_map(|view| Some((view, view.half_angle?))) {
+        draw_cone(drawing, view, half, pose, walls);
     }
     let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
         let origin = pose.transform_point(position);
@@ -104,8 +104,8 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         let end = origin + direction * reach(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
     };
-    for sight in &sensor_views {
-        beam(sight.at, sight.angle(), sight.reach, sight.line());
+    for view in &sensor_views {
+        beam(view.at, view.angle(), view.reach, view.line());
     }
     for infrared in &robi.infrareds {
         beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
@@ -181,7 +181,7 @@ impl SensorView<'_> {
 fn sensor_views(robi: &RobiSpec) -> Vec<SensorView<'_>> {
     let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
     let sensors = build::range_sensors(robi);
-    let sight = |(name, sensor): (_, &RangeSensor)| {
+    let view = |(name, sensor): (_, &RangeSensor)| {
         let frame = frame_of(robi, &sensor.mount, sensor.link);
         let way = frame.forward().truncate();
         let (range, half_angle) = match &sensor.model {
@@ -192,7 +192,7 @@ fn sensor_views(robi: &RobiSpec) -> Vec<SensorView<'_>> {
         let (at, reach) = (frame.position.truncate(), range * way.length());
         SensorView { name, at, way, reach, range, half_angle, model: sensor.model }
     };
-    names.map(String::as_str).zip(&sensors).map(sight).collect()
+    names.map(String::as_str).zip(&sensors).map(view).collect()
 }
 
 /// Pose in the robot's frame of a device at `mount` on a link, or on the body, with the servos centred.
@@ -211,16 +211,16 @@ fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
 }
 
 /// The cone of a sonar from above, up to its range or the walls.
-fn draw_cone(drawing: &mut Drawing, sight: &SensorView<'_>, half: f64, pose: &Pose, walls: &Walls) {
+fn draw_cone(drawing: &mut Drawing, view: &SensorView<'_>, half: f64, pose: &Pose, walls: &Walls) {
     const STEPS: u32 = 16;
-    let origin = pose.transform_point(sight.at);
+    let origin = pose.transform_point(view.at);
     let end = |step: u32| {
-        let angle = sight.angle() + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
+        let angle = view.angle() + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
         let direction = pose.heading.turned(angle).direction();
-        origin + direction * walls.cast(origin, direction, sight.reach).map_or(sight.reach, |hit| hit.distance)
+        origin + direction * walls.cast(origin, direction, view.reach).map_or(view.reach, |hit| hit.distance)
     };
     let outline = std::iter::once(origin).chain((0..=STEPS).map(end)).collect();
-    drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(sight.reach));
+    drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(view.reach));
 }
 
 /// Draws the field of view of the camera and, if a servo pans it, the arc of the servo's range.
@@ -266,9 +266,9 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         let beyond = along * along + radius * radius - position.length_squared();
         position + way * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
     };
-    for sight in sensor_views(robi) {
-        let way = way(sight.angle());
-        label(format!("{}, {} m", sight.name, rounded(sight.range)), edge(sight.at, way, sight.reach), way);
+    for view in sensor_views(robi) {
+        let way = way(view.angle());
+        label(format!("{}, {} m", view.name, rounded(view.range)), edge(view.at, way, view.reach), way);
     }
     for infrared in &robi.infrareds {
         let text = format!("{}, {} m", infrared.name, rounded(infrared.range));

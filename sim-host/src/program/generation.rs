@@ -205,8 +205,8 @@ impl std::fmt::Display for GenerationChoice {
             ChoiceReason::Said | ChoiceReason::None => f.write_str(name),
             ChoiceReason::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
             ChoiceReason::Calls(calls) | ChoiceReason::Constants(calls) => {
-                let more = if calls.len() > MOST_SHOWN { ", ..." } else { "" };
-                write!(f, "{name} ({}{more})", calls[..calls.len().min(MOST_SHOWN)].join(", "))
+                let more = if calls.len() > MAX_SHOWN { ", ..." } else { "" };
+                write!(f, "{name} ({}{more})", calls[..calls.len().min(MAX_SHOWN)].join(", "))
             }
             ChoiceReason::Dialect => write!(f, "{name}, as the sim file is; its calls are in {} as well", other.name()),
             ChoiceReason::Default => {
@@ -238,7 +238,7 @@ impl GenerationChoice {
 }
 
 /// Names of functions shown in one line.
-const MOST_SHOWN: usize = 3;
+const MAX_SHOWN: usize = 3;
 
 /// Reasons why no generation can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

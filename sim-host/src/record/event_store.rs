@@ -18,7 +18,7 @@ use super::trace::{Trace, TraceHeader};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
 /// Most bytes stored of one run.
-const MOST_BYTES: u64 = 128 << 20;
+const MAX_BYTES: u64 = 128 << 20;
 
 /// Bytes written to the file at a time.
 const BATCH: usize = 1 << 16;
@@ -26,7 +26,7 @@ const BATCH: usize = 1 << 16;
 /// Reason why there is no trace of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum EventStoreError {
-    /// The events exceed `MOST_BYTES`.
+    /// The events exceed `MAX_BYTES`.
     #[error("so much has happened in this run that it is not kept: `--trace FILE` writes all of it")]
     Full,
     /// Error of the operating system.
@@ -134,7 +134,7 @@ impl EventStore {
         batch.clear();
         if let Err(error) = written {
             self.failure = Some(error.into());
-        } else if self.length > MOST_BYTES {
+        } else if self.length > MAX_BYTES {
             self.failure = Some(EventStoreError::Full);
             // The stored events are of no use any more.
             let _ = self.file.set_len(0);

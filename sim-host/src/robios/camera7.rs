@@ -12,7 +12,7 @@ use super::image7::is_resolution;
 use super::robot::Robot;
 
 /// Greatest width and height of an image in pixels.
-const MOST_SIDE: i32 = 4096;
+const MAX_SIDE: i32 = 4096;
 
 /// `CAMInit`; the program's side translates a resolution to its size.
 pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
@@ -21,11 +21,11 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
         return camera::refused(robot, Call::CAMInit, 1, why);
     }
     let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
-    let is_size = [width, height].iter().all(|side| (1..=MOST_SIDE).contains(side));
+    let is_size = [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side));
     if !is_resolution(resolution) || !is_size || width as usize * height as usize > most {
         return robot.refused(Call::CAMInit, 1, |_| {
             format!(
-                "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MOST_SIDE} \
+                "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MAX_SIDE} \
                  and no more pixels than CAM5MP has"
             )
         });

@@ -46,7 +46,7 @@ pub enum Read {
 }
 
 /// Reads at the end of the input, each within [`CLOSE`] of the one before, that make an endless loop. Source: our choice.
-const MOST_AT_END: u32 = 1000;
+const MAX_AT_END: u32 = 1000;
 /// Virtual time between two reads of such a loop. Source: our choice.
 const CLOSE: Time = Time::from_millis(5);
 
@@ -103,7 +103,7 @@ pub(super) fn read(robot: &mut Robot, room: usize) -> Poll<Read> {
     let is_close = now - input.last_at_end <= CLOSE;
     input.at_end = if is_close { input.at_end + 1 } else { 1 };
     input.last_at_end = now;
-    let (is_loop, has_text) = (input.at_end >= MOST_AT_END, matches!(input.source, Source::Text(_)));
+    let (is_loop, has_text) = (input.at_end >= MAX_AT_END, matches!(input.source, Source::Text(_)));
     if !std::mem::replace(&mut input.has_ended, true) && !has_text {
         robot.hint("the program reads its standard input, which is empty: `--stdin FILE` gives it a text");
     }

@@ -96,14 +96,14 @@ fn sensors(robot: &Robot) -> Vec<SensorState> {
 }
 
 /// Bound on noise parameters, beyond any sensible value: JSON has no infinite numbers.
-const MOST: f64 = 1e6;
+const MAX_PARAMETER: f64 = 1e6;
 
 fn parameter(parameter: &Parameter) -> protocol::Parameter {
     protocol::Parameter {
         name: parameter.name(),
         what: parameter.what.to_owned(),
-        value: parameter.value.clamp(-MOST, MOST),
-        range: parameter.range.map(|bound| bound.clamp(-MOST, MOST)),
+        value: parameter.value.clamp(-MAX_PARAMETER, MAX_PARAMETER),
+        range: parameter.range.map(|bound| bound.clamp(-MAX_PARAMETER, MAX_PARAMETER)),
         unit: parameter.unit.to_owned(),
     }
 }

@@ -14,7 +14,7 @@ use sim_core::record::{Digest, Event, Kind, KindSet, Record, WORLD};
 
 /// Most events kept between two calls of [`Feed::take_events`]; further ones are only counted, so that a run at full speed is
 /// not slowed.
-const MOST_EVENTS: usize = 200;
+const MAX_EVENTS: usize = 200;
 
 /// Sink that collects events until they are [taken](Feed::take_events), and the latest readings.
 #[derive(Default)]
@@ -153,7 +153,7 @@ impl Sink for Feed {
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         if !self.keep_readings(record) {
             self.count += 1;
-            if self.events.len() < MOST_EVENTS {
+            if self.events.len() < MAX_EVENTS {
                 self.events.push(page_event(self.count, record));
             }
         }
@@ -345,12 +345,12 @@ mod tests {
     #[test]
     fn what_nobody_takes_is_counted_and_left_out() {
         let mut feed = Feed::default();
-        for _ in 0..MOST_EVENTS + 5 {
+        for _ in 0..MAX_EVENTS + 5 {
             feed.record(&record(Event::Beep {})).expect("it takes everything");
         }
-        assert_eq!(feed.take_events().len(), MOST_EVENTS);
+        assert_eq!(feed.take_events().len(), MAX_EVENTS);
         feed.record(&record(Event::Beep {})).expect("it takes everything");
-        assert_eq!(feed.take_events()[0].number as usize, MOST_EVENTS + 6);
+        assert_eq!(feed.take_events()[0].number as usize, MAX_EVENTS + 6);
     }
 
     #[test]

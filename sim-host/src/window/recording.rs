@@ -22,13 +22,13 @@ const TOLERANCE: f64 = 2e-3;
 const TOLERANCE_RAD: f64 = TAU / 360.0;
 
 /// Most events kept of one kind.
-const MOST_OF_KIND: u32 = 5_000;
+const MAX_OF_KIND: u32 = 5_000;
 
-/// Initial least time between two contents of a display, in seconds; doubles when there are more than [`MOST_SHOWN`].
+/// Initial least time between two contents of a display, in seconds; doubles when there are more than [`MAX_SHOWN`].
 const DISPLAY_PERIOD: f64 = 0.1;
 
 /// Most contents kept of a display.
-const MOST_SHOWN: usize = 4_000;
+const MAX_SHOWN: usize = 4_000;
 
 /// Builds the recording of a run from its trace and its scene; `spec` gives the robots' starting poses, which traces lack.
 ///
@@ -115,7 +115,7 @@ impl RecordingBuilder {
             self.count += 1;
             let of_kind = self.counts.entry(kind.clone()).or_default();
             *of_kind += 1;
-            if *of_kind <= MOST_OF_KIND {
+            if *of_kind <= MAX_OF_KIND {
                 self.events.push(event_of(self.count, at, robot, &kind, fields));
             }
         }
@@ -254,7 +254,7 @@ impl DisplayHistory {
         }
         for (below, part) in text.lines().enumerate() {
             let (row, column) = (row + below, if below == 0 { column } else { 0 });
-            if row >= MOST_ROWS {
+            if row >= MAX_ROWS {
                 return;
             }
             self.lines.resize(self.lines.len().max(row + 1), String::new());
@@ -273,7 +273,7 @@ impl DisplayHistory {
             Some(last) if last.lines == lines => {}
             _ => self.shown.push(DisplayChange { t_s: round(t_s, 1e3), lines }),
         }
-        if self.shown.len() > MOST_SHOWN {
+        if self.shown.len() > MAX_SHOWN {
             self.period *= 2.0;
             let mut since = f64::NEG_INFINITY;
             self.shown.retain(|shown| {
@@ -290,7 +290,7 @@ impl DisplayHistory {
 }
 
 /// Bound on the rows, more than any display has.
-const MOST_ROWS: usize = 256;
+const MAX_ROWS: usize = 256;
 
 /// Collects the track of a body and drops redundant points. Keeps the range of slopes of those lines through the last
 /// corner that pass all later points within the tolerance (swinging door, Bristol 1990).

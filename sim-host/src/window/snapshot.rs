@@ -4,7 +4,7 @@ use sim_core::simulation;
 use sim_core::time::Time;
 use sim_core::world::{Stretch, World};
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Beam, Leg, ObjectState, RobotState, Standing};
+use sim_view::protocol::{Beam, MotionPiece, ObjectState, RobotState, Standing};
 
 use super::planar;
 use crate::executive::program_status::waits_now;
@@ -15,7 +15,7 @@ use sim_core::device::range::SensorView;
 use sim_core::device::switch::SensorId;
 
 /// Most beams of a snapshot; beams of the robots that pages look at come first.
-const MOST_BEAMS: usize = 600;
+const MAX_BEAMS: usize = 600;
 
 /// States of the robots `ids`.
 pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<RobotState> {
@@ -42,9 +42,9 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
 }
 
 /// Pieces of motion of a robot from the slot's start to its end.
-fn legs(world: &World, id: RobotId) -> Vec<Leg> {
+fn legs(world: &World, id: RobotId) -> Vec<MotionPiece> {
     let end = world.slot_end();
-    let leg = |Stretch { start, from, twist, after }: Stretch| Leg {
+    let piece = |Stretch { start, from, twist, after }: Stretch| MotionPiece {
         t_s: start.seconds(),
         from: planar(&from),
         v_m_per_s: twist.vx,
@@ -52,7 +52,7 @@ fn legs(world: &World, id: RobotId) -> Vec<Leg> {
         omega_rad_per_s: twist.omega,
         lasts_s: after.min((end - start).seconds()),
     };
-    world.stretches(id).map(leg).collect()
+    world.stretches(id).map(piece).collect()
 }
 
 /// Poses of the movable objects `ids`.
@@ -61,7 +61,7 @@ pub fn objects(world: &World, ids: impl Iterator<Item = ObjectId>) -> Vec<Object
     ids.map(|id| ObjectState { id: id.0, pose: planar(&world.object_pose(id, at)) }).collect()
 }
 
-/// Noise-free beams of the range and infrared sensors of `ids`, in this order, robot by robot until `MOST_BEAMS` would be
+/// Noise-free beams of the range and infrared sensors of `ids`, in this order, robot by robot until `MAX_BEAMS` would be
 /// exceeded.
 pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<Beam> {
     let at = world.slot_start();
@@ -69,10 +69,10 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
     for id in ids {
         let mut robot = run.robot(id);
         let views = views(&mut robot, world, at);
-        if beams.len() + views.len() > MOST_BEAMS {
+        if beams.len() + views.len() > MAX_BEAMS {
             break;
         }
-        beams.extend(views.iter().map(|(sensor, sight)| beam(id, *sensor, sight)));
+        beams.extend(views.iter().map(|(sensor, view)| beam(id, *sensor, view)));
     }
     beams
 }
@@ -86,11 +86,11 @@ fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
     let infrareds = ir::views(robot, world, at);
     let kinds: Vec<SensorId> = kinds.chain((0..infrareds.len()).map(SensorId::Infrared)).collect();
     let all = (0..).zip(ranges.into_iter().chain(infrareds)).zip(kinds);
-    all.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(sight, _)| sight).collect()
+    all.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(view, _)| view).collect()
 }
 
-fn beam(RobotId(robot): RobotId, sensor: u32, sight: &SensorView) -> Beam {
-    let from = sight.world_from_sensor.position;
-    let to = from + sight.world_from_sensor.forward() * sight.distance.unwrap_or(sight.reach);
-    Beam { robot, sensor, from_m: from.to_array(), to_m: to.to_array(), is_hit: sight.distance.is_some() }
+fn beam(RobotId(robot): RobotId, sensor: u32, view: &SensorView) -> Beam {
+    let from = view.world_from_sensor.position;
+    let to = from + view.world_from_sensor.forward() * view.distance.unwrap_or(view.reach);
+    Beam { robot, sensor, from_m: from.to_array(), to_m: to.to_array(), is_hit: view.distance.is_some() }
 }

@@ -1,6 +1,6 @@
 // Poses of bodies at a time: closed form of their legs, linear interpolation in gaps.
 
-import type { Leg, Pose, Snapshot } from "./protocol";
+import type { MotionPiece, Pose, Snapshot } from "./protocol";
 
 /** Poses of bodies. Results are written to `out`, so that frames do not allocate; returns false if a body is unknown. */
 export interface Motion {
@@ -11,7 +11,7 @@ export interface Motion {
 }
 
 /** Pose at a time on a leg: constant rates in the body's frame. */
-export function poseOnLeg(leg: Leg, t_s: number, out: Pose): void {
+export function poseOnPiece(leg: MotionPiece, t_s: number, out: Pose): void {
   const t = Math.min(Math.max(0, t_s - leg.t_s), leg.lasts_s);
   const turn = leg.omega_rad_per_s * t;
   // Integrals of cosine and sine of the heading over the leg; series for small turns.
@@ -28,7 +28,7 @@ export function poseOnLeg(leg: Leg, t_s: number, out: Pose): void {
 }
 
 /** Pose at a time on a chain of legs. */
-export function poseOnLegs(legs: readonly Leg[], t_s: number, out: Pose): boolean {
+export function poseOnPieces(legs: readonly MotionPiece[], t_s: number, out: Pose): boolean {
   let leg = legs[0];
   if (!leg) return false;
   for (let i = 1; i < legs.length; i++) {
@@ -36,7 +36,7 @@ export function poseOnLegs(legs: readonly Leg[], t_s: number, out: Pose): boolea
     if (next.t_s > t_s) break;
     leg = next;
   }
-  poseOnLeg(leg, t_s, out);
+  poseOnPiece(leg, t_s, out);
   return true;
 }
 
@@ -75,12 +75,12 @@ export class SnapshotMotion implements Motion {
     if (!this.latest || !now) return false;
     const before = this.previous?.robots[this.robotsBefore.get(id) ?? -1];
     const first = now.legs[0];
-    if (t_s >= this.latest.t_s || !before || !first || !this.previous) return poseOnLegs(now.legs, t_s, out);
-    if (!poseOnLegs(before.legs, t_s, out)) return false;
+    if (t_s >= this.latest.t_s || !before || !first || !this.previous) return poseOnPieces(now.legs, t_s, out);
+    if (!poseOnPieces(before.legs, t_s, out)) return false;
     const last = before.legs[before.legs.length - 1]!;
     const known_s = last.t_s + last.lasts_s;
     if (t_s <= known_s) return true;
-    poseOnLegs(now.legs, this.latest.t_s, this.end);
+    poseOnPieces(now.legs, this.latest.t_s, this.end);
     mix(out, this.end, (t_s - known_s) / (this.latest.t_s - known_s));
     return true;
   }

@@ -22,7 +22,7 @@ pub use scene::{
     Scene, Sensor, SensorKind, Sky, Spot,
 };
 pub use state::{
-    Beam, Detail, Leg, ObjectState, Parameter, Picture, Pose, Reading, RobotState, RunState, Scan, SensorState,
+    Beam, Detail, MotionPiece, ObjectState, Parameter, Picture, Pose, Reading, RobotState, RunState, Scan, SensorState,
     Snapshot, Standing,
 };
 

@@ -51,7 +51,7 @@ pub struct RobotState {
     /// Its number.
     pub id: u32,
     /// Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time.
-    pub legs: Vec<Leg>,
+    pub legs: Vec<MotionPiece>,
     /// State of its program.
     pub standing: Standing,
     /// Its virtual time.
@@ -78,7 +78,7 @@ pub enum Standing {
 /// Piece of motion of a body, with constant rates in the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Leg {
+pub struct MotionPiece {
     /// Start time.
     pub t_s: f64,
     /// Pose of the robot's frame at the start.

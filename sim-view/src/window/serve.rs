@@ -29,17 +29,17 @@ use super::{Access, Options};
 use crate::page::Page;
 
 /// Most pages served at a time.
-const PAGES: usize = 64;
-/// Most pages beyond [`PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
-const REFUSED: usize = 32;
+const MAX_PAGES: usize = 64;
+/// Most pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
+const MAX_REFUSED: usize = 32;
 /// Most connections that are not pages yet; a new one replaces the oldest.
-const CONNECTIONS: usize = 128;
+const MAX_CONNECTIONS: usize = 128;
 /// Most connections accepted in each tenth of a second.
 const ACCEPTS: u32 = 100;
 /// Time limit for the head of a request.
-const HEAD: Duration = Duration::from_secs(5);
+const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limit for a connection that is not a page, with all its requests.
-const REQUESTS: Duration = Duration::from_secs(300);
+const REQUESTS_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Download for pages. Its content is made on request, on a blocking thread.
 #[derive(Clone)]
@@ -150,12 +150,12 @@ async fn accept(listener: TcpListener, routes: Router) {
             sleep_until(window + Duration::from_millis(100)).await;
         }
         connections.retain(|connection| !connection.is_finished());
-        if connections.len() == CONNECTIONS
+        if connections.len() == MAX_CONNECTIONS
             && let Some(oldest) = connections.pop_front()
         {
             oldest.abort();
         }
-        connections.push_back(tokio::spawn(timeout(REQUESTS, talk(stream, routes.clone()))).abort_handle());
+        connections.push_back(tokio::spawn(timeout(REQUESTS_TIMEOUT, talk(stream, routes.clone()))).abort_handle());
     }
 }
 
@@ -165,7 +165,7 @@ async fn talk(stream: TcpStream, routes: Router) {
     // An error is the client's: it has disconnected, or has sent invalid HTTP and been told so.
     let _ = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(HEAD)
+        .header_read_timeout(HEAD_TIMEOUT)
         .max_buf_size(64 * 1024)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes))
         .with_upgrades()
@@ -258,17 +258,17 @@ fn plain(name: &str) -> String {
 async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
     let place = SocketGuard::take(server);
     let open = place.server.sockets.load(Ordering::Relaxed);
-    if open > PAGES + REFUSED {
-        return (StatusCode::SERVICE_UNAVAILABLE, format!("{PAGES} pages are open already")).into_response();
+    if open > MAX_PAGES + MAX_REFUSED {
+        return (StatusCode::SERVICE_UNAVAILABLE, format!("{MAX_PAGES} pages are open already")).into_response();
     }
     upgrade
-        .max_message_size(socket::MESSAGE)
-        .max_frame_size(socket::MESSAGE)
+        .max_message_size(socket::MAX_MESSAGE_BYTES)
+        .max_frame_size(socket::MAX_MESSAGE_BYTES)
         .read_buffer_size(16 * 1024)
         .write_buffer_size(0)
         .on_upgrade(move |socket| async move {
-            if open > PAGES {
-                socket::refuse(socket, &format!("{PAGES} pages are open already")).await;
+            if open > MAX_PAGES {
+                socket::refuse(socket, &format!("{MAX_PAGES} pages are open already")).await;
             } else {
                 socket::serve(socket, &place.server).await;
             }

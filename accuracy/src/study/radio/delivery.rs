@@ -13,7 +13,7 @@ const RATES: [f64; 8] = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
 const PACKET_LOSS: f64 = 0.05;
 const COUNT: usize = 10_000;
 /// Position of a rate of 0 on the logarithmic axis of the picture.
-const NONE: f64 = 1e-7;
+const ZERO_RATE_X: f64 = 1e-7;
 
 pub fn measure(effort: Effort) -> Part {
     let mut rows = Vec::new();
@@ -41,7 +41,7 @@ pub fn measure(effort: Effort) -> Part {
         ));
     }
     let curve = |bytes: usize| {
-        let x = |step: i32| NONE * ten_to(f64::from(step) / 20.0);
+        let x = |step: i32| ZERO_RATE_X * ten_to(f64::from(step) / 20.0);
         let points = (0..=100).map(|step| {
             let errors = RadioNoise { bit_error_rate: x(step), packet_loss: PACKET_LOSS };
             (x(step), expected(errors, bytes))
@@ -67,7 +67,7 @@ fn expected(errors: RadioNoise, bytes: usize) -> f64 {
 fn point(errors: RadioNoise, bytes: usize, intact: usize) -> Point {
     let (measured, expected) = (intact as f64 / COUNT as f64, expected(errors, bytes));
     let half = SIGMAS * (expected * (1.0 - expected) / COUNT as f64).sqrt();
-    Point { x: errors.bit_error_rate.max(NONE), measured, half, expected }
+    Point { x: errors.bit_error_rate.max(ZERO_RATE_X), measured, half, expected }
 }
 
 /// Number of the [`COUNT`] messages that the channel delivers intact.

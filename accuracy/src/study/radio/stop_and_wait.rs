@@ -50,24 +50,25 @@ fn measure(
         let best = 1.0 / round_trip(slot).seconds();
         for &setting in settings {
             let mut seconds = 0.0;
-            let time_ns = nanoseconds(effort.of(3), COUNT as usize, || seconds = bring_over(errors(setting), slot));
-            let (expected, half) = share(errors(setting));
+            let time_ns =
+                nanoseconds(effort.of(3), COUNT as usize, || seconds = transfer_seconds(errors(setting), slot));
+            let (expected, half) = expected_share(errors(setting));
             let measured = COUNT as f64 / best / seconds;
-            let share = Point { x: setting, measured, half, expected };
+            let relative = Point { x: setting, measured, half, expected };
             rows.push(row(
                 &format!("stop and wait, {slot_name}"),
                 format!("{symbol} {}", format_number(setting)),
-                &share,
+                &relative,
                 time_ns,
             ));
             points.push(Point {
                 x: setting,
-                measured: best * share.measured,
-                half: best * share.half,
-                expected: best * share.expected,
+                measured: best * relative.measured,
+                half: best * relative.half,
+                expected: best * relative.expected,
             });
         }
-        curves.push((slot_name.to_owned(), steps.iter().map(|x| (*x, best * share(errors(*x)).0)).collect()));
+        curves.push((slot_name.to_owned(), steps.iter().map(|x| (*x, best * expected_share(errors(*x)).0)).collect()));
     }
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
@@ -80,7 +81,7 @@ fn round_trip(slot: Time) -> Time {
 }
 
 /// Timeout of the sender: twice the round trip.
-fn patience(slot: Time) -> Time {
+fn timeout(slot: Time) -> Time {
     round_trip(slot) + round_trip(slot)
 }
 
@@ -89,7 +90,7 @@ fn patience(slot: Time) -> Time {
 ///
 /// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
 /// one timeout.
-fn share(errors: RadioNoise) -> (f64, f64) {
+fn expected_share(errors: RadioNoise) -> (f64, f64) {
     let RadioNoise { bit_error_rate, packet_loss } = errors;
     let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
     let (round_trips, deviation) = (1.0 + 2.0 * (1.0 - p) / p, 2.0 * (1.0 - p).sqrt() / p);
@@ -99,7 +100,7 @@ fn share(errors: RadioNoise) -> (f64, f64) {
 
 /// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by
 /// a checksum that misses nothing.
-fn bring_over(errors: RadioNoise, slot: Time) -> f64 {
+fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);
     let mut stations = [1, 2].map(|robot| Station::new(RobotId(robot), &model));
@@ -114,7 +115,7 @@ fn bring_over(errors: RadioNoise, slot: Time) -> f64 {
     let payload = |number: u64| [number as u8; BYTES];
     let (mut number, mut now) = (0, Time::ZERO);
     send(&mut stations, 0, now, &payload(number));
-    let mut alarm = now + patience(slot);
+    let mut alarm = now + timeout(slot);
     while number < COUNT {
         // End of the slot in which a station sent or received.
         let slot_end = now.floor_to(slot) + slot;
@@ -137,7 +138,7 @@ fn bring_over(errors: RadioNoise, slot: Time) -> f64 {
         }
         if is_acknowledged || now == alarm {
             send(&mut stations, 0, now, &payload(number));
-            alarm = now + patience(slot);
+            alarm = now + timeout(slot);
         }
     }
     now.seconds()

@@ -31,7 +31,7 @@ const TILT_DEG: f64 = 25.0;
 /// Numbers of cells along a side.
 const PARTITIONS: [usize; 5] = [8, 12, 20, 28, 40];
 /// Greatest partition for the methods whose cost grows with the square of the number of parameters.
-const MOST_JOINT: [usize; 2] = [20, 12];
+const MAX_JOINT: [usize; 2] = [20, 12];
 /// Every n-th scan is used: about 160 and 640 readings.
 const THINNED: [usize; 2] = [16, 4];
 /// Height of the boxes of the occupancy grid, m.
@@ -251,7 +251,7 @@ fn compare(surveys: &[Survey]) -> Vec<Score> {
     for (method, (kind, _)) in METHODS.iter().enumerate() {
         for cells in PARTITIONS {
             let most = match kind {
-                Method::Tsk(order, Fusion::Average) => MOST_JOINT[usize::from(*order == Order::One)],
+                Method::Tsk(order, Fusion::Average) => MAX_JOINT[usize::from(*order == Order::One)],
                 _ => usize::MAX,
             };
             if cells > most {

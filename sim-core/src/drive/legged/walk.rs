@@ -31,12 +31,12 @@ const SAME_GOAL: f64 = 1e-3;
 /// Last fraction of the swing in which a foot keeps its goal. Our choice.
 const KEPT: f64 = 0.25;
 /// Angle between body and standing foot beyond which the foot is lifted before its turn, rad: 60 degrees. Our choice.
-const MOST_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
+const MAX_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
 /// Greatest change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
 /// swing. Our choice.
-const MOST_TURNED: f64 = 1.6;
+const MAX_TURNED: f64 = 1.6;
 /// Greatest scale of the natural curves. Our choice.
-const MOST_LEVEL: f64 = 1.2;
+const MAX_LEVEL: f64 = 1.2;
 /// Changes of the scale of the natural curves below this value are ignored. Our choice.
 const SAME_LEVEL: f64 = 0.02;
 /// Number of places tried for a foot between its goal and the body.
@@ -433,7 +433,7 @@ impl Steps {
             let (left, whole) = ((last.touch_down - at).seconds(), (last.touch_down - last.lift_off).seconds());
             if left > KEPT * whole {
                 let goal = self.goal(inputs, present, number, clock, last.touch_down);
-                let goal = last.limited_goal(goal, MOST_TURNED * inputs.legs.excursion() * left / whole, inputs.ground);
+                let goal = last.limited_goal(goal, MAX_TURNED * inputs.legs.excursion() * left / whole, inputs.ground);
                 let apex = apex(inputs, at, number, &last.from, &goal);
                 self.feet[number].back_mut().expect("it is in the air").turn_to(at, goal, apex);
             }
@@ -475,7 +475,7 @@ impl Steps {
         let Some(natural) = inputs.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
         let Twist { vx, omega, .. } = present.twist;
         let speed = vx - omega * inputs.legs.legs[number].hip.y;
-        (speed * gait.period.seconds() / natural.stride).clamp(0.0, MOST_LEVEL)
+        (speed * gait.period.seconds() / natural.stride).clamp(0.0, MAX_LEVEL)
     }
 
     /// Adapts the bob of the body (its natural rise and fall) to the speed.
@@ -503,7 +503,7 @@ impl Steps {
         };
         let (now, yaw_now) = state(&present.pose);
         let (then, yaw_then) = state(&present.pose.moved(present.twist.scaled(soon)));
-        then < lowest && then <= now || yaw_then > MOST_TWISTED && yaw_then > yaw_now
+        then < lowest && then <= now || yaw_then > MAX_TWISTED && yaw_then > yaw_now
     }
 
     /// Goal of a foot: its place under the body in the middle of its stance, extrapolated with the present twist.

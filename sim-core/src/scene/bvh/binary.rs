@@ -30,7 +30,7 @@ struct Collapse {
     /// Expected cost of the subtree as at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
     /// How many of at most 2, 3, ... 8 children the left subtree gets; 0 if one child fewer in all is as good.
-    left: [usize; WIDTH - 1],
+    left_parts: [usize; WIDTH - 1],
     /// The subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
 }
@@ -74,11 +74,11 @@ impl Binary {
             into.push(root);
             return;
         };
-        match self.subtrees[root].best.left[parts - 2] {
+        match self.subtrees[root].best.left_parts[parts - 2] {
             0 => self.split(root, parts - 1, into),
-            share => {
-                self.split(left, share, into);
-                self.split(left + 1, parts - share, into);
+            left_parts => {
+                self.split(left, left_parts, into);
+                self.split(left + 1, parts - left_parts, into);
             }
         }
     }
@@ -89,18 +89,18 @@ impl Binary {
         let area = fork.bounds.half_area();
         let batch = area * batch_cost;
         let Some(left) = fork.left else {
-            return Collapse { costs: [batch; WIDTH - 1], left: [0; WIDTH - 1], is_leaf: true };
+            return Collapse { costs: [batch; WIDTH - 1], left_parts: [0; WIDTH - 1], is_leaf: true };
         };
         let mut best = Collapse::default();
         // Indexed by the number of parts.
         let mut costs = [f32::INFINITY; WIDTH + 1];
         for (parts, least) in costs.iter_mut().enumerate().skip(2) {
-            for share in 1..parts {
-                let cost =
-                    self.subtrees[left].best.costs[share - 1] + self.subtrees[left + 1].best.costs[parts - share - 1];
+            for left_parts in 1..parts {
+                let cost = self.subtrees[left].best.costs[left_parts - 1]
+                    + self.subtrees[left + 1].best.costs[parts - left_parts - 1];
                 if cost < *least {
                     *least = cost;
-                    best.left[parts - 2] = share;
+                    best.left_parts[parts - 2] = left_parts;
                 }
             }
         }
@@ -110,7 +110,7 @@ impl Binary {
         for (parts, &cost) in costs.iter().enumerate().take(WIDTH).skip(2) {
             let fewer = best.costs[parts - 2];
             if fewer <= cost {
-                best.left[parts - 2] = 0;
+                best.left_parts[parts - 2] = 0;
             }
             best.costs[parts - 1] = fewer.min(cost);
         }

@@ -94,7 +94,7 @@ impl Builder<'_> {
             batch.corners[lane] = self.triangles[index as usize];
             for (vertex, corner) in self.tree_corners[position].iter().enumerate() {
                 for axis in 0..3 {
-                    batch.seen[axis][vertex][lane] = corner[axis];
+                    batch.tree_corners[axis][vertex][lane] = corner[axis];
                 }
             }
         }

@@ -62,7 +62,7 @@ impl Child {
 #[repr(C, align(64))]
 pub(super) struct TriangleBatch {
     /// By axis and corner, in tree coordinates; unused places are NaN, which no ray hits.
-    pub seen: [[[f32; WIDTH]; 3]; 3],
+    pub tree_corners: [[[f32; WIDTH]; 3]; 3],
     /// Numbers of the triangles.
     pub numbers: [u32; WIDTH],
     /// Corners by triangle, in the mesh's frame, m; stored here for locality.
@@ -70,8 +70,11 @@ pub(super) struct TriangleBatch {
 }
 
 impl TriangleBatch {
-    pub const EMPTY: Self =
-        Self { seen: [[[f32::NAN; WIDTH]; 3]; 3], numbers: [u32::MAX; WIDTH], corners: [[DVec3::NAN; 3]; WIDTH] };
+    pub const EMPTY: Self = Self {
+        tree_corners: [[[f32::NAN; WIDTH]; 3]; 3],
+        numbers: [u32::MAX; WIDTH],
+        corners: [[DVec3::NAN; 3]; WIDTH],
+    };
 }
 
 /// A box in tree coordinates.

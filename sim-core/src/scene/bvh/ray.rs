@@ -17,7 +17,7 @@ pub(super) struct Ray {
     /// Metres along the ray per metre on the last axis.
     stretch: f64,
     /// Greatest absolute coordinate of origin and mesh, m.
-    extent: f64,
+    greatest_coordinate: f64,
     /// Tree units per metre.
     scale: f64,
     nearest: Nearest,
@@ -84,7 +84,7 @@ impl Ray {
             axes,
             shear: [direction[axes[0]] * stretch, direction[axes[1]] * stretch],
             stretch,
-            extent: entry.origin.abs().max_element().max(frame.extent),
+            greatest_coordinate: entry.origin.abs().max_element().max(frame.greatest_coordinate),
             scale: frame.scale,
             nearest: Nearest { distance: range, triangle: NO_TRIANGLE, place: (0, 0) },
         }
@@ -153,7 +153,7 @@ impl Ray {
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
-        let touch = (4.0 * f64::EPSILON * self.extent).min(FINEST / self.scale);
+        let touch = (4.0 * f64::EPSILON * self.greatest_coordinate).min(FINEST / self.scale);
         distance >= -BEHIND / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 

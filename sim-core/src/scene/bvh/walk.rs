@@ -112,9 +112,9 @@ impl<S: Simd> Probe<S> {
     #[inline(always)]
     fn seen(&self, simd: S, batch: &TriangleBatch, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
-        let ahead = f32x8::simd_from(simd, batch.seen[last][corner]) - self.origin[2];
-        let x = f32x8::simd_from(simd, batch.seen[first][corner]) - self.origin[0] - self.shear[0] * ahead;
-        let y = f32x8::simd_from(simd, batch.seen[second][corner]) - self.origin[1] - self.shear[1] * ahead;
+        let ahead = f32x8::simd_from(simd, batch.tree_corners[last][corner]) - self.origin[2];
+        let x = f32x8::simd_from(simd, batch.tree_corners[first][corner]) - self.origin[0] - self.shear[0] * ahead;
+        let y = f32x8::simd_from(simd, batch.tree_corners[second][corner]) - self.origin[1] - self.shear[1] * ahead;
         (x, y)
     }
 

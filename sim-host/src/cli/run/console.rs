@@ -110,7 +110,7 @@ pub struct ConsoleRun {
 
 impl ConsoleRun {
     /// Interval between two updates of the progress.
-    const STRETCH: Duration = Duration::from_millis(50);
+    const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
 
     /// Starts `ready` with the output files that the arguments ask for; shows no progress if `is_quiet`.
     ///
@@ -156,7 +156,7 @@ impl ConsoleRun {
     /// Advances the run to its end, following `script`.
     pub fn follow(&mut self, script: &mut Script) {
         let scheduler = &mut self.running.scheduler;
-        while script.advance(scheduler, Self::STRETCH) == scheduler::Progress::Paused {
+        while script.advance(scheduler, Self::PROGRESS_INTERVAL) == scheduler::Progress::Paused {
             let run = scheduler.run();
             self.progress.update(run.slot_start(), || counts(run));
         }

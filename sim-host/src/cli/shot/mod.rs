@@ -241,18 +241,18 @@ fn parse_point(text: &str) -> Result<DVec3, String> {
 /// Parses an angle in degrees; the result is in radians.
 fn parse_fov(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(degrees) if (1.0..=view::MOST_FOV_DEG).contains(&degrees) => {
+        Ok(degrees) if (1.0..=view::MAX_FOV_DEG).contains(&degrees) => {
             Ok(sim_core::unit::radians_from_degrees(degrees))
         }
-        _ => Err(format!("expected 1 to {} degrees", view::MOST_FOV_DEG)),
+        _ => Err(format!("expected 1 to {} degrees", view::MAX_FOV_DEG)),
     }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides =
         text.split_once(['x', 'X']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    let is_size = |sides: &[u32; 2]| sides.iter().all(|side| (1..=view::MOST_SIDE).contains(side));
+    let is_size = |sides: &[u32; 2]| sides.iter().all(|side| (1..=view::MAX_SIDE).contains(side));
     sides
         .filter(is_size)
-        .ok_or_else(|| format!("expected WIDTHxHEIGHT, each 1 to {}, such as `640x480`", view::MOST_SIDE))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT, each 1 to {}, such as `640x480`", view::MAX_SIDE))
 }

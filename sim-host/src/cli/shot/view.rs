@@ -15,10 +15,10 @@ use crate::record::frame::Pixels;
 use crate::robios::camera::{self, ImageUnavailable};
 
 /// Most pixels on either side of a picture.
-pub const MOST_SIDE: u32 = 4096;
+pub const MAX_SIDE: u32 = 4096;
 
 /// Widest field of view of a picture, in degrees.
-pub const MOST_FOV_DEG: f64 = MAX_FIELD_OF_VIEW_DEG;
+pub const MAX_FOV_DEG: f64 = MAX_FIELD_OF_VIEW_DEG;
 
 /// Default size of a picture of a free camera.
 const SIZE: [u32; 2] = [640, 480];

@@ -209,7 +209,7 @@ export type Lcd = {
   has_colours: boolean, };
 
 /** Piece of motion of a body, with constant rates in the body's frame. */
-export type Leg = {
+export type MotionPiece = {
   /** Start time. */
   t_s: number,
   /** Pose of the robot's frame at the start. */
@@ -411,7 +411,7 @@ export type RobotState = {
   /** Its number. */
   id: number,
   /** Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time. */
-  legs: Array<Leg>,
+  legs: Array<MotionPiece>,
   /** State of its program. */
   standing: Standing,
   /** Its virtual time. */

@@ -2,7 +2,7 @@
 
 import * as THREE from "three";
 import type { Model } from "../model";
-import { poseOnLegs } from "../motion";
+import { poseOnPieces } from "../motion";
 import type { Pose, Robot } from "../protocol";
 import type { Bodies, Shown } from "./bodies";
 import { Pen, type Colour } from "./pen";
@@ -59,7 +59,7 @@ export class Beams {
     this.owners.length = beams.length;
     beams.forEach((beam, i) => {
       const legs = snapshot?.robots.find((robot) => robot.id === beam.robot)?.legs ?? [];
-      if (!snapshot || !poseOnLegs(legs, snapshot.t_s, this.base)) {
+      if (!snapshot || !poseOnPieces(legs, snapshot.t_s, this.base)) {
         this.owners[i] = undefined;
         return;
       }

@@ -12,21 +12,21 @@ use crate::window::Look;
 use crate::window::hub::{PendingCommand, SentVersions, text_of};
 
 /// Longest message of a page, in bytes.
-pub(super) const MESSAGE: usize = 64 * 1024;
+pub(super) const MAX_MESSAGE_BYTES: usize = 64 * 1024;
 /// Time limit for the first message.
-const HELLO: Duration = Duration::from_secs(5);
+const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
 /// Delay after a wrong token, against guessing.
 const WRONG_TOKEN: Duration = Duration::from_millis(500);
 /// Interval between two pings of a page.
 const PING: Duration = Duration::from_secs(5);
 /// A page that reads or sends nothing for this long is disconnected.
-const STALLED: Duration = Duration::from_secs(15);
+const STALL_TIMEOUT: Duration = Duration::from_secs(15);
 /// Least time between two updates of a page: 60 a second.
 const NEWS: Duration = Duration::from_millis(16);
-/// Rate limit of a page's messages: on average one in each interval `READ` (200 a second), and bursts that run ahead of
-/// this rate by up to `READS` (100 at once).
-const READ: Duration = Duration::from_millis(5);
-const READS: Duration = Duration::from_millis(500);
+/// Rate limit of a page's messages: on average one in each interval `READ_INTERVAL` (200 a second), and bursts that run ahead of
+/// this rate by up to `READ_BURST` (100 at once).
+const READ_INTERVAL: Duration = Duration::from_millis(5);
+const READ_BURST: Duration = Duration::from_millis(500);
 /// Most unanswered commands of one page.
 const UNANSWERED: usize = 32;
 
@@ -90,7 +90,7 @@ async fn close(mut socket: WebSocket, reason: CloseReason) {
 }
 
 async fn serve_page(socket: &mut WebSocket, server: &Server) -> End {
-    let may_act = match timeout(HELLO, hello(socket, server)).await {
+    let may_act = match timeout(HELLO_TIMEOUT, hello(socket, server)).await {
         Err(_) => return Some(CloseReason::new(code::SILENT, "no `hello` within 5 s")),
         Ok(Err(end)) => return end,
         Ok(Ok(may_act)) => may_act,
@@ -154,7 +154,7 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
         Some(Ok(Frame::Close(_))) | None => Err(None),
         // A lost connection is treated like a violation of the protocol: its close frame is just not delivered.
         Some(Err(error)) if error.to_string().contains("too long") => {
-            Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
+            Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MAX_MESSAGE_BYTES} bytes"))))
         }
         Some(Err(error)) => Err(Some(CloseReason::new(1002, error.to_string()))),
     }
@@ -166,7 +166,7 @@ async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Result<(), End> {
 
 async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
     // A page that reads nothing would not receive a close frame either.
-    timeout(STALLED, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
+    timeout(STALL_TIMEOUT, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
 }
 
 /// A page after its `hello`.
@@ -216,22 +216,22 @@ impl PageConnection<'_> {
                     next_news = now + NEWS;
                 }
                 () = sleep_until(next_news), if now < next_news => {}
-                frame = socket.recv(), if now + READS >= next_read => {
+                frame = socket.recv(), if now + READ_BURST >= next_read => {
                     heard = now;
-                    next_read = next_read.max(now) + READ;
+                    next_read = next_read.max(now) + READ_INTERVAL;
                     if let Some(text) = receive(frame)?
                         && self.handle_request(parse(&text)?)?
                     {
                         changes.mark_changed();
                     }
                 }
-                () = sleep_until(next_read - READS), if now + READS < next_read => {}
+                () = sleep_until(next_read - READ_BURST), if now + READ_BURST < next_read => {}
                 Some(answer) = answered.recv() => {
                     self.unanswered -= 1;
                     send(socket, text_of(&Message::Answer(answer))).await?;
                 }
                 _ = ping.tick() => {
-                    if heard.elapsed() > STALLED {
+                    if heard.elapsed() > STALL_TIMEOUT {
                         return Err(None);
                     }
                     send_frame(socket, Frame::Ping(Vec::new().into())).await?;

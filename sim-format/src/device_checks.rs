@@ -23,15 +23,15 @@ impl Reader {
         let names = self.link_names(robi);
         let mut links = std::mem::take(&mut robi.links);
         for link in &mut links {
-            self.known_link(&mut link.mount.on, &names);
+            self.check_link(&mut link.mount.on, &names);
         }
-        self.circles(&mut links, &names);
+        self.break_cycles(&mut links, &names);
         robi.links = links;
         let mounts = robi.ranges.iter_mut().map(|range| &mut range.mount.on);
         let psds = robi.psds.iter_mut().map(|psd| &mut psd.on);
         let lidar = robi.lidar.iter_mut().map(|lidar| &mut lidar.mount.on);
         for on in psds.chain(mounts).chain(lidar) {
-            self.known_link(on, &names);
+            self.check_link(on, &names);
         }
     }
 
@@ -87,11 +87,11 @@ impl Reader {
         }
         for spec in robi.legs.iter().flat_map(|legs| &legs.legs) {
             let parts = build::leg(spec);
-            let mut is_known = false;
+            let mut is_duplicate = false;
             for (part, _) in parts.parts() {
-                is_known |= names.insert(format!("{}.{part}", spec.name.text), usize::MAX).is_some();
+                is_duplicate |= names.insert(format!("{}.{part}", spec.name.text), usize::MAX).is_some();
             }
-            if is_known {
+            if is_duplicate {
                 let message = format!("the links of leg `{}` are named as those of another", spec.name.text);
                 self.sink.error(Code::LinkTwice, spec.name.span, message, "each name once");
             }
@@ -100,7 +100,7 @@ impl Reader {
     }
 
     /// Reports a missing link, and moves the device or link mounted on it to the body.
-    fn known_link(&mut self, on: &mut Option<PathRef>, names: &BTreeMap<String, usize>) {
+    fn check_link(&mut self, on: &mut Option<PathRef>, names: &BTreeMap<String, usize>) {
         let Some(wanted) = on.take_if(|wanted| !names.contains_key(&wanted.text)) else { return };
         let known = || [BODY].into_iter().chain(names.keys().map(String::as_str));
         let message = format!("there is no link `{}`", wanted.text);
@@ -110,7 +110,7 @@ impl Reader {
     }
 
     /// Reports cycles of links, each cycle once, and breaks them.
-    fn circles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
+    fn break_cycles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
         let count = links.len();
         let parent = |link: &LinkSpec| {
             let on = link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
