@@ -1370,6 +1370,28 @@ def _die_with_host(channel):
         _os._exit(1)
 
 
+def _similar_name(error, trace):
+    """The known name most similar to one that there is not, as newer Pythons suggest it; None if there is none."""
+    import builtins
+    import difflib
+
+    name = getattr(error, "name", None)
+    if isinstance(error, NameError):
+        while trace and trace.tb_next:
+            trace = trace.tb_next
+        frame = trace and trace.tb_frame
+        known = {*frame.f_locals, *frame.f_globals, *vars(builtins)} if frame else ()
+    elif isinstance(error, AttributeError):
+        known = dir(getattr(error, "obj", None))
+    else:
+        return None
+    if not isinstance(name, str):
+        return None
+    alike = {other.lower(): other for other in known if not other.startswith("_")}
+    near = difflib.get_close_matches(name.lower(), alike, 1, 0.75)
+    return alike[near[0]] if near else None
+
+
 def _tell_error(path):
     """Prints the traceback of the program's own frames, and tells the simulator what the program failed with."""
     import traceback
@@ -1377,9 +1399,13 @@ def _tell_error(path):
     kind, error, trace = _sys.exc_info()
     report = traceback.TracebackException(kind, error, trace)
     _own_frames(report)
-    text = "".join(report.format())
-    _sys.stderr.write(text if text.endswith("\n") else text + "\n")
+    text = "".join(report.format()).rstrip("\n")
     said = traceback.format_exception_only(kind, error)[-1].strip()
+    near = _similar_name(error, trace)
+    if near and "Did you mean" not in said:
+        hint = f". Did you mean: '{near}'?"
+        said, text = said + hint, text + ("" if "Did you mean" in text else hint)
+    _sys.stderr.write(text + "\n")
     frames = [frame for frame in traceback.extract_tb(trace) if frame.filename != __file__]
     own = [frame for frame in frames if _os.path.dirname(_os.path.abspath(frame.filename)) == _os.path.dirname(path)]
     if isinstance(error, SyntaxError) and error.filename:

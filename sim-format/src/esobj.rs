@@ -13,7 +13,7 @@ use super::spec::{Axis, Collider, DEFAULT_OBJECT_MASS, DEFAULT_ROLLING, MAX_LENG
 use super::{Span, path};
 use sim_core::unit;
 
-const KEYWORDS: [&str; 15] = [
+pub(crate) const KEYWORDS: [&str; 15] = [
     "colour",
     "obj",
     "name",

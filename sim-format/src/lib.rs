@@ -53,3 +53,7 @@ pub use sim::read_sim;
 pub use world::read_world;
 
 use sim_core::spec::{self, *};
+
+/// First words of the lines of each classic format, by the extension of its files.
+pub const KEYWORDS: [(&str, &[&str]); 4] =
+    [("sim", &sim::KEYWORDS), ("wld", &world::KEYWORDS), ("robi", &robi::KEYWORDS), ("esobj", &esobj::KEYWORDS)];

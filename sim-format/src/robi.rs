@@ -16,7 +16,7 @@ pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use dialect::Dialect;
 pub(super) use whole::usual_wheelbase;
 
-const KEYWORDS: [&str; 15] = [
+pub(crate) const KEYWORDS: [&str; 15] = [
     "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
     "axel", "lidar", "fisheye",
 ];

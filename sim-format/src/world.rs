@@ -9,7 +9,8 @@ use super::spec::{DEFAULT_WALL_HEIGHT, MAX_LENGTH, StartSpec, WallSpec, WorldSpe
 use crate::path;
 use sim_core::pose::Pose;
 
-const KEYWORDS: [&str; 8] = ["floor", "width", "height", "floor_texture", "water", "position", "push", "pop"];
+pub(crate) const KEYWORDS: [&str; 8] =
+    ["floor", "width", "height", "floor_texture", "water", "position", "push", "pop"];
 
 /// Depth of the water over the floor.
 pub(crate) const WATER: Quantity = Quantity::size("depth of the water");

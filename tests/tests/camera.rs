@@ -406,6 +406,8 @@ fn a_scene_is_seen_from_anywhere_without_programs() {
     shot("down.png", &["--from", "2000,2000,3000", "--to", "2000,2000,0", "--size", "40x40", "--labels"]);
     assert_eq!(head(&scratch, "down.png"), (40, 40, 8, 3));
     shot("robot.png", &["--robot", "2", "--size", "32x24"]);
+    shot("above.png", &["--size", "60x20", "--labels"]);
+    assert_eq!(head(&scratch, "above.png"), (60, 20, 8, 3));
 }
 
 #[test]
@@ -416,7 +418,6 @@ fn wrong_shots_are_refused() {
         let stderr = refused(&scratch, &[&["shot", "a.sim"], args].concat(), 2);
         assert!(stderr.contains(text), "{args:?}: {stderr}");
     };
-    says(&[], "nothing to show: `--robot 1` shows what robot 1 sees");
     says(
         &["--robot", "2"],
         "--robot 2: `blind.robi` has no camera; its line in a robi file is `camera X Y Z PAN TILT`",

@@ -64,7 +64,7 @@ fn without_a_terminal_there_is_one_line_for_each_mistake() {
     let scratch = with(&[("warned.wld", WARNED), ("wrong.wld", WRONG)]);
     let ran = check(&scratch, &["wrong.wld", "warned.wld"]);
     let expected = "wrong.wld:2:10: error[number-range]: x `inf` is out of range\n\
-                    warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers\n\
+                    warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers; `push 0 0 1000`, if a frame is meant\n\
                     2 files checked: 1 error, 1 warning in 2 files\n";
     assert_eq!(ran.stdout, expected);
     assert_eq!(check(&scratch, &["wrong.wld", "warned.wld", "--format", "short"]).stdout, expected);

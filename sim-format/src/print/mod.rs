@@ -19,7 +19,7 @@ pub use noise::print_noise;
 pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};
 pub(super) use scene::section;
-pub use scene::{print_scene, scene_schema};
+pub use scene::{companion_schema, noise_schema, print_scene, scene_schema};
 pub use sim::print_sim;
 pub use world::print_world;
 

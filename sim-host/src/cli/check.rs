@@ -17,6 +17,7 @@ use crate::launch::check::{
     FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_calls, unknown_functions,
 };
 use crate::program::Generation;
+use crate::program::language::Language;
 
 /// Exit code when there are errors, or warnings under `--strict`.
 const EXIT_MISTAKES: u8 = 2;
@@ -139,7 +140,7 @@ pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
 }
 
 /// Returns true if the file is a noise profile.
-fn is_noise(name: &str, files: &dyn Files) -> bool {
+pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
     sim_format::is_noise(name, &text)
 }
@@ -190,7 +191,15 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 
 fn unknown_kind(name: &str) -> Diagnostic {
     let expected = "a name that ends in .sim, .scene.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
-    on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
+    let is_program =
+        Language::of(Path::new(name)).is_some() || [".py", ".rs", ".so"].iter().any(|it| name.ends_with(it));
+    let message = match is_program {
+        true => {
+            "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
+        }
+        false => "the name does not say which kind of file this is",
+    };
+    on_file(Code::FileKind, name, message, expected)
 }
 
 /// Names, as the readers use them, of the files in `paths`; a folder stands for all files of known kinds below it. Folders without

@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use sim_core::RobotId;
 use sim_core::time::Time;
-use sim_format::{Overrides, load_scene_with};
+use sim_format::{Overrides, Severity, load_scene_with};
 
 use super::run::{self, RunArgs, parse_seconds};
 use crate::executive::interrupt;
@@ -89,11 +89,15 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     run::run(&run)
 }
 
-/// Robot to be debugged and the name of its program; mistakes in the scene are reported by the run.
+/// Robot to be debugged and the name of its program.
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
     let overrides = Overrides { seed: args.seed, ..Overrides::default() };
-    let mut scene = load_scene_with(&files.name(&args.sim), overrides, &files).scene;
+    let loaded = load_scene_with(&files.name(&args.sim), overrides, &files);
+    if let Some(error) = loaded.diagnostics.iter().find(|it| it.severity == Severity::Error) {
+        bail!("{error}");
+    }
+    let mut scene = loaded.scene;
     assign_programs(&mut scene, &args.programs)?;
     let index = match args.robot {
         Some(robot) => index_of(&scene, robot).context("--robot")?,

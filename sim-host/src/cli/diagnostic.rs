@@ -145,7 +145,8 @@ pub fn print(text: &str) -> std::io::Result<()> {
 
 /// One line for editors.
 fn short(diagnostic: &Diagnostic) -> String {
-    let text = diagnostic.to_string();
+    let mut text = diagnostic.to_string();
+    diagnostic.suggestion.iter().for_each(|suggestion| text.push_str(&format!("; {suggestion}")));
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     printable(&lines.join("; "))
 }
@@ -326,8 +327,9 @@ mod tests {
         let mut diagnostics = of_world("floor 9 9\n0 0 1\nush 1 2 3\n");
         diagnostics[0].message = "not found\n  tried `a`\n  tried `\x1bb`".to_owned();
         let short = render(&diagnostics, &[], Format::Short, PLAIN).expect("plain text");
-        let expected = "a.wld:2:1: warning[wld-wall-arity]: not found; tried `a`; tried `\u{fffd}b`\n\
-                        a.wld:3:1: warning[wld-keyword]: unknown keyword `ush`\n";
+        let expected = "a.wld:2:1: warning[wld-wall-arity]: not found; tried `a`; tried `\u{fffd}b`; \
+                        `push 0 0 1`, if a frame is meant\n\
+                        a.wld:3:1: warning[wld-keyword]: unknown keyword `ush`; write `push`\n";
         assert_eq!(short, expected);
         let logged = Screen { is_terminal: false, ..PLAIN };
         assert_eq!(render(&diagnostics, &[], Format::Auto, logged).expect("plain text"), expected);

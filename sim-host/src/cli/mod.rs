@@ -11,7 +11,7 @@ use output::say;
 
 use crate::executive::interrupt;
 
-#[cfg(not(all(feature = "accuracy", feature = "window")))]
+#[cfg(not(all(feature = "accuracy", feature = "lsp", feature = "window")))]
 mod absent;
 #[cfg(feature = "accuracy")]
 pub mod accuracy;
@@ -24,6 +24,8 @@ pub mod diagnostic;
 mod diff;
 pub mod excerpt;
 pub mod explain;
+#[cfg(feature = "lsp")]
+mod lsp;
 pub mod new;
 pub mod output;
 pub mod plot;
@@ -102,6 +104,12 @@ enum Command {
     Child(child::ChildArgs),
     /// Run a scene with the program of one robot in gdb
     Debug(debug::DebugArgs),
+    /// Check files as one types them: a language server for editors
+    #[cfg(feature = "lsp")]
+    Lsp(lsp::LspArgs),
+    #[cfg(not(feature = "lsp"))]
+    #[command(hide = true)]
+    Lsp(absent::AbsentArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
     New(new::NewArgs),
 }
@@ -130,6 +138,10 @@ pub fn main() -> ExitCode {
         Command::Cc(args) => cc::run(&args),
         Command::Child(args) => child::run(&args),
         Command::Debug(args) => debug::run(&args),
+        #[cfg(feature = "lsp")]
+        Command::Lsp(args) => lsp::run(&args),
+        #[cfg(not(feature = "lsp"))]
+        Command::Lsp(_) => Err(absent::error("the language server")),
         Command::New(args) => new::run(&args),
     };
     interrupt::end_within(END_TIMEOUT);

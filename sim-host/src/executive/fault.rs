@@ -56,7 +56,10 @@ impl Broken {
             libc::SIGSEGV => format!("segmentation fault at address {:#x}", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
             libc::SIGFPE => format!("arithmetic fault ({})", cause_of_arithmetic_fault(fault.code)),
-            libc::SIGILL => "illegal instruction".into(),
+            libc::SIGILL => {
+                "illegal instruction (compilers make one of a division by zero, a null pointer or a missing `return`)"
+                    .into()
+            }
             libc::SIGABRT => "aborted by the C library".into(),
             libc::SIGTRAP => "trap instruction".into(),
             other => format!("signal {other}"),

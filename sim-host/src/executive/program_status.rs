@@ -111,6 +111,9 @@ impl PossibleSenders {
     }
 }
 
+/// Wait that is told when a run reaches its time limit. Source: our choice.
+const LONG_WAIT: Time = Time::from_millis(1000);
+
 /// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
 pub fn judge(
     robot: &mut Robot,
@@ -137,6 +140,10 @@ pub fn judge(
         Some(Ending::Failed { reason }) => status(Outcome::Failed, Some(reason.clone())),
         _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
             status(Outcome::Waiting, Some(waits_in_words(robot, program, run_end)))
+        }
+        // A wait that has just begun, as in every loop with a pause, says nothing.
+        _ if matches!(run_end.end, End::Until) && robot.tasks.have_waited(run_end.time - LONG_WAIT) => {
+            status(Outcome::Running, Some(waits_in_words(robot, program, run_end)))
         }
         _ => match run_end.end {
             End::Interrupted => status(Outcome::Interrupted, None),

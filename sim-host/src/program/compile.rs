@@ -123,8 +123,8 @@ pub struct Compiled {
 /// Sources that cannot be compiled or linked.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
-    /// The compiler refuses a source; its messages follow unchanged.
-    #[error("`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
+    /// The compiler refuses a source; its messages follow unchanged after hints of ours.
+    #[error("`{}` does not compile (paths below are seen from `{}`):{hints}\n{output}", source_file.display(), folder.display())]
     Refused {
         /// The source.
         source_file: PathBuf,
@@ -132,6 +132,8 @@ pub enum CompileError {
         folder: PathBuf,
         /// Messages of the compiler.
         output: String,
+        /// Possible causes, each in its own line that begins with a line feed.
+        hints: String,
     },
     /// Functions or variables are used and not defined, or defined twice.
     #[error("`{}` does not link:\n{output}{hints}", program.display())]
@@ -179,7 +181,7 @@ impl<'a> Compilation<'a> {
             Failure::Refused { source_file, output } => {
                 let hints = hint::of_compile(&output);
                 let folder = self.source_folder().to_owned();
-                CompileError::Refused { source_file, folder, output: output + &hints }
+                CompileError::Refused { source_file, folder, output, hints }
             }
             Failure::Unlinked { output } => {
                 let hints = hint::of_link(&output, &self.objects(), self.generation);

@@ -27,17 +27,24 @@ const ABSENT: &[(&[&str], &str)] = &[
 /// Functions of curses that almost every program of it calls.
 const OF_CURSES: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
-/// Hint on the compiler's message `output` about a header that is missing, after a line feed; empty for others.
+/// Hint on the compiler's message `output` about a header that is missing, in a line of its own; empty for others.
 pub fn of_compile(output: &str) -> String {
     let Some(missing) = output.lines().find_map(missing_header) else { return String::new() };
     let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
     let mut hints = String::new();
     if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
         line(&mut hints, &format!("`{missing}`: {instead}"));
-    } else if let Some(own) = ["eyebot.h", "eyebot++.h", "types.h"].iter().find(|own| own.eq_ignore_ascii_case(name)) {
+    } else if let Some(own) = own_header(name) {
         line(&mut hints, &format!("`{missing}`: write `#include \"{own}\"`, which eyesim has"));
     }
     hints
+}
+
+/// The header of ours whose name is `name` but for capitals and two letters.
+fn own_header(name: &str) -> Option<&'static str> {
+    let distance = |own: &&str| strsim::osa_distance(own, &name.to_lowercase());
+    let nearest = ["eyebot.h", "eyebot++.h", "types.h"].into_iter().min_by_key(distance)?;
+    (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
 /// The header that the compiler does not find, as the program names it (gcc and clang, `LC_ALL=C`).
@@ -273,6 +280,8 @@ mod tests {
         assert!(clang.starts_with("\n  `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
         let elsewhere = of_compile("a.c:1:10: fatal error: ../include/EyeBot.h: No such file or directory\n");
         assert_eq!(elsewhere, "\n  `../include/EyeBot.h`: write `#include \"eyebot.h\"`, which eyesim has");
+        let misspelt = of_compile("a.c:1:10: fatal error: eyebott.h: No such file or directory\n");
+        assert_eq!(misspelt, "\n  `eyebott.h`: write `#include \"eyebot.h\"`, which eyesim has");
         assert_eq!(of_compile("a.c:1:10: fatal error: map.h: No such file or directory\n"), "");
         let unlinked = of_link("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");

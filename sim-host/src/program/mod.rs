@@ -11,6 +11,7 @@ pub mod command;
 pub mod compile;
 pub mod compiler;
 mod constructors;
+mod data_files;
 pub mod find;
 pub mod float;
 pub mod generation;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
 
 use super::build::Builder;
+use super::data_files;
 use super::find::{Found, SearchPath, find_program};
 use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
@@ -19,7 +20,7 @@ pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
 pub struct Programs {
     /// In the order of the robots; robots with the same program share it, and a robot without a program has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,
-    /// Messages for the user: notes of the search, output of the compiler, warnings about the guarantee of equal runs.
+    /// Messages for the user: notes of the search, output of the compiler, files that are looked for elsewhere, warnings about the guarantee of equal runs.
     pub remarks: Vec<String>,
 }
 
@@ -72,6 +73,8 @@ impl Programs {
                     generation.into_iter().for_each(|remark| push_new(&mut remarks, remark));
                     let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
                     output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
+                    let files = data_files::remarks(&found.source, &search.working_folder);
+                    files.into_iter().for_each(|remark| push_new(&mut remarks, remark));
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
                     of_robots.push(Some(program));
                 }

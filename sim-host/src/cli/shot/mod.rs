@@ -72,8 +72,8 @@ pub struct ShotArgs {
     bare: bool,
 }
 
-const AFTER_HELP: &str = "What is shown: `--robot 2` what robot 2 sees, `--from X,Y,Z --to X,Y,Z` the scene from anywhere, \
-                          `--lcd 2` the display of robot 2.";
+const AFTER_HELP: &str = "What is shown: the scene from above; `--robot 2` what robot 2 sees, `--from X,Y,Z --to X,Y,Z` the scene \
+                          from anywhere, `--lcd 2` the display of robot 2.";
 
 const ROBOT_HELP: &str = "Show what this robot sees";
 
@@ -97,7 +97,7 @@ impl Subject {
                         .with_context(|| format!("--robot {robot}")),
                 }
             }
-            Self::View(ShotCamera::Point(_)) => Ok(()),
+            Self::View(ShotCamera::Point(_) | ShotCamera::Above) => Ok(()),
         }
     }
 }
@@ -157,10 +157,7 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
         (Some(robot), ..) => Subject::Display(robot),
         (None, Some((from, to)), _) => Subject::View(ShotCamera::looking(from, to, args.fov)?),
         (None, None, Some(robot)) => Subject::View(ShotCamera::Robot(robot)),
-        (None, None, None) => bail!(
-            "nothing to show: `--robot 1` shows what robot 1 sees, `--from X,Y,Z --to X,Y,Z` the scene from anywhere, `--lcd` \
-             the display of robot 1, `--lcd 2` that of robot 2"
-        ),
+        (None, None, None) => Subject::View(ShotCamera::Above),
     };
     Ok(subject)
 }
@@ -213,10 +210,11 @@ fn of_view(ran: &Ran, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(V
         (_, Content::Labels) => "labels",
         (ShotCamera::Robot(_), _) => "what it sees",
         (ShotCamera::Point(_), _) => "the scene",
+        (ShotCamera::Above, _) => "the scene from above",
     };
     let whose = match camera {
         ShotCamera::Robot(robot) => format!("r{robot}, "),
-        ShotCamera::Point(_) => String::new(),
+        ShotCamera::Point(_) | ShotCamera::Above => String::new(),
     };
     let what = format!("{whose}{what} at {taken:.3} s, {width} x {height} pixels");
     Ok((picture.file, what))

@@ -1,12 +1,12 @@
 //! Picture of a robot's camera, or of a free camera, at the end of a run.
 
 use anyhow::Context;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::camera::{Camera, Lens, View};
 use sim_core::drive::HISTORY;
 use sim_core::pose::Pose3;
-use sim_core::spec::{DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
+use sim_core::spec::{DEFAULT_FIELD_OF_VIEW, DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::time::Time;
 
 use crate::cli::run::Ran;
@@ -26,12 +26,17 @@ const SIZE: [u32; 2] = [640, 480];
 /// Default number of samples of a free camera along each side of a pixel.
 const SAMPLES: u32 = 4;
 
+/// Size of what a picture from above shows, over that of the floor: walls at the floor's edge are seen from the side.
+const MARGIN: f64 = 1.15;
+
 /// Camera of a picture.
 pub enum ShotCamera {
     /// The camera of this robot.
     Robot(u32),
     /// A free camera: pose and lens.
     Point((Pose3, Lens)),
+    /// A free camera straight above the middle of the floor, so high that it sees all of it.
+    Above,
 }
 
 /// Content of a picture's pixels.
@@ -83,6 +88,17 @@ impl ShotCamera {
     }
 }
 
+/// Pose of a camera with the default lens that looks straight down on the whole of a floor with a margin, its y to the top; the
+/// floor's size is in metres, that of the picture in pixels.
+fn above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
+    // Metres of the floor that a pixel covers, at the least.
+    let metres = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
+    let up = 0.5 * f64::from(width) * metres / (0.5 * DEFAULT_FIELD_OF_VIEW).tan();
+    let middle = (0.5 * floor).extend(0.0);
+    View::looking(middle + up * DVec3::Z, middle)
+        .context("the floor has no size: `--from` and `--to` say what is shown")
+}
+
 impl Shot<'_> {
     /// Takes the picture of a run that is over.
     ///
@@ -101,6 +117,11 @@ impl Shot<'_> {
                 (view.with_context(|| format!("--robot {number}"))?, Some(id))
             }
             ShotCamera::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
+            ShotCamera::Above => {
+                let size = self.size.unwrap_or(SIZE);
+                let floor = ran.finished.scene.world.floor;
+                (View::new(above(floor, size)?, DEFAULT_LENS, size)?, None)
+            }
         };
         let scenery = ran.finished.scenery.get();
         let posed = scenery.pose_at(&world, time);

@@ -178,6 +178,11 @@ impl Tasks {
         if self.scheduler.is_some() { self.is_idle } else { self.list.iter().all(|task| task.waiting.is_some()) }
     }
 
+    /// Returns true if every task has waited since `time` or longer.
+    pub fn have_waited(&self, time: Time) -> bool {
+        self.are_waiting() && self.list.iter().all(|task| task.waiting.as_ref().is_some_and(|wait| wait.since <= time))
+    }
+
     /// Returns true if every task waits, one of them for `what`.
     pub fn wait_for(&self, what: &WaitReason) -> bool {
         self.are_waiting() && self.list.iter().any(|task| task.waits_for(what))

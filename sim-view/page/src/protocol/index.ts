@@ -208,21 +208,6 @@ export type Lcd = {
   /** True for the display of RoBIOS-7, which has colours and a touch screen. */
   has_colours: boolean, };
 
-/** Piece of motion of a body, with constant rates in the body's frame. */
-export type MotionPiece = {
-  /** Start time. */
-  t_s: number,
-  /** Pose of the robot's frame at the start. */
-  from: Pose,
-  /** Forward speed. */
-  v_m_per_s: number,
-  /** Speed to the left. */
-  left_m_per_s: number,
-  /** Turning speed. */
-  omega_rad_per_s: number,
-  /** Duration; the body rests afterwards. */
-  lasts_s: number, };
-
 /** The sun. */
 export type Light = {
   /** Unit vector towards the sun. */
@@ -256,6 +241,21 @@ export type Mesh = {
 
 /** Message from the server to a page. */
 export type Message = { "type": "welcome" } & Welcome | { "type": "scene" } & Scene | { "type": "snapshot" } & Snapshot | { "type": "detail" } & Detail | { "type": "events" } & Events | { "type": "build" } & Build | { "type": "answer" } & Answer;
+
+/** Piece of motion of a body, with constant rates in the body's frame. */
+export type MotionPiece = {
+  /** Start time. */
+  t_s: number,
+  /** Pose of the robot's frame at the start. */
+  from: Pose,
+  /** Forward speed. */
+  v_m_per_s: number,
+  /** Speed to the left. */
+  left_m_per_s: number,
+  /** Turning speed. */
+  omega_rad_per_s: number,
+  /** Duration; the body rests afterwards. */
+  lasts_s: number, };
 
 /** Constant properties of a movable object. */
 export type Object = {

@@ -1,0 +1,294 @@
+//! Help on our own TOML files, whose JSON schemas describe each key.
+
+use lsp_types::{CompletionItem, CompletionItemKind};
+use serde_json::Value as Json;
+use sim_format::{Files, print};
+
+use super::documents::Document;
+use super::toml_place::{Outline, Place, Table};
+use super::{item, pages};
+
+/// Explanation of the key at `offset`, or of the word that is its value.
+pub fn hover(document: &Document, offset: usize) -> Option<String> {
+    let schema = Schema::of(document)?;
+    let outline = Outline::of(&document.text);
+    let (forms, key) = match outline.place(offset) {
+        Place::Header(_) => {
+            let (path, key) = header_at(document, offset)?;
+            (schema.forms(&path), key)
+        }
+        Place::Key(table, before) => {
+            let at =
+                |entry: &&super::toml_place::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
+            let key = table.entries.iter().find(at)?.key.get(before.len())?.clone();
+            (schema.forms_of(table, &before, &document.text), key)
+        }
+        Place::Value(table, entry) => {
+            let (key, before) = entry.key.split_last()?;
+            (schema.forms_of(table, before, &document.text), key.clone())
+        }
+    };
+    let property = forms.iter().find_map(|form| form["properties"].get(&key))?;
+    let mut text = format!("`{key}`: {}", schema.description(property));
+    if let Some(kind) = schema.kind_name(property) {
+        text.push_str(&format!("\n\n*{kind}*"));
+    }
+    for (word, about) in schema.words(property) {
+        text.push_str(&format!("\n- `{word}`: {about}"));
+    }
+    Some(text)
+}
+
+/// Keys, headers, words or files that can stand at `offset`.
+pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
+    let Some(schema) = Schema::of(document) else { return Vec::new() };
+    let outline = Outline::of(&document.text);
+    match outline.place(offset) {
+        Place::Header(before) => {
+            let forms = schema.forms(&before);
+            let tables = properties(&forms).filter(|(_, property)| !schema.forms_below(property).is_empty());
+            tables.map(|(key, property)| item(key, CompletionItemKind::MODULE, schema.description(property))).collect()
+        }
+        Place::Key(table, before) => {
+            let forms = schema.forms_of(table, &before, &document.text);
+            let at = |bytes: &std::ops::Range<usize>| bytes.start <= offset && offset <= bytes.end;
+            let is_taken = |key: &str| {
+                table
+                    .entries
+                    .iter()
+                    .any(|entry| entry.key.first().is_some_and(|first| first == key) && !at(&entry.key_bytes))
+            };
+            let free = properties(&forms).filter(|(key, _)| !before.is_empty() || !is_taken(key));
+            let complete = |(key, property): (&String, &Json)| CompletionItem {
+                detail: schema.kind_name(property),
+                insert_text: Some(format!("{key} = ")),
+                ..item(key, CompletionItemKind::PROPERTY, schema.description(property))
+            };
+            free.map(complete).collect()
+        }
+        Place::Value(table, entry) => {
+            let Some((key, before)) = entry.key.split_last() else { return Vec::new() };
+            let forms = schema.forms_of(table, before, &document.text);
+            let Some(property) = forms.iter().find_map(|form| form["properties"].get(key)) else { return Vec::new() };
+            let mut words = schema.words(property);
+            if key == "kind" {
+                // Of all variants, not only of the one that is written.
+                let all = [&table.path[..], before].concat();
+                words = schema.forms(&all).iter().flat_map(|form| variant_of(form)).collect();
+            }
+            let is_quoted = is_in_string(&document.text[..offset]);
+            let quoted = |word: &str| if is_quoted { word.to_owned() } else { format!("\"{word}\"") };
+            let words = words.iter().map(|(word, about)| item(&quoted(word), CompletionItemKind::VALUE, about));
+            let mut items: Vec<CompletionItem> = words.collect();
+            match schema.kind_name(property).as_deref() {
+                Some("boolean") => {
+                    items.extend(["true", "false"].map(|word| item(word, CompletionItemKind::VALUE, "")))
+                }
+                Some("string") if is_quoted && items.is_empty() => items = pages::files_at(document, offset, files),
+                _ => {}
+            }
+            items
+        }
+    }
+}
+
+/// Keys of the header at `offset` before the cursor's, and that one.
+fn header_at(document: &Document, offset: usize) -> Option<(Vec<String>, String)> {
+    let line = document.line(offset);
+    let inner = document.text[line.clone()].trim().trim_start_matches('[').split(']').next()?;
+    let start = line.start + document.text[line].find(inner)?;
+    let mut keys: Vec<String> = Vec::new();
+    let mut end = start;
+    for part in inner.split('.') {
+        end += part.len();
+        if offset <= end {
+            return Some((keys, part.trim().to_owned()));
+        }
+        keys.push(part.trim().to_owned());
+        end += 1;
+    }
+    None
+}
+
+/// Returns true if the text ends within a string of its last line.
+fn is_in_string(text: &str) -> bool {
+    let line = text.lines().next_back().unwrap_or_default();
+    !text.ends_with('\n') && line.matches('"').count() % 2 == 1
+}
+
+/// The properties of several forms, each once.
+fn properties<'s>(forms: &[&'s Json]) -> impl Iterator<Item = (&'s String, &'s Json)> {
+    let mut all: Vec<(&String, &Json)> =
+        forms.iter().filter_map(|form| form["properties"].as_object()).flatten().collect();
+    all.sort_by_key(|(key, _)| key.as_str());
+    all.dedup_by_key(|(key, _)| key.as_str());
+    all.into_iter()
+}
+
+/// The value of `kind` of a variant, and what the variant is.
+fn variant_of(form: &Json) -> Option<(&str, &str)> {
+    let kind = form["properties"]["kind"]["const"].as_str()?;
+    Some((kind, form["description"].as_str().unwrap_or_default()))
+}
+
+/// JSON schema of a kind of file.
+struct Schema(Json);
+
+impl Schema {
+    /// Schema of a scene, a noise profile or a companion.
+    fn of(document: &Document) -> Option<Self> {
+        let text = if sim_format::is_scene(&document.name, &document.text) {
+            print::scene_schema()
+        } else if sim_format::is_noise(&document.name, &document.text) {
+            print::noise_schema()
+        } else {
+            print::companion_schema()
+        };
+        serde_json::from_str(&text).ok().map(Self)
+    }
+
+    /// Forms of the table at `path`, one for each variant.
+    fn forms(&self, path: &[String]) -> Vec<&Json> {
+        path.iter().fold(vec![&self.0], |forms, key| {
+            let below = forms.iter().filter_map(|form| form["properties"].get(key));
+            below.flat_map(|property| self.forms_below(property)).collect()
+        })
+    }
+
+    /// Forms of the table below `table` at the keys `before`: those of its `kind`, if it has one.
+    fn forms_of(&self, table: &Table, before: &[String], text: &str) -> Vec<&Json> {
+        let mut forms = self.forms(&[&table.path[..], before].concat());
+        if let Some(kind) = Outline::text_of(table, "kind", text).filter(|_| before.is_empty())
+            && forms.iter().any(|form| variant_of(form).is_some_and(|(known, _)| known == kind))
+        {
+            forms.retain(|form| variant_of(form).is_none_or(|(known, _)| known == kind));
+        }
+        forms
+    }
+
+    /// All forms of tables that a value of this schema can be, or can hold in an array.
+    fn forms_below<'s>(&'s self, schema: &'s Json) -> Vec<&'s Json> {
+        let mut forms: Vec<&Json> = Vec::new();
+        self.visit(schema, &mut |part| {
+            if part["properties"].is_object() {
+                forms.push(part);
+            }
+        });
+        forms
+    }
+
+    /// Visits a schema's alternatives, behind references and in arrays.
+    fn visit<'s>(&'s self, schema: &'s Json, look: &mut dyn FnMut(&'s Json)) {
+        look(schema);
+        if let Some(target) = self.target(schema) {
+            self.visit(target, look);
+        }
+        for alternatives in [&schema["oneOf"], &schema["anyOf"]] {
+            alternatives.as_array().into_iter().flatten().for_each(|part| self.visit(part, look));
+        }
+        if schema["items"].is_object() {
+            self.visit(&schema["items"], look);
+        }
+    }
+
+    fn target(&self, schema: &Json) -> Option<&Json> {
+        self.0["$defs"].get(schema["$ref"].as_str()?.strip_prefix("#/$defs/")?)
+    }
+
+    fn description<'s>(&'s self, schema: &'s Json) -> &'s str {
+        let own = schema["description"].as_str();
+        own.or_else(|| self.target(schema)?["description"].as_str()).unwrap_or_default()
+    }
+
+    /// Words that the value can be, each with its description.
+    fn words<'s>(&'s self, schema: &'s Json) -> Vec<(&'s str, &'s str)> {
+        let mut words = Vec::new();
+        self.visit(schema, &mut |part| {
+            if let Some(word) = part["const"].as_str() {
+                words.push((word, part["description"].as_str().unwrap_or_default()));
+            }
+            words.extend(part["enum"].as_array().into_iter().flatten().filter_map(|word| Some((word.as_str()?, ""))));
+        });
+        words
+    }
+
+    /// Type of the value: the first one in the schema that is not `null`, with its bounds.
+    fn kind_name(&self, schema: &Json) -> Option<String> {
+        let mut found = None;
+        self.visit(schema, &mut |part| {
+            let kinds = [&part["type"]].into_iter().chain(part["type"].as_array().into_iter().flatten());
+            let kind = kinds.filter_map(Json::as_str).find(|kind| *kind != "null");
+            if found.is_none()
+                && let Some(kind) = kind
+            {
+                let bounds = [&part["minimum"], &part["maximum"]].map(|bound| bound.as_f64());
+                found = Some(match bounds {
+                    [Some(least), Some(most)] => format!("{kind}, {least} to {most}"),
+                    _ => kind.to_owned(),
+                });
+            }
+        });
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::documents::Encoding;
+    use super::*;
+    use sim_format::MemoryFiles;
+
+    fn at_cursor(name: &str, text: &str) -> (Document, usize) {
+        let offset = text.find('|').expect("a cursor");
+        let text = text.replacen('|', "", 1);
+        (Document { name: name.to_owned(), text, encoding: Encoding::Utf8 }, offset)
+    }
+
+    fn labels(name: &str, text: &str) -> Vec<String> {
+        let (document, offset) = at_cursor(name, text);
+        let files = MemoryFiles::from_iter([("/lab/a.wld", ""), ("/lab/drive.c", "")]);
+        completions(&document, offset, &files).into_iter().map(|item| item.label).collect()
+    }
+
+    fn hovered(name: &str, text: &str) -> String {
+        let (document, offset) = at_cursor(name, text);
+        hover(&document, offset).unwrap_or_default()
+    }
+
+    const SCENE: &str = "/lab/a.scene.toml";
+
+    #[test]
+    fn keys_headers_words_and_files_complete() {
+        let first = labels(SCENE, "|");
+        assert!(
+            ["scene", "world", "robot", "check"].iter().all(|key| first.iter().any(|label| label == key)),
+            "{first:?}"
+        );
+        let headers = labels(SCENE, "[|]");
+        assert!(
+            headers.iter().any(|label| label == "robot") && !headers.iter().any(|label| label == "title"),
+            "{headers:?}"
+        );
+        let robot = labels(SCENE, "[[robot]]\nx_mm = 1\n|");
+        assert!(robot.iter().any(|key| key == "y_mm") && !robot.iter().any(|key| key == "x_mm"), "{robot:?}");
+        let kinds = labels(SCENE, "[[check]]\nkind = \"|\"");
+        assert!(kinds.iter().any(|kind| kind == "reach") && kinds.iter().any(|kind| kind == "laps"), "{kinds:?}");
+        let of_reach = labels(SCENE, "[[check]]\nkind = \"reach\"\n|");
+        let of_contacts = labels(SCENE, "[[check]]\nkind = \"contacts\"\n|");
+        assert!(
+            of_reach.iter().any(|key| key == "at_mm") && !of_contacts.iter().any(|key| key == "at_mm"),
+            "{of_contacts:?}"
+        );
+        assert_eq!(labels(SCENE, "[world]\nfile = \"|\"\n"), ["a.wld", "drive.c"]);
+        assert!(labels("/lab/x.noise.toml", "|").iter().any(|key| key == "base"));
+        assert!(labels("/lab/S4.toml", "[[leg]]\n|").iter().any(|key| key == "thigh_mm"));
+    }
+
+    #[test]
+    fn keys_are_explained() {
+        assert!(hovered(SCENE, "[[ro|bot]]\n").contains("numbered 1, 2"), "{}", hovered(SCENE, "[[ro|bot]]\n"));
+        assert!(hovered(SCENE, "[[check]]\nkind = \"reach\"\nby|_s = 3").contains("Simulated seconds"));
+        assert!(hovered(SCENE, "[[check]]\nkind = \"reach\"\nby_s = 3|").contains("number"));
+        assert_eq!(hovered(SCENE, "[[check]]\nnothing| = 3"), "");
+    }
+}

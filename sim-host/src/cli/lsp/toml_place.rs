@@ -1,0 +1,296 @@
+//! Places in a TOML text that may be unfinished: the table, the key or the value in which the cursor stands.
+
+use std::ops::Range;
+
+/// A table of the text: the document's root, one under a header, or an inline table.
+#[derive(Debug, PartialEq)]
+pub struct Table {
+    /// Keys from the document's root.
+    pub path: Vec<String>,
+    /// Bytes of its keys and values.
+    pub body: Range<usize>,
+    pub entries: Vec<Entry>,
+}
+
+/// A key and its value.
+#[derive(Debug, PartialEq)]
+pub struct Entry {
+    /// The key; several parts if it is dotted.
+    pub key: Vec<String>,
+    pub key_bytes: Range<usize>,
+    /// Bytes after the equals sign.
+    pub value: Option<Range<usize>>,
+}
+
+/// Position of the cursor.
+#[derive(Debug, PartialEq)]
+pub enum Place<'t> {
+    /// In a header `[a.b]`: the keys before the one at the cursor.
+    Header(Vec<String>),
+    /// Where a key of the table stands or could stand: the parts of a dotted key before the one at the cursor.
+    Key(&'t Table, Vec<String>),
+    /// In the value of an entry of the table.
+    Value(&'t Table, &'t Entry),
+}
+
+/// The tables of a text, and the bytes of its headers with the keys in them.
+#[derive(Debug, Default)]
+pub struct Outline {
+    tables: Vec<Table>,
+    headers: Vec<(Range<usize>, Vec<String>)>,
+}
+
+impl Outline {
+    /// Reads `text`, valid or not.
+    pub fn of(text: &str) -> Self {
+        let mut scanner = Scanner { text, at: 0, outline: Self::default() };
+        scanner.document();
+        scanner.outline
+    }
+
+    /// Place at the byte `offset`.
+    pub fn place(&self, offset: usize) -> Place<'_> {
+        if let Some((bytes, keys)) = self.headers.iter().find(|(bytes, _)| bytes.start < offset && offset <= bytes.end)
+        {
+            let before = keys.iter().take(keys.len().saturating_sub(1)).cloned().collect();
+            debug_assert!(bytes.end >= offset);
+            return Place::Header(before);
+        }
+        let holds = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
+        // The root's body may be empty, but is the first table; inner tables follow the outer ones.
+        let table = self.tables.iter().filter(holds).last().unwrap_or(&self.tables[0]);
+        for entry in &table.entries {
+            if entry.value.as_ref().is_some_and(|value| value.start <= offset && offset <= value.end) {
+                return Place::Value(table, entry);
+            }
+            if entry.key_bytes.start <= offset && offset <= entry.key_bytes.end {
+                return Place::Key(table, entry.key[..entry.key.len().saturating_sub(1)].to_vec());
+            }
+        }
+        Place::Key(table, Vec::new())
+    }
+
+    /// The value of the text entry `key` of a table, without its quotation marks.
+    pub fn text_of<'s>(table: &Table, key: &str, text: &'s str) -> Option<&'s str> {
+        let entry = table.entries.iter().find(|entry| entry.key == [key])?;
+        let value = text[entry.value.clone()?].trim();
+        value.strip_prefix(['"', '\''])?.strip_suffix(['"', '\''])
+    }
+}
+
+struct Scanner<'t> {
+    text: &'t str,
+    at: usize,
+    outline: Outline,
+}
+
+impl Scanner<'_> {
+    fn peek(&self) -> Option<char> {
+        self.text[self.at..].chars().next()
+    }
+
+    fn skip(&mut self, is_skipped: impl Fn(char) -> bool) {
+        let rest = &self.text[self.at..];
+        self.at += rest.find(|character| !is_skipped(character)).unwrap_or(rest.len());
+    }
+
+    /// Skips blanks, and comments up to their line's end; line ends as well if `over_lines`.
+    fn blanks(&mut self, over_lines: bool) {
+        loop {
+            self.skip(|character| character == ' ' || character == '\t' || over_lines && character.is_whitespace());
+            if self.peek() != Some('#') {
+                return;
+            }
+            self.skip(|character| character != '\n');
+            if !over_lines {
+                return;
+            }
+        }
+    }
+
+    fn document(&mut self) {
+        let mut table = self.table(Vec::new());
+        loop {
+            self.blanks(true);
+            match self.peek() {
+                None => break,
+                Some('[') => {
+                    self.outline.tables[table].body.end = self.at;
+                    let start = self.at;
+                    self.skip(|character| character == '[');
+                    let from = self.at;
+                    self.skip(|character| character != ']' && character != '\n');
+                    let path = keys(&self.text[from..self.at]);
+                    self.outline.headers.push((start..self.at, path.clone()));
+                    self.skip(|character| character != '\n');
+                    table = self.table(path);
+                }
+                Some(_) => self.entry(table, false),
+            }
+        }
+        self.outline.tables[table].body.end = self.text.len();
+    }
+
+    /// Begins a table here.
+    fn table(&mut self, path: Vec<String>) -> usize {
+        self.outline.tables.push(Table { path, body: self.at..self.at, entries: Vec::new() });
+        self.outline.tables.len() - 1
+    }
+
+    fn entry(&mut self, table: usize, is_inline: bool) {
+        let start = self.at;
+        let ends =
+            move |character| character == '=' || character == '\n' || is_inline && matches!(character, ',' | '}');
+        self.skip(|character| !ends(character));
+        let key = keys(&self.text[start..self.at]);
+        let mut entry = Entry { key, key_bytes: start..self.at, value: None };
+        if self.peek() == Some('=') {
+            self.at += 1;
+            let from = self.at;
+            let path = self.outline.tables[table].path.iter().chain(&entry.key).cloned().collect();
+            self.blanks(false);
+            self.value(path);
+            if !is_inline && !self.begins_statement() {
+                // What follows the value on its line belongs to it.
+                self.skip(|character| character != '\n' && character != '#');
+            }
+            entry.value = Some(from..self.at);
+        }
+        self.outline.tables[table].entries.push(entry);
+    }
+
+    /// Skips a value, with the tables in it.
+    fn value(&mut self, path: Vec<String>) {
+        match self.peek() {
+            Some(quote @ ('"' | '\'')) => self.string(quote),
+            Some('[') => {
+                self.at += 1;
+                loop {
+                    self.blanks(true);
+                    match self.peek() {
+                        Some(']') => return self.at += 1,
+                        Some(',') => self.at += 1,
+                        Some(_) if !self.begins_statement() => self.value(path.clone()),
+                        _ => return,
+                    }
+                }
+            }
+            Some('{') => {
+                self.at += 1;
+                let table = self.table(path);
+                loop {
+                    self.blanks(true);
+                    match self.peek() {
+                        Some('}') => break,
+                        Some(',') => self.at += 1,
+                        Some(_) if !self.begins_statement() => self.entry(table, true),
+                        _ => break,
+                    }
+                }
+                self.outline.tables[table].body.end = self.at;
+                if self.peek() == Some('}') {
+                    self.at += 1;
+                }
+            }
+            _ => {
+                let before = self.at;
+                self.skip(|character| !matches!(character, ',' | ']' | '}' | '\n' | '#'));
+                if self.at == before && matches!(self.peek(), Some(']' | '}')) {
+                    self.at += 1; // of nothing that is open
+                }
+            }
+        }
+    }
+
+    fn string(&mut self, quote: char) {
+        let rest = &self.text[self.at..];
+        let long = String::from_iter([quote; 3]);
+        if rest.starts_with(&long) {
+            let end = rest[3..].find(&long).map_or(rest.len(), |length| length + 6);
+            return self.at += end;
+        }
+        self.at += 1;
+        let mut is_escaped = false;
+        for character in rest[1..].chars() {
+            if character == '\n' {
+                return;
+            }
+            self.at += character.len_utf8();
+            if character == quote && !is_escaped {
+                return;
+            }
+            is_escaped = character == '\\' && !is_escaped && quote == '"';
+        }
+    }
+
+    /// Returns true at the start of a line that looks like a header or a key, so that an unfinished array or table ends before it.
+    fn begins_statement(&self) -> bool {
+        let is_first = self.at == 0 || self.text[..self.at].ends_with('\n');
+        let line = self.text[self.at..].lines().next().unwrap_or_default();
+        let is_header =
+            line.starts_with('[') && line[1..].trim_start_matches('[').starts_with(|c: char| c.is_ascii_alphabetic());
+        let is_key = line.split_once('=').is_some_and(|(key, _)| is_bare(key.trim()));
+        is_first && (is_header || is_key)
+    }
+}
+
+fn is_bare(key: &str) -> bool {
+    !key.is_empty()
+        && key.chars().all(|character| character.is_ascii_alphanumeric() || matches!(character, '_' | '-' | '.'))
+}
+
+/// Parts of a dotted key; the last one is empty after a dot.
+fn keys(text: &str) -> Vec<String> {
+    text.split('.').map(|part| part.trim().trim_matches(['"', '\'']).to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the cursor `|` of a text stands, in words.
+    fn told(text: &str) -> String {
+        let offset = text.find('|').expect("a cursor");
+        let text = text.replacen('|', "", 1);
+        let outline = Outline::of(&text);
+        match outline.place(offset) {
+            Place::Header(keys) => format!("header {}", keys.join(".")),
+            Place::Key(table, keys) => format!("key of {}", [&table.path[..], &keys].concat().join(".")),
+            Place::Value(table, entry) => format!("value of {}", [&table.path[..], &entry.key].concat().join(".")),
+        }
+    }
+
+    #[test]
+    fn places_of_a_good_text() {
+        assert_eq!(told("|"), "key of ");
+        assert_eq!(told("a = 1\nb|"), "key of ");
+        assert_eq!(told("[wor|]"), "header ");
+        assert_eq!(told("[world.li|]\n"), "header world");
+        assert_eq!(told("[world]\nfile = \"a|.wld\"\n"), "value of world.file");
+        assert_eq!(told("[[robot]]\nx_mm = 1\n|\n[[robot]]\n"), "key of robot");
+        assert_eq!(told("[[robot]]\nx_mm = { uni| }"), "key of robot.x_mm");
+        assert_eq!(told("[[robot]]\nx_mm = { uniform = [1, |2] }\n"), "value of robot.x_mm.uniform");
+        assert_eq!(told("[a]\nb.c.d|"), "key of a.b.c");
+        assert_eq!(told("[a]\nwalls = [\n  { from_mm = [0, 0], t| },\n]\n"), "key of a.walls");
+        assert_eq!(told("[a] # what = 1\nb = \"# no [x]\" \n|"), "key of a");
+        assert_eq!(told("[a]\nt = \"\"\"\n[b]\nc = |\"\"\"\n"), "value of a.t");
+    }
+
+    #[test]
+    fn places_of_an_unfinished_text() {
+        assert_eq!(told("[world\nfile = \"a.wld\"\n[[robot]]\n|"), "key of robot");
+        assert_eq!(told("a = [1, 2\n[b]\nc = |"), "value of b.c");
+        assert_eq!(told("a = { b = 1,\nc = 2\n[d]\ne|"), "key of d");
+        assert_eq!(told("a = \"open\nb = |1"), "value of b");
+        assert_eq!(told("a = ]\nb = }\n|"), "key of ");
+        assert_eq!(told("[|"), "header ");
+    }
+
+    #[test]
+    fn any_text_has_an_outline() {
+        for text in ["[[[", "a={{{[[[", "=", "\"", "'''", "]]}}", "[a\n=\n=", "{", "é = { ü = [", "a = [\n[b = 1]"] {
+            let outline = Outline::of(text);
+            text.char_indices().for_each(|(offset, _)| _ = outline.place(offset));
+        }
+    }
+}
