@@ -205,7 +205,11 @@ fn the_list_of_diagnostics_is_that_of_their_pages() {
             let text = fs::read_to_string(&path).expect("a page");
             // The third line: `**warning**: message`.
             let (severity, message) = text.lines().nth(2).and_then(|line| line.split_once(": ")).expect("the message");
-            format!("| [`{code}`](codes/{code}.md) | {} | {} |\n", severity.replace("**", ""), message.replace('|', "\\|"))
+            format!(
+                "| [`{code}`](codes/{code}.md) | {} | {} |\n",
+                severity.replace("**", ""),
+                message.replace('|', "\\|")
+            )
         })
         .collect();
     rows.sort();
