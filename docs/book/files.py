@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mkdocs.structure.files import File, Files
 
-# What pages show or link to, besides pages.
+# Folders whose files pages show or link to.
 FOLDERS = ("docs/", "example-programs/", "worlds/", "sims/", "robis/")
 
 LOG = logging.getLogger("mkdocs.hooks.files")

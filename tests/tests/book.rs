@@ -194,7 +194,7 @@ impl Run {
     }
 }
 
-/// What the test runs for a line of a page; none for what it has done already, or does elsewhere.
+/// Command that the test runs for a line of a page; none if it has run already, or does so elsewhere.
 fn command(line: &str) -> Option<String> {
     if let Some((_, words)) = line.split_once(" -- ").filter(|(cargo, _)| cargo.starts_with("cargo run --release")) {
         // The papers have tests of their own.

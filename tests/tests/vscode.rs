@@ -5,7 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 use tests::Scratch;
 
-/// A new program, with `old` of the file `name` replaced by `new`; returns its folder in `scratch`.
+/// Writes a new program into the folder `maze`, with changes: file, old text, new text.
 fn project(scratch: &Scratch, lang: &str, changes: &[(&str, &str, &str)]) {
     let ran = scratch.eyesim(&["new", "maze", "--lang", lang, "--api", "7"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -48,7 +48,7 @@ fn problems(scratch: &Scratch, label: &str) -> Vec<String> {
     lines
 }
 
-/// What VS Code does with matchers: each line against each matcher; of one with several patterns each against the line after the last.
+/// Applies matchers as VS Code does: each to each line; of one with several patterns the next one to the next line.
 const MATCH: &str = r"
 const matchers = [].concat(JSON.parse(process.argv[1])), lines = process.argv[2].split(/\r?\n/);
 for (let start = 0; start < lines.length; start++)
