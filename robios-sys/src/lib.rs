@@ -13,6 +13,7 @@ pub mod c;
 pub mod constant;
 pub mod param;
 pub mod python;
+pub mod reference;
 pub mod robios6;
 pub mod robios7;
 pub mod support;

@@ -1,5 +1,7 @@
 //! Python side: the module `eye` of robot programs in Python, generated from the lists and `python/runtime.py`.
 
+use std::sync::LazyLock;
+
 use crate::constant::Constant;
 use crate::robios7::{CONSTANTS, Robios7Call};
 use crate::support::SupportCall;
@@ -26,6 +28,34 @@ pub fn eye() -> String {
         .replace("# @CONSTANTS@", CONSTANTS.iter().map(constant).collect::<String>().trim_end())
         .replace("# @CALLS@", calls.trim_end())
         .replace("# @FUNCTIONS@", functions.join("\n\n\n").trim_end())
+}
+
+/// Form of a function in Python.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// The call, such as `PSDGet(psd)`.
+    pub signature: String,
+    /// What differs from C, such as the result; `None` if nothing does.
+    pub note: Option<String>,
+}
+
+/// The form of the RoBIOS-7 function `name` in the module [`eye`]; `None` if the module has no function of this name.
+pub fn form(name: &str) -> Option<Form> {
+    static EYE: LazyLock<String> = LazyLock::new(eye);
+    let start = format!("\ndef {name}(");
+    let (_, rest) = EYE.split_once(&start)?;
+    let (parameters, rest) = rest.split_once("):\n")?;
+    let doc =
+        rest.trim_start().strip_prefix("\"\"\"").and_then(|doc| doc.split_once("\"\"\"")).map_or("", |(doc, _)| doc);
+    let function = Robios7Call::from_name(name).map(|call| call.function())?;
+    let outs: Vec<&str> =
+        function.parameters.iter().filter(|it| it.kind.starts_with("Out<")).map(|it| it.name).collect();
+    let note = match is_plain(function) {
+        true if outs.is_empty() => None,
+        true => Some(format!("The result is `{}`.", outs.join(", "))),
+        false => Some(doc.split_whitespace().collect::<Vec<_>>().join(" ")),
+    };
+    Some(Form { signature: format!("{name}({parameters})"), note })
 }
 
 /// True for a function whose form in Python follows from the list; the others are in `runtime.py`.

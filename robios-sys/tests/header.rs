@@ -3,13 +3,24 @@
 mod common;
 
 use common::{compile, folder, folder_with, has_compiler};
-use robios_sys::c;
+use robios_sys::{c, reference};
 
 #[test]
 fn the_page_of_the_c_library_is_what_the_list_gives() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/c-library.md");
     let committed = std::fs::read_to_string(page).expect("the page");
     assert!(committed == c::c_library_page(), "{page} is stale: cargo run -p robios-sys --bin generate");
+}
+
+#[test]
+fn the_references_are_what_the_lists_give() {
+    let docs = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs"));
+    let pages =
+        reference::pages(|name| std::fs::read_to_string(docs.join("examples").join(name))).expect("the examples");
+    for (name, text) in pages {
+        let committed = std::fs::read_to_string(docs.join(name)).expect("a page");
+        assert!(committed == text, "docs/{name} is stale: cargo run -p robios-sys --bin generate");
+    }
 }
 
 #[test]

@@ -193,3 +193,35 @@ fn a_fresh_checkout_has_no_file_that_names_a_machine() {
         pages.filter(|name| fs::read_to_string(root().join(name)).is_ok_and(|text| text.contains(home))).collect();
     assert_eq!(wrong, Vec::<&str>::new());
 }
+
+#[test]
+fn the_list_of_diagnostics_is_that_of_their_pages() {
+    let folder = root().join("docs/formats/codes");
+    let mut rows: Vec<String> = fs::read_dir(&folder)
+        .expect("the pages of the codes")
+        .map(|entry| {
+            let path = entry.expect("an entry").path();
+            let code = path.file_stem().expect("a name").to_string_lossy().into_owned();
+            let text = fs::read_to_string(&path).expect("a page");
+            // The third line: `**warning**: message`.
+            let (severity, message) = text.lines().nth(2).and_then(|line| line.split_once(": ")).expect("the message");
+            format!(
+                "| [`{code}`](codes/{code}.md) | {} | {} |\n",
+                severity.replace("**", ""),
+                message.replace('|', "\\|")
+            )
+        })
+        .collect();
+    rows.sort();
+    let expected = format!(
+        "# Diagnostics\n\nAll messages of the readers of files, by their codes. `eyesim explain CODE` prints the page of a code. \
+         `INSTA_UPDATE=always cargo test\n--workspace --test docs` writes this list.\n\n\
+         | code | severity | message |\n|---|---|---|\n{}",
+        rows.concat()
+    );
+    let page = folder.with_extension("md");
+    if std::env::var("INSTA_UPDATE").is_ok_and(|value| value == "always") {
+        fs::write(&page, &expected).expect("the page is writable");
+    }
+    assert_eq!(fs::read_to_string(page).expect("the page"), expected);
+}

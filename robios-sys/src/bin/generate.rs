@@ -1,5 +1,14 @@
-//! Regenerates `docs/c-library.md` from the list of interposed functions: `cargo run -p robios-sys --bin generate`.
+//! Regenerates the pages that follow from the lists, `docs/c-library.md` and the references of both generations:
+//! `cargo run -p robios-sys --bin generate`.
+
+use std::fs;
+use std::path::Path;
 
 fn main() -> std::io::Result<()> {
-    std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/c-library.md"), robios_sys::c::c_library_page())
+    let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs"));
+    fs::write(docs.join("c-library.md"), robios_sys::c::c_library_page())?;
+    for (name, text) in robios_sys::reference::pages(|name| fs::read_to_string(docs.join("examples").join(name)))? {
+        fs::write(docs.join(name), text)?;
+    }
+    Ok(())
 }

@@ -147,8 +147,8 @@ fn declared(kind: &str, name: &str) -> String {
     format!("{kind}{blank}{name}")
 }
 
-/// The prototype in C, without a semicolon.
-fn prototype(function: &Function) -> String {
+/// The prototype of a function in C, without a semicolon.
+pub fn prototype(function: &Function) -> String {
     if let Some(prototype) = function.prototype {
         return prototype.to_owned();
     }

@@ -5,6 +5,7 @@ mod generate;
 mod library;
 mod page;
 
+pub use generate::prototype;
 pub use library::{INTERPOSED, OUTSIDE_GUARANTEE, endangers_host, outside_guarantee};
 pub use page::c_library_page;
 
@@ -73,6 +74,12 @@ pub const TRUTH: [&str; 3] = ["TRUE", "FALSE", "BOOL"];
 
 /// Flag for a source whose names collide with the additional names of RoBIOS-7's `types.h`.
 pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";
+
+/// The header of further names of RoBIOS 6.
+pub const VARIANTS6: &str = include_str!("../../include/robios6/variants.h");
+
+/// The header of further names of RoBIOS-7.
+pub const VARIANTS7: &str = include_str!("../../include/robios7/variants.h");
 
 /// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
 /// a program.

@@ -11,26 +11,26 @@ function_table! {
     table Robios6Table, trait Robios6, call Robios6Call, number 6, version 1;
 
     family OS "the machine, its errors and variables", source "RoBIOS 6 library, system functions" {
-        /// Version of RoBIOS as text, such as `6.5`.
-        /// In C the text stays valid and unchanged until the program ends; it may not be written to.
+        /// The version of RoBIOS as text. In C the text stays valid and unchanged until the program ends; it may not be written
+        /// to. Returns the text, such as `6.5`.
         fn OSVersion(text: OutBytes) -> i32 = 0, c "char *OSVersion(void)";
 
-        /// Shows an error: text and number on the LCD and in the record of the run.
-        /// dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+        /// Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
+        /// shown behind it. dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: Bool) -> i32 = -1;
 
-        /// The kind of machine: VEHICLE, PLATFORM or WALKER.
+        /// The kind of machine. Returns VEHICLE, PLATFORM or WALKER.
         fn OSMachineType() -> i32 = VEHICLE;
 
-        /// Clock rate of the processor in Hz.
+        /// The clock rate of the processor. Returns it in Hz.
         fn OSMachineSpeed() -> i32 = 25_000_000;
 
-        /// Name of the robot as text.
-        /// In C the text stays valid and unchanged until the program ends; it may not be written to.
+        /// The name of the robot as text. In C the text stays valid and unchanged until the program ends; it may not be written
+        /// to. Returns the text.
         fn OSMachineName(text: OutBytes) -> i32 = 0, c "char *OSMachineName(void)";
 
-        /// The robot's number, 1 to 255, unique in the scene; also its address on the radio.
+        /// The robot's number, unique in the scene; also its address on the radio. Returns 1 to 255.
         fn OSMachineID() -> u8 = 0;
 
         /// Lets interrupts through again: timers run. Returns 0.
@@ -43,8 +43,7 @@ function_table! {
         /// num: which one, 0 to 15. Returns the value, 0 for another num.
         fn OSGetVar(num: i32) -> i32 = 0;
 
-        /// Sets a system variable of this robot.
-        /// num: which one, 0 to 15. Returns 0, or -1 for another num.
+        /// Sets a system variable of this robot. num: which one, 0 to 15. value: any number. Returns 0, or -1 for another num.
         fn OSPutVar(num: i32, value: i32) -> i32 = -1;
     }
 
@@ -70,51 +69,49 @@ function_table! {
     }
 
     family LCD "the display: 128 x 64 pixels, 7 lines of 16 characters, the last one for the menu", source "RoBIOS 6 library, LCD output" {
-        /// Prints formatted text at the cursor, as printf does. \n starts a new line.
-        /// Returns 0, or -1 if format is 0.
+        /// Prints formatted text at the cursor, as printf does; \n starts a new line. format: as of printf, with the values
+        /// behind it. Returns 0, or -1 if format is 0.
         fn LCDPrintf(text: Text) -> i32 = -1, c "int LCDPrintf(const char *format, ...)";
 
-        /// Prints formatted text at a place, as printf does; the cursor stays behind it.
-        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if format is 0 or the place is not on the LCD.
+        /// Prints formatted text at a place, as printf does; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to
+        /// 15. format: as of printf, with the values behind it. Returns 0, or -1 if format is 0 or the place is not on the LCD.
         fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = -1,
             c "int LCDSetPrintf(int row, int column, const char *format, ...)";
 
         /// Clears the LCD and puts the cursor to the top left; the menu is cleared too. Returns 0.
         fn LCDClear() -> i32 = -1;
 
-        /// Writes a character at the cursor, which moves on. Returns 0.
+        /// Writes a character at the cursor, which moves on. c: the character. Returns 0.
         fn LCDPutChar(c: Char) -> i32 = -1;
 
-        /// Writes a character at a place; the cursor stays behind it.
-        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
+        /// Writes a character at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. c: the
+        /// character. Returns 0, or -1 if the place is not on the LCD.
         fn LCDSetChar(row: i32, column: i32, c: Char) -> i32 = -1;
 
-        /// Writes text at the cursor, which moves on. \n starts a new line.
-        /// Returns 0, or -1 if s is 0.
+        /// Writes text at the cursor, which moves on; \n starts a new line. s: the text. Returns 0, or -1 if s is 0.
         fn LCDPutString(s: Text) -> i32 = -1;
 
-        /// Writes text at a place; the cursor stays behind it.
-        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if s is 0 or the place is not on the LCD.
+        /// Writes text at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. s: the text. Returns
+        /// 0, or -1 if s is 0 or the place is not on the LCD.
         fn LCDSetString(row: i32, column: i32, s: Text) -> i32 = -1;
 
-        /// Writes a number in hexadecimal, 8 digits. Returns 0.
+        /// Writes a number in hexadecimal, 8 digits. v: the number. Returns 0.
         fn LCDPutHex(v: i32) -> i32 = -1;
 
-        /// Writes the lowest byte of a number in hexadecimal, 2 digits. Returns 0.
+        /// Writes the lowest byte of a number in hexadecimal, 2 digits. v: the number. Returns 0.
         fn LCDPutHex1(v: i32) -> i32 = -1;
 
-        /// Writes a number in decimal. Returns 0.
+        /// Writes a number in decimal. v: the number. Returns 0.
         fn LCDPutInt(v: i32) -> i32 = -1;
 
-        /// Writes a number in decimal, right-aligned.
-        /// spaces: least number of characters. Returns 0.
+        /// Writes a number in decimal, right-aligned. v: the number. spaces: least number of characters. Returns 0.
         fn LCDPutIntS(v: i32, spaces: i32) -> i32 = -1;
 
-        /// Writes a number with its decimals, as %f of printf. Returns 0.
+        /// Writes a number with its decimals, as %f of printf. v: the number. Returns 0.
         fn LCDPutFloat(v: f32) -> i32 = -1;
 
-        /// Writes a number with its decimals, right-aligned.
-        /// spaces: least number of characters. decimals: digits after the point. Returns 0.
+        /// Writes a number with its decimals, right-aligned. v: the number. spaces: least number of characters. decimals:
+        /// digits after the point. Returns 0.
         fn LCDPutFloatS(v: f32, spaces: i32, decimals: i32) -> i32 = -1;
 
         /// Sets the text mode.
@@ -125,24 +122,24 @@ function_table! {
         /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
         fn LCDSetPos(row: i32, column: i32) -> i32 = -1;
 
-        /// Position of the cursor. Returns 0, or -1 if a pointer is 0.
+        /// Reads the position of the cursor. row: set to 0 (top) to 6. column: set to 0 (left) to 15. Returns 0, or -1 if a
+        /// pointer is 0.
         fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = -1;
 
         /// Shows the upper 54 rows of a grey image at the left of the LCD, so that the menu stays visible.
         /// Returns 0, or -1 if buf is 0.
         fn LCDPutGraphic(buf: In<Image>) -> i32 = -1;
 
-        /// Shows the upper 54 rows of a colour image in black and white, as LCDPutGraphic does.
-        /// buf is overwritten: it holds the black and white image afterwards.
-        /// Returns 0, or -1 if buf is 0.
+        /// Shows the upper 54 rows of a colour image in black and white, as LCDPutGraphic does. buf: colour image of 82 x 62 x
+        /// 3 bytes; overwritten with the black and white image. Returns 0, or -1 if buf is 0.
         fn LCDPutColorGraphic(buf: InOut<ColImage>) -> i32 = -1;
 
         /// Sets all 128 x 64 pixels.
         /// buf: 1024 bytes, 16 a row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
         fn LCDPutImage(buf: In<BitImage>) -> i32 = -1;
 
-        /// Writes the texts of the menu, above the keys.
-        /// Each at most 4 characters; "" (or 0) leaves an entry as it is, " " clears it. Returns 0.
+        /// Writes the texts of the menu, above the keys. s1, s2, s3, s4: at most 4 characters each; "" (or 0) leaves an entry
+        /// as it is, " " clears it. Returns 0.
         fn LCDMenu(s1: Text, s2: Text, s3: Text, s4: Text) -> i32 = -1;
 
         /// Writes one text of the menu.
@@ -158,23 +155,21 @@ function_table! {
         /// row: 0 (top) to 63. col: 0 (left) to 127. Returns 0, or -1 if it is not on the LCD.
         fn LCDInvertPixel(row: i32, col: i32) -> i32 = -1;
 
-        /// A pixel: 0 clear, 1 set, -1 if it is not on the LCD.
-        /// row: 0 (top) to 63. col: 0 (left) to 127.
+        /// Reads a pixel. row: 0 (top) to 63. col: 0 (left) to 127. Returns 0 clear, 1 set, -1 if it is not on the LCD.
         fn LCDGetPixel(row: i32, col: i32) -> i32 = -1;
 
-        /// Draws a line between two pixels, both included; parts outside of the LCD are clipped.
-        /// x: 0 (left) to 127. y: 0 (top) to 63. col: 0 white, 1 black, 2 inverted. Returns 0, or -1 for another col.
+        /// Draws a line between two pixels, both included; parts outside of the LCD are clipped. x1, x2: 0 (left) to 127. y1,
+        /// y2: 0 (top) to 63. col: 0 white, 1 black, 2 inverted. Returns 0, or -1 for another col.
         fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
 
-        /// Fills a rectangle, all edges included; parts outside of the LCD are clipped.
-        /// x: 0 (left) to 127, x1 < x2. y: 0 (top) to 63, y1 < y2. col: 0 white, 1 black, 2 inverted.
-        /// Returns 0, or -1 for another col or corners in another order.
+        /// Fills a rectangle, all edges included; parts outside of the LCD are clipped. x1, x2: 0 (left) to 127, x1 < x2. y1,
+        /// y2: 0 (top) to 63, y1 < y2. col: 0 white, 1 black, 2 inverted. Returns 0, or -1 for another col or corners in
+        /// another order.
         fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
     }
 
     family KEY "the four keys under the LCD", source "RoBIOS 6 library, key input" {
-        /// Waits for a key and stores its code, KEY1 to KEY4.
-        /// Returns 0, or -1 at once if buf is 0.
+        /// Waits for a key and stores its code. buf: set to KEY1 to KEY4. Returns 0, or -1 at once if buf is 0.
         fn KEYGetBuf(buf: Out<Char>) -> i32 = -1;
 
         /// Waits for a key. Returns its code, KEY1 to KEY4.
@@ -212,19 +207,20 @@ function_table! {
         /// Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameColor(buf: Out<ColorFrame>) -> i32 = -1;
 
-        /// Alias of CAMGetFrameColor.
+        /// Takes a colour image without border, as CAMGetFrameColor. Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameRGB(buf: Out<ColorFrame>) -> i32 = -1;
 
         /// Takes the camera's raw values: 120 rows of 160 bytes behind its colour filter.
         /// Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameBayer(buf: Out<BayerFrame>) -> i32 = -1;
 
-        /// Sets the camera.
-        /// Grey: brightness, offset, contrast. Colour: brightness, hue, saturation. EyeCam: p1 is the frame rate,
-        /// FPS60 to FPS0_46875. Returns 0, or -1 if there is no camera.
+        /// Sets the levels or the frame rate of the camera. p1: brightness, 0 to 255; of an EyeCam the frame rate, FPS60 to
+        /// FPS0_46875, with p2 and p3 0. p2: hue of colour images, offset of grey ones, 0 to 255. p3: saturation of colour
+        /// images, contrast of grey ones, 0 to 255. Returns 0, or -1 if there is no camera.
         fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = -1;
 
-        /// Values set by CAMSet. Returns 0, or -1 if there is no camera or a pointer is 0.
+        /// Reads the values set by CAMSet. p1, p2, p3: set to these values. Returns 0, or -1 if there is no camera or a pointer
+        /// is 0.
         fn CAMGet(p1: Out<i32>, p2: Out<i32>, p3: Out<i32>) -> i32 = -1;
 
         /// Switches automatic brightness on or off.
@@ -262,7 +258,7 @@ function_table! {
         fn OSSpawn(name: Text, code: Callback, stksiz: i32, pri: i32, uid: i32) -> i32 = 0,
             c "struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)";
 
-        /// The mode of multi-tasking: COOP, PREEMPT, or NOTASK if it was not started.
+        /// The mode of multi-tasking. Returns COOP, PREEMPT, or NOTASK if it was not started.
         fn OSMTStatus() -> i32 = NOTASK;
 
         /// Makes a task that is new or suspended ready to run, the last among those of its priority.
@@ -291,10 +287,11 @@ function_table! {
         /// thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
         fn OSKill(thread: Task) -> i32 = -1, c "int OSKill(struct tcb *thread)";
 
-        /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does.
+        /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does. code: exit
+        /// code of the program. Returns nothing: the call does not come back.
         fn OSExit(code: i32) -> i32 = -1, c "int OSExit(int code)";
 
-        /// Shows a text and stops the robot for ever. Does not return.
+        /// Shows a text and stops the robot for ever. message: the text. Returns nothing: the call does not come back.
         fn OSPanic(message: Text) -> i32 = -1, c "int OSPanic(const char *message)";
 
         /// Lets the other tasks run for a time; without multi-tasking the same as OSWait.
@@ -325,22 +322,22 @@ function_table! {
         /// h: 0 to 23. m, s: 0 to 59. Returns 0, or -1 for another time.
         fn OSSetTime(h: i32, m: i32, s: i32) -> i32 = -1;
 
-        /// The clock of this robot; it starts at 0:00:00.
-        /// ticks: hundredths of a second. A pointer may be 0. Returns 0.
+        /// Reads the clock of this robot; it starts at 0:00:00. h, m, s: set to hours, minutes and seconds; may be 0. ticks:
+        /// set to hundredths of a second; may be 0. Returns 0.
         fn OSGetTime(h: Out<i32>, m: Out<i32>, s: Out<i32>, ticks: Out<i32>) -> i32 = -1;
 
         /// Writes the clock to the LCD, at the cursor. Returns 0.
         fn OSShowTime() -> i32 = -1;
 
-        /// Hundredths of a second since the robot's start.
+        /// Time since the robot's start. Returns hundredths of a second.
         fn OSGetCount() -> i32 = 0;
 
         /// Waits. n: hundredths of a second. Returns 0.
         fn OSWait(n: i32) -> i32 = -1;
 
-        /// Calls a function periodically, every scale/100 seconds.
-        /// It is called inside the call in progress at that time and is never re-entered; it must be
-        /// short and must not wait. Returns a handle, or 0 if the list is full, scale is below 1 or f is 0.
+        /// Calls a function periodically, inside the call in progress at that time; it is never re-entered. scale: period in
+        /// hundredths of a second, at least 1. f: the function; it must be short and must not wait. Returns a handle, or 0 if
+        /// the list is full, scale is below 1 or f is 0.
         fn OSAttachTimer(scale: i32, f: Callback) -> TimerHandle = 0;
 
         /// Stops a timer of OSAttachTimer. Returns 1, or 0 if handle is invalid.
@@ -353,31 +350,31 @@ function_table! {
         /// Returns 0, or not 0 for other values.
         fn OSInitRS232(baud: i32, handshake: i32, interface: i32) -> i32 = -1;
 
-        /// Sends a byte. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure.
+        /// Sends a byte. chr: the byte. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure.
         fn OSSendCharRS232(chr: Char, interface: i32) -> i32 = -1;
 
-        /// Sends text. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if s is 0.
+        /// Sends text. s: the text. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if s is 0.
         fn OSSendRS232(s: Text, interface: i32) -> i32 = -1;
 
-        /// Waits for a byte.
-        /// interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if buf is 0.
+        /// Waits for a byte. buf: set to the byte. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if buf is
+        /// 0.
         fn OSRecvRS232(buf: Out<Char>, interface: i32) -> i32 = -1;
 
-        /// Discards received bytes. Returns 0, or not 0 on failure.
+        /// Discards received bytes. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure.
         fn OSFlushInRS232(interface: i32) -> i32 = -1;
 
-        /// Discards bytes not yet sent. Returns 0, or not 0 on failure.
+        /// Discards bytes not yet sent. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure.
         fn OSFlushOutRS232(interface: i32) -> i32 = -1;
 
-        /// Number of bytes received and not yet read; below 0 on failure.
+        /// Counts the bytes received and not yet read. interface: SERIAL1 to SERIAL3. Returns their number; below 0 on failure.
         fn OSCheckInRS232(interface: i32) -> i32 = -1;
 
-        /// Number of bytes not yet sent; below 0 on failure.
+        /// Counts the bytes not yet sent. interface: SERIAL1 to SERIAL3. Returns their number; below 0 on failure.
         fn OSCheckOutRS232(interface: i32) -> i32 = -1;
 
-        /// Loads a user program over a serial interface; not available on a simulated robot.
-        /// name: at least 16 bytes for the program's name. bytes: how many were loaded.
-        /// Returns 0 when done, 99 to be called again, or another number on failure.
+        /// Loads a user program over a serial interface; not available on a simulated robot. name: at least 16 bytes for the
+        /// program's name. bytes: set to the number of bytes loaded. baud: SER4800 to SER115200. handshake: NONE or RTSCTS.
+        /// interface: SERIAL1 to SERIAL3. Returns 0 when done, 99 to be called again, or another number on failure.
         fn OSDownload(name: Out<[u8; 16]>, bytes: Out<i32>, baud: i32, handshake: i32, interface: i32) -> i32 = 1;
 
         /// Starts the loaded user program; a simulated robot has none. Returns -1.
@@ -393,14 +390,14 @@ function_table! {
         /// sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is none.
         fn AUPlaySample(sample: Bytes) -> i32 = 0, c "int AUPlaySample(char *sample)";
 
-        /// FALSE while a sample is being played, else TRUE.
+        /// Tells if the sample is over. Returns FALSE while a sample is being played, else TRUE.
         fn AUCheckSample() -> i32 = TRUE;
 
         /// Plays a tone; does not wait.
         /// freq_hz: 65 to 21000. span_ms: milliseconds. Returns 0, or -1 for other values.
         fn AUTone(freq_hz: i32, span_ms: i32) -> i32 = -1;
 
-        /// FALSE while a tone is being played, else TRUE.
+        /// Tells if the tone is over. Returns FALSE while a tone is being played, else TRUE.
         fn AUCheckTone() -> i32 = TRUE;
 
         /// Plays a short tone; does not wait. Returns 0.
@@ -412,10 +409,10 @@ function_table! {
         fn AURecordSample(buf: OutBytes, freq_hz: i64) -> i32 = 0,
             c "int AURecordSample(BYTE *buf, long len, long freq)";
 
-        /// FALSE while a recording is in progress, else TRUE.
+        /// Tells if the recording is over. Returns FALSE while a recording is in progress, else TRUE.
         fn AUCheckRecord() -> i32 = TRUE;
 
-        /// Current value of the microphone, 0 to 1023; 512 is silence.
+        /// The current value of the microphone. Returns 0 to 1023; 512 is silence.
         fn AUCaptureMic() -> i32 = 512;
     }
 
@@ -435,15 +432,16 @@ function_table! {
         /// Ends measuring after the cycle that is running. Returns 0.
         fn PSDStop() -> i32 = -1;
 
-        /// TRUE if there is a valid result, that is after the first complete cycle, else FALSE.
+        /// Tells if there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
         fn PSDCheck() -> Bool = FALSE;
 
-        /// Distance measured by the last complete cycle, in millimetres; PSD_OUT_OF_RANGE if nothing is within range.
-        /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
+        /// Distance measured by the last complete cycle. handle: of PSDInit; 0 asks for the time stamp of the measurement.
+        /// Returns millimetres, PSD_OUT_OF_RANGE if nothing is within range or handle is invalid; for handle 0 hundredths of a
+        /// second.
         fn PSDGet(handle: PSDHandle) -> i32 = PSD_OUT_OF_RANGE;
 
-        /// Raw value measured by the last complete cycle, 0 to 255.
-        /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
+        /// Raw value measured by the last complete cycle. handle: of PSDInit; 0 asks for the time stamp of the measurement.
+        /// Returns 0 to 255, 0 if nothing is within range; for handle 0 hundredths of a second.
         fn PSDGetRaw(handle: PSDHandle) -> i32 = 0;
     }
 
@@ -490,14 +488,14 @@ function_table! {
         /// handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
         fn QUADReset(handle: QuadHandle) -> i32 = -1;
 
-        /// Count of an encoder: ticks since the reset, increasing when the wheel turns forward; 0 if handle is invalid.
+        /// Count of an encoder since its reset, increasing when the wheel turns forward. Returns ticks; 0 if handle is invalid.
         fn QUADRead(handle: QuadHandle) -> i32 = 0;
 
         /// The motor that belongs to an encoder.
         /// semantics: QUAD_LEFT and so on. Returns MOTOR_LEFT and so on, or 0 if the robot has no such encoder.
         fn QUADGetMotor(semantics: DeviceSemantics) -> DeviceSemantics = 0;
 
-        /// Distance rolled by a wheel since QUADODOReset, in metres; 0 if handle is invalid.
+        /// Distance rolled by a wheel since QUADODOReset. Returns metres; 0 if handle is invalid.
         fn QUADODORead(handle: QuadHandle) -> f32 = 0.0;
 
         /// Sets the rolled distance of wheels to 0; their tick counts stay.
@@ -514,59 +512,53 @@ function_table! {
         /// Stops the robot and releases the driving interface. Returns 0, or -1 if handle is invalid.
         fn VWRelease(handle: VWHandle) -> i32 = -1;
 
-        /// Sets the speed, until the next command.
-        /// v_mps: m/s, negative = backwards. w_radps: rad/s, positive = counter-clockwise.
-        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress.
+        /// Sets the speed, until the next command; starts at the end of the call and replaces a drive in progress. v_mps: m/s,
+        /// negative = backwards. w_radps: rad/s, positive = counter-clockwise. Returns 0, or -1 if handle is invalid.
         fn VWSetSpeed(handle: VWHandle, v_mps: MetrePerSecond, w_radps: RadianPerSecond) -> i32 = -1;
 
-        /// Speed by odometry. Returns 0, or -1 if handle is invalid or vw is 0.
+        /// Reads the speed by odometry. vw: set to v in m/s and w in rad/s. Returns 0, or -1 if handle is invalid or vw is 0.
         fn VWGetSpeed(handle: VWHandle, vw: Out<SpeedType>) -> i32 = -1;
 
         /// Sets the position of the odometry; the robot does not move.
         /// x_m, y_m: metres. phi_rad: radians. Returns 0, or -1 if handle is invalid.
         fn VWSetPosition(handle: VWHandle, x_m: Metre, y_m: Metre, phi_rad: Radian) -> i32 = -1;
 
-        /// Position by odometry. Returns 0, or -1 if handle is invalid or pos is 0.
+        /// Reads the position by odometry. pos: set to x and y in metres and phi in radians. Returns 0, or -1 if handle is
+        /// invalid or pos is 0.
         fn VWGetPosition(handle: VWHandle, pos: Out<PositionType>) -> i32 = -1;
 
-        /// Starts the PI controllers of speed and rate of turn: output = V * (e + 1/T * integral of e).
-        /// Vv, Tv: for the speed. Vw, Tw: for the rate of turn. Typical: 7, 0.3, 10, 0.1.
-        /// Returns 0, or -1 if handle is invalid.
+        /// Starts the PI controllers of speed and rate of turn: output = V * (e + 1/T * integral of e). Typical: 7, 0.3, 10,
+        /// 0.1. Vv: gain for the speed. Tv: time for the speed, in seconds. Vw: gain for the rate of turn. Tw: time for the
+        /// rate of turn, in seconds. Returns 0, or -1 if handle is invalid.
         fn VWStartControl(handle: VWHandle, Vv: f32, Tv: f32, Vw: f32, Tw: f32) -> i32 = -1;
 
         /// Stops the PI controllers: speeds are open loop again. Returns 0, or -1 if handle is invalid.
         fn VWStopControl(handle: VWHandle) -> i32 = -1;
 
-        /// Drives straight ahead.
-        /// delta_m: distance in metres, negative = backwards. v_mps: speed in m/s, > 0.
-        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
-        /// not wait.
+        /// Drives straight ahead; starts at the end of the call, replaces a drive in progress and does not wait. delta_m:
+        /// distance in metres, negative = backwards. v_mps: speed in m/s, > 0. Returns 0, or -1 if handle is invalid.
         fn VWDriveStraight(handle: VWHandle, delta_m: Metre, v_mps: MetrePerSecond) -> i32 = -1;
 
-        /// Turns on the spot.
-        /// delta_rad: angle in radians, positive = counter-clockwise. w_radps: rate in rad/s, > 0.
-        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
-        /// not wait.
+        /// Turns on the spot; starts at the end of the call, replaces a drive in progress and does not wait. delta_rad: angle
+        /// in radians, positive = counter-clockwise. w_radps: rate in rad/s, > 0. Returns 0, or -1 if handle is invalid.
         fn VWDriveTurn(handle: VWHandle, delta_rad: Radian, w_radps: RadianPerSecond) -> i32 = -1;
 
-        /// Drives along a circular arc.
-        /// delta_l_m: length of the arc in metres, negative = backwards. delta_phi_rad: change of heading in radians,
-        /// positive = counter-clockwise. v_mps: speed in m/s, > 0.
-        /// Returns 0, or -1 if handle is invalid. Starts at the end of the call and replaces a drive in progress; does
-        /// not wait.
+        /// Drives along a circular arc; starts at the end of the call, replaces a drive in progress and does not wait.
+        /// delta_l_m: length of the arc in metres, negative = backwards. delta_phi_rad: change of heading in radians, positive
+        /// = counter-clockwise. v_mps: speed in m/s, > 0. Returns 0, or -1 if handle is invalid.
         fn VWDriveCurve(handle: VWHandle, delta_l_m: Metre, delta_phi_rad: Radian, v_mps: MetrePerSecond) -> i32 = -1;
 
-        /// Remainder of the drive in progress, in metres (for a turn radians; for a curve its length): 0 when done
-        /// or if handle is invalid.
+        /// Remainder of the drive in progress. Returns metres, for a turn radians, for a curve its length; 0 when done or if
+        /// handle is invalid.
         fn VWDriveRemain(handle: VWHandle) -> f32 = 0.0;
 
-        /// 1 if the drive has ended, 0 if it is in progress, -1 if handle is invalid.
+        /// Tells if the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
         fn VWDriveDone(handle: VWHandle) -> i32 = -1;
 
         /// Waits until the drive has ended. Returns 0, or -1 at once if handle is invalid.
         fn VWDriveWait(handle: VWHandle) -> i32 = -1;
 
-        /// 1 if a motor is stalled, 0 if none is or there is no command, -1 if handle is invalid.
+        /// Tells if a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
         fn VWStalled(handle: VWHandle) -> i32 = -1;
     }
 
@@ -594,7 +586,7 @@ function_table! {
         /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
         fn IRRelease(handle: IRHandle) -> i32 = 0x1111_0000;
 
-        /// 1 if an object is near, 0 if not, -1 if handle is invalid.
+        /// Reads an infrared sensor. Returns 1 if an object is near, 0 if not, -1 if handle is invalid.
         fn IRRead(handle: IRHandle) -> i32 = -1;
     }
 
@@ -602,29 +594,29 @@ function_table! {
         /// Reads an input latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
         fn OSReadInLatch(n: i32) -> u8 = 0;
 
-        /// Writes an output latch: new = (old & mask) | value.
-        /// n: which one, 0 to 3. Returns the old byte, 0 for another n.
+        /// Writes an output latch: new = (old & mask) | value. n: which one, 0 to 3. mask: bits to keep. value: bits to set.
+        /// Returns the old byte, 0 for another n.
         fn OSWriteOutLatch(n: i32, mask: Byte, value: Byte) -> u8 = 0;
 
         /// Reads an output latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
         fn OSReadOutLatch(n: i32) -> u8 = 0;
 
-        /// Reads the data byte of the parallel port.
+        /// Reads the data byte of the parallel port. Returns the byte.
         fn OSReadParData() -> u8 = 0;
 
-        /// Writes the data byte of the parallel port.
+        /// Writes the data byte of the parallel port. value: the byte.
         fn OSWriteParData(value: Byte) -> () = ();
 
-        /// Reads the status byte of the parallel port.
+        /// Reads the status byte of the parallel port. Returns the byte.
         fn OSReadParSR() -> u8 = 0;
 
-        /// Writes the control byte of the parallel port.
+        /// Writes the control byte of the parallel port. value: the byte.
         fn OSWriteParCTRL(value: Byte) -> () = ();
 
-        /// Reads the control byte of the parallel port.
+        /// Reads the control byte of the parallel port. Returns the byte.
         fn OSReadParCTRL() -> u8 = 0;
 
-        /// An analogue input: 0 to 1023, -1 for another channel. channel: 0 to 15.
+        /// Reads an analogue input. channel: 0 to 15. Returns 0 to 1023, -1 for another channel.
         fn OSGetAD(channel: i32) -> i32 = -1;
 
         /// Switches the analogue converter off. mode: 1 idle, 0 off. Returns 0.
@@ -638,7 +630,7 @@ function_table! {
         /// Starts measuring. cycle: TRUE measures continuously, FALSE once. Returns 0, or 1 if it is not ready.
         fn COMPASSStart(cycle: Bool) -> i32 = 1;
 
-        /// 1 if a result is available, else 0.
+        /// Tells if a result is available. Returns 1 if it is, else 0.
         fn COMPASSCheck() -> i32 = 0;
 
         /// Ends measuring. Returns 0, or 1 if it is not ready.
@@ -647,7 +639,8 @@ function_table! {
         /// Releases the compass. Returns 0, or 1 if it is not ready.
         fn COMPASSRelease() -> i32 = 1;
 
-        /// The last result: 0 to 359 degrees, clockwise from north (the world's +y); -1 if there is none.
+        /// The last result of the compass. Returns 0 to 359 degrees, clockwise from north (the world's +y); -1 if there is
+        /// none.
         fn COMPASSGet() -> i32 = -1;
 
         /// Calibrates. mode: 1 resets the calibration, 0 is called in two opposite headings.
@@ -671,19 +664,20 @@ function_table! {
         /// Stops receiving.
         fn IRTVTerm() -> () = ();
 
-        /// The code that is being received, without waiting; 0 if there is none.
+        /// The code that is being received, without waiting. Returns the code; 0 if there is none.
         fn IRTVPressed() -> i32 = 0;
 
-        /// The next code that has been received, without waiting; 0 if there is none.
+        /// The next code that has been received, without waiting. Returns the code; 0 if there is none.
         fn IRTVRead() -> i32 = 0;
 
-        /// Waits for the next code and returns it; 0 at once if nothing is being received.
+        /// Waits for the next code. Returns the code; 0 at once if nothing is being received.
         fn IRTVGet() -> i32 = 0;
 
         /// Discards received codes.
         fn IRTVFlush() -> () = ();
 
-        /// The settings of IRTVInit; a pointer may be 0.
+        /// Reads the settings of IRTVInit. type_code, length, tog_mask, inv_mask, mode, bufsize, delay: set to those of
+        /// IRTVInit; may be 0.
         fn IRTVGetStatus(
             type_code: Out<i32>, length: Out<i32>, tog_mask: Out<i32>, inv_mask: Out<i32>, mode: Out<i32>,
             bufsize: Out<i32>, delay: Out<i32>
@@ -697,40 +691,39 @@ function_table! {
         /// Switches the radio off: messages that wait or are in transit are lost. Returns 0, -1 if it is off.
         fn RADIOTerm() -> i32 = -1;
 
-        /// Sends a message, without waiting for the transmission and without acknowledgement.
-        /// id: the receiver, BROADCAST for all robots. byteCount: 0 to MAXMSGLEN.
-        /// Returns 0, or 1 if the radio is off, the message is too long, buffer is 0, or 1024 bytes wait to be sent already.
+        /// Sends a message, without waiting for the transmission and without acknowledgement. id: the receiver, BROADCAST for
+        /// all robots. byteCount: 0 to MAXMSGLEN. buffer: the bytes. Returns 0, or 1 if the radio is off, the message is too
+        /// long, buffer is 0, or 1024 bytes wait to be sent already.
         fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
 
-        /// Number of messages that wait to be received; 0 if the radio is off.
+        /// Counts the messages that wait to be received. Returns their number; 0 if the radio is off.
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck()";
 
-        /// Waits for a message, which may be damaged: there is no checksum.
-        /// id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
-        /// Returns 0, or -1 at once if the radio is off or buffer is 0; the other pointers may be 0.
+        /// Waits for a message, which may be damaged: there is no checksum. id: set to the address of its sender; may be 0.
+        /// bytesReceived: set to its length; may be 0. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
+        /// Returns 0, or -1 at once if the radio is off or buffer is 0.
         fn RADIORecv(id: Out<Byte>, bytesReceived: Out<i32>, buffer: OutBytes) -> i32 = -1,
             c "int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)";
 
-        /// The settings of the radio. Returns 0, -1 if p is 0.
+        /// Reads the settings of the radio. p: set to the settings. Returns 0, or -1 if p is 0.
         fn RADIOGetIoctl(p: Out<RadioIOParameters>) -> i32 = -1;
 
-        /// Changes the settings of the radio, before RADIOInit: speed and id count, the others are kept.
+        /// Changes the settings of the radio, before RADIOInit. p: the settings; speed and id count, the others are kept.
         /// Returns 0, or -1 if p is 0, a setting is invalid, or the radio is on; then nothing changes.
         fn RADIOSetIoctl(p: In<RadioIOParameters>) -> i32 = -1;
 
-        /// State of the radio. Returns 0, -1 if it is off or s is 0.
+        /// Reads the state of the radio. s: set to the state. Returns 0, or -1 if the radio is off or s is 0.
         fn RADIOGetStatus(s: Out<RadioStatus>) -> i32 = -1;
     }
     family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {
-        /// Signal underlying the distance of the last complete cycle: that of a reflectance sensor, in 1/m; the echo energy of a
-        /// sonar, 1 for a perfect reflector 1 m ahead; for other sensors 1 with an echo, 0 without.
-        /// handle: of PSDInit. Returns -1 if handle is invalid, or nothing has been measured.
+        /// Signal underlying the distance of the last complete cycle: that of a reflectance sensor, in 1/m; the echo energy of
+        /// a sonar, 1 for a perfect reflector 1 m ahead; for other sensors 1 with an echo, 0 without. handle: of PSDInit.
+        /// Returns the signal, -1 if handle is invalid, or nothing has been measured.
         fn PSDGetSignal(handle: PSDHandle) -> f32 = -1.0;
 
-        /// Scans once with the laser scanner: distances in millimetres from left to right, the middle one (of n, that of
-        /// index n/2) straight ahead; 9999 if out of range.
-        /// size: capacity of distance; as many points as fit are written. Returns the number of points of the scan, or -1 if
-        /// there is no scanner or distance is 0.
+        /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) lies straight
+        /// ahead. distance: set to distances in millimetres, 9999 if out of range. size: capacity of distance; as many points
+        /// as fit are written. Returns the number of points of the scan, or -1 if there is no scanner or distance is 0.
         fn LIDARScan(distance: OutInts) -> i32 = -1, c "int LIDARScan(int distance[], int size)";
     }
     family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
@@ -744,42 +737,44 @@ function_table! {
         fn CAMGetLabels(labels: OutInts) -> i32 = -1, c "int CAMGetLabels(int *labels)";
     }
     family LEG "legs", source "our choice: RoBIOS has none" {
-        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, in the order of the robi file.
+        /// The number of legs. Legs, joints, links and gaits are numbered from 1, in the order of the robi file. Returns the
+        /// number; 0 if the robot has no legs.
         fn LEGCount() -> i32 = 0;
 
         /// Switches to another gait; each leg changes when it is next lifted.
         /// gait: from 1. Returns 0, -1 if there are no legs or no such gait.
         fn LEGSetGait(gait: i32) -> i32 = -1;
 
-        /// Walks at this speed until the next command, sideways too; 0, 0, 0 stops.
-        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond the
-        /// capability of the legs is scaled down as a whole. Returns 0, -1 if there are no legs.
+        /// Walks at this speed until the next command, sideways too; 0, 0, 0 stops. A twist beyond the capability of the legs
+        /// is scaled down as a whole. vx_mmps: mm/s forward. vy_mmps: mm/s to the left. omega_degps: degrees/s
+        /// counter-clockwise. Returns 0, -1 if there are no legs.
         fn LEGSetSpeed(vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> i32 = -1;
 
         /// Sets the height to which feet are lifted; each leg applies it from its next step on.
         /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or beyond the legs.
         fn LEGSetStep(height_mm: i32) -> i32 = -1;
 
-        /// Current angle of a joint from its encoder, without noise.
-        /// joint: from 1 at the body. degrees: positive as in the robi file: yaw to the left, roll, thigh forward, knee
-        /// bent, toes up. Returns 0, -1 if there is no such leg or joint or degrees is 0.
+        /// Current angle of a joint from its encoder, without noise. leg: from 1. joint: from 1 at the body. degrees: positive
+        /// as in the robi file: yaw to the left, roll, thigh forward, knee bent, toes up. Returns 0, -1 if there is no such leg
+        /// or joint or degrees is 0.
         fn LEGGetJoint(leg: i32, joint: i32, degrees: Out<f32>) -> i32 = -1;
 
-        /// Current pose of a link of a leg in the frame of the body, computed from the joint angles.
-        /// link: from 1, the thigh. pose: 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees.
-        /// Returns 0, -1 if there is no such leg or link or pose is 0.
+        /// Current pose of a link of a leg in the frame of the body, computed from the joint angles. leg: from 1. link: from 1,
+        /// the thigh. pose: set to 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees. Returns 0, -1 if
+        /// there is no such leg or link or pose is 0.
         fn LEGGetLink(leg: i32, link: i32, pose: OutFloats) -> i32 = -1, c "int LEGGetLink(int leg, int link, float pose[6])";
 
-        /// Current height of the body frame above the world's floor, computed from the legs: 0 upright on the floor.
-        /// mm: up. Returns 0, -1 if there are no legs or mm is 0.
+        /// Current height of the body frame above the world's floor, computed from the legs: 0 upright on the floor. mm: set to
+        /// millimetres up. Returns 0, -1 if there are no legs or mm is 0.
         fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
 
-        /// 1 if a foot is on the ground, 0 if it is in the air, -1 if there is no such leg.
+        /// Tells if a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
+        /// leg.
         fn LEGGetFoot(leg: i32) -> i32 = -1;
 
-        /// Corrects the steps of a leg, from the next instant at which its foot is in the air until the next correction.
-        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: additional lift of the foot.
-        /// Returns 0, -1 if there is no such leg or the foothold is out of its reach.
+        /// Corrects the steps of a leg, from the next instant at which its foot is in the air until the next correction. leg:
+        /// from 1. dx_mm: mm forward of the foothold of the gait. dy_mm: mm to the left of the foothold of the gait. dz_mm:
+        /// additional lift of the foot, mm. Returns 0, -1 if there is no such leg or the foothold is out of its reach.
         fn LEGCorrect(leg: i32, dx_mm: i32, dy_mm: i32, dz_mm: i32) -> i32 = -1;
     }
 }

@@ -47,7 +47,10 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
     let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
     let api = robios_api_folder();
-    let project = Project { name: &args.name, lang: args.lang, generation: generation(args.lang, args.api)? };
+    let eyesim = std::env::current_exe().context("cannot tell the path of eyesim, which the tasks for VS Code name")?;
+    let eyesim = eyesim.display().to_string();
+    let generation = generation(args.lang, args.api)?;
+    let project = Project { name: &args.name, lang: args.lang, generation, eyesim: &eyesim };
     write_folder(&folder, &project.files(api.as_deref()))?;
     println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);
     if args.lang == Language::Rust && api.is_none() {
@@ -158,6 +161,8 @@ struct Project<'a> {
     name: &'a str,
     lang: Language,
     generation: Generation,
+    /// The path of `eyesim`, for the tasks of VS Code.
+    eyesim: &'a str,
 }
 
 impl Project<'_> {
@@ -170,7 +175,14 @@ impl Project<'_> {
             Language::Rust => "Cargo.toml".to_owned(),
         };
         let fill = |template: &str| self.fill(template, &program, api);
-        let mut files = vec![(format!("{}.wld", self.name), fill(include_str!("new/world.wld")))];
+        let mut files = vec![
+            (format!("{}.wld", self.name), fill(include_str!("new/world.wld"))),
+            (".vscode/tasks.json".into(), fill(include_str!("new/tasks.json"))),
+        ];
+        // gdb knows nothing of Python.
+        if self.lang != Language::Python {
+            files.push((".vscode/launch.json".into(), fill(include_str!("new/launch.json"))));
+        }
         match self.generation {
             Generation::Robios6 => {
                 files.push((format!("{}.robi", self.name), fill(include_str!("new/robot.robi"))));
@@ -237,7 +249,12 @@ impl Project<'_> {
             Generation::Robios6 => ("RoBIOS 6", format!("`{}.robi` is the robot, ", self.name)),
             Generation::Robios7 => ("RoBIOS-7", String::new()),
         };
+        let matcher = if self.lang == Language::Rust { include_str!("new/cargo-matcher.json").trim_end() } else { "" };
+        let debug = format!("'{}' debug {}.sim", self.eyesim.replace('\'', r"'\''"), self.name);
         template
+            .replace("@EYESIM@", &json_text(self.eyesim))
+            .replace("@DEBUG@", &json_text(&debug))
+            .replace("@CARGO@", matcher)
             .replace("@NAME@", self.name)
             .replace("@PROGRAM@", program)
             .replace("@LANGUAGE@", language)
@@ -251,6 +268,11 @@ impl Project<'_> {
 /// Escapes `text` for a TOML string.
 fn toml_text(text: &str) -> String {
     text.replace('\\', r"\\").replace('"', r#"\""#)
+}
+
+/// `text` as a string of JSON.
+fn json_text(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
 }
 
 fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
@@ -308,15 +330,32 @@ mod tests {
     }
 
     #[test]
+    fn the_files_of_vs_code_are_json_for_any_path() {
+        let eyesim = r#"/it's "here"\eyesim"#;
+        for lang in [Language::C, Language::Rust] {
+            let project = Project { name: "maze", lang, generation: Generation::Robios6, eyesim };
+            let files = project.files(None);
+            let read = |name: &str| {
+                let (_, text) = files.iter().find(|(other, _)| other == name).expect("the file");
+                serde_json::from_str::<serde_json::Value>(text).expect("JSON")
+            };
+            assert_eq!(read(".vscode/tasks.json")["tasks"][0]["command"], eyesim);
+            let launch = read(".vscode/launch.json");
+            assert_eq!(launch["configurations"][0]["command"], r#"'/it'\''s "here"\eyesim' debug maze.sim"#);
+        }
+    }
+
+    #[test]
     fn every_place_in_the_templates_is_filled() {
         let place = Some(Path::new("/e/robios-api"));
-        let python = Project { name: "maze", lang: Language::Python, generation: Generation::Robios7 };
+        let python =
+            Project { name: "maze", lang: Language::Python, generation: Generation::Robios7, eyesim: "/e/eyesim" };
         for (name, text) in python.files(None).into_iter().filter(|(name, _)| name != "eye.py") {
             assert!(!text.contains('@'), "{name}: {text}");
         }
         for lang in [Language::C, Language::Cpp, Language::Rust] {
             for (generation, api) in [(Generation::Robios6, None), (Generation::Robios7, place)] {
-                for (name, text) in (Project { name: "maze", lang, generation }).files(api) {
+                for (name, text) in (Project { name: "maze", lang, generation, eyesim: "/e/eyesim" }).files(api) {
                     assert!(!text.contains('@'), "{name}: {text}");
                 }
             }
