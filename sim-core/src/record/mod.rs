@@ -14,4 +14,5 @@ pub use action::Action;
 pub use digest::Digest;
 pub use event::{ActionText, Event, Kind, KindSet, Numbers, Obstacle, Outcome, Record, WORLD};
 pub use journal::Journal;
+pub(crate) use journal::EndedJournal;
 pub use recorder::Recorder;

@@ -13,12 +13,14 @@ use std::time::Instant;
 
 use parking_lot::MutexGuard;
 use sim_core::RobotId;
+use sim_core::parallel;
 use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
+use super::team::WorkerPool;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
@@ -50,6 +52,9 @@ pub struct Dispatcher {
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
+    /// Memory for references.
+    spare: Vec<usize>,
+    spare_states: Vec<usize>,
 }
 
 /// A worker: one robot runs on it at a time.
@@ -162,6 +167,8 @@ impl Dispatcher {
             is_intervention_pending: false,
             sinks,
             end: None,
+            spare: Vec::new(),
+            spare_states: Vec::new(),
         };
         for (place, robot) in ids(true).enumerate() {
             dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place % workers) as u32);
@@ -438,16 +445,20 @@ impl Dispatcher {
 
     /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.affected_robots(&self.touched, &mut Members(run));
+        let affected = environment.affected_robots(&self.touched, &mut Members(run));
         self.touched.clear();
-        let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
+        let mut robots: Vec<MutexGuard<'_, Robot>> = parallel::reuse(std::mem::take(&mut self.spare));
+        robots.extend(affected.iter().map(|id| run.robot(*id)));
         save_files(&mut robots);
         let SlotEnd { at, heard } = {
-            let mut states: Vec<&mut simulation::Robot> = robots.iter_mut().map(|robot| &mut robot.state).collect();
-            environment.end_slot(&mut states)
+            let mut states: Vec<&mut simulation::Robot> = parallel::reuse(std::mem::take(&mut self.spare_states));
+            states.extend(robots.iter_mut().map(|robot| &mut robot.state));
+            let end = environment.end_slot(&mut states, &WorkerPool(run.executor()));
+            self.spare_states = parallel::reuse(states);
+            end
         };
         for (id, visible) in heard {
-            if let Ok(place) = active.binary_search(&id) {
+            if let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) {
                 robots[place].tasks.recheck_radio(visible);
             }
         }
@@ -456,7 +467,7 @@ impl Dispatcher {
                 self.sleep_until(robot.id, wake);
             }
         }
-        drop(robots);
+        self.spare = parallel::reuse(robots);
         self.sinks.take_slot(environment.recorder(), at)
     }
 

@@ -31,6 +31,7 @@ use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::signal::{self, FlowBlock, Handlers, Leave};
+use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
@@ -47,6 +48,8 @@ pub struct FiberExecutor {
     /// The workers once they have started, and their threads until they are joined.
     workers: OnceLock<Vec<Arc<Worker>>>,
     threads: Mutex<Vec<RunningWorker>>,
+    /// The loop with which workers help that have nothing to run.
+    team: Arc<Team>,
     /// Number of fibers created so far.
     fiber_count: AtomicUsize,
     /// Notifier that broken flows signal; unset before the run begins.
@@ -69,6 +72,7 @@ struct Worker {
     /// It waits in the kernel, which takes microseconds to wake it.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
+    team: Arc<Team>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
     /// Context of the worker while a fiber runs: where the fiber returns to. Used by the worker's thread only.
@@ -156,6 +160,7 @@ impl FiberExecutor {
             worker_count: workers,
             workers: OnceLock::new(),
             threads: Mutex::default(),
+            team: Arc::default(),
             fiber_count: AtomicUsize::new(0),
             notifier: OnceLock::new(),
         }
@@ -183,7 +188,7 @@ impl FiberExecutor {
         if self.workers.get().is_none() {
             let mut running = self.threads.lock();
             while running.len() < self.worker_count {
-                let worker = RunningWorker::start(running.len(), self.notifier())?;
+                let worker = RunningWorker::start(running.len(), self.notifier(), &self.team)?;
                 running.push(worker);
             }
             self.workers.get_or_init(|| running.iter().map(|running| Arc::clone(&running.worker)).collect());
@@ -193,13 +198,14 @@ impl FiberExecutor {
 }
 
 impl RunningWorker {
-    fn start(number: usize, notifier: &Arc<Notifier>) -> io::Result<Self> {
+    fn start(number: usize, notifier: &Arc<Notifier>, team: &Arc<Team>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
             block: FlowBlock::notifying(Arc::clone(notifier)),
             queue: Mutex::default(),
             queued: AtomicUsize::new(0),
             is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
+            team: Arc::clone(team),
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
             is_ending: AtomicBool::new(false),
@@ -294,20 +300,22 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker is to end: a short time awake, since the next slot of a few robots begins
-    /// sooner than the kernel could wake a thread, then in the kernel.
+    /// Waits until a fiber is in the queue or the worker is to end, and helps with loops meanwhile: a short time awake, since the next
+    /// slot of a few robots begins sooner than the kernel could wake a thread, then in the kernel.
     fn wait(&self) {
         /// Turns of a wait, some tens of microseconds.
         const SPINS: usize = 1000;
         let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
-        for _ in 0..SPINS {
+        let mut spins = 0;
+        while spins < SPINS {
             if is_over() {
                 return;
             }
+            spins = if self.team.help() { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !is_over() {
+        if !is_over() && !self.team.has_job() {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -557,6 +565,18 @@ impl Executor for FiberExecutor {
     fn switch(&self, robot: RobotId, task: u32) {
         self.robot(robot).hand_token_to(task);
         Fiber::current().suspend();
+    }
+
+    fn helping_workers(&self) -> usize {
+        self.workers.get().map_or(1, Vec::len)
+    }
+
+    fn run_loop(&self, job: &Job) {
+        let call = || {
+            let workers = self.workers.get().into_iter().flatten();
+            workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());
+        };
+        self.team.lead(job, call);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
