@@ -134,15 +134,21 @@ impl Environment {
     }
 
     /// Finds the robots affected by the end of the present slot: robots that acted in it (`ran`), moving robots, receivers and
-    /// senders of messages, and robots to be placed elsewhere. Returns them in the order of their ids.
-    pub fn affected_robots(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> &[RobotId] {
+    /// senders of messages, and robots to be placed elsewhere. Returns them in the order of their ids. `requesting` are the robots that
+    /// may [request](Robot::has_requests) anything, in the order of their ids.
+    pub fn affected_robots(
+        &mut self,
+        ran: &[RobotId],
+        requesting: &[RobotId],
+        robots: &mut (impl Robots + ?Sized),
+    ) -> &[RobotId] {
         let Self { world, traffic, placements, affected, .. } = self;
         std::mem::swap(affected, &mut self.moving);
         self.moving.clear();
         affected.extend_from_slice(ran);
         affected.sort_unstable();
         affected.dedup();
-        for id in affected.iter() {
+        for id in requesting {
             robots.with(*id, |robot| {
                 placements.append(&mut robot.placements);
                 traffic.collect(robot, world.radio_mut());

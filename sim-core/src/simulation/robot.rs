@@ -323,6 +323,11 @@ impl Robot {
         self.journal.record(off, &Event::Hint { text: &text });
     }
 
+    /// Returns true if the robot may have requested placements or the transmission of messages in the present slot.
+    pub fn has_requests(&self) -> bool {
+        self.station.is_some() || !self.placements.is_empty()
+    }
+
     /// Ends the slot at `at`: records the fates of messages, the posture if the `world` is given, and the pose, and ends the journal.
     pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time, interest: KindSet) -> EndedRobot {
         self.settle_radio(at - Time(1));
@@ -332,10 +337,7 @@ impl Robot {
             }
             self.record_pose(at);
         }
-        EndedRobot {
-            is_active: !self.is_removed && self.motion.is_active(),
-            journal: self.journal.end_slot(interest),
-        }
+        EndedRobot { is_active: !self.is_removed && self.motion.is_active(), journal: self.journal.end_slot(interest) }
     }
 
     /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the

@@ -323,7 +323,9 @@ impl Simulation {
 
     fn end_slot(&mut self) {
         let Self { environment, robots, acted, spare, .. } = self;
-        let mut affected = environment.affected_robots(acted, &mut robots[..]).iter().copied().peekable();
+        acted.sort_unstable();
+        acted.dedup();
+        let mut affected = environment.affected_robots(acted, acted, &mut robots[..]).iter().copied().peekable();
         acted.clear();
         // Both lists are in the order of the ids.
         let is_affected = |robot: &&mut Robot| affected.next_if_eq(&robot.id).is_some();

@@ -151,7 +151,12 @@ pub(super) struct ContactResolution<'a, 'm> {
 
 impl<'a, 'm> ContactResolution<'a, 'm> {
     /// Reads the motions of the world's present slot; `active` is in the order of ids.
-    pub fn new(truth: &'a mut TrueMotions, world: &'a World, active: &'a mut [&'m mut Motion], pool: &impl Pool) -> Self {
+    pub fn new(
+        truth: &'a mut TrueMotions,
+        world: &'a World,
+        active: &'a mut [&'m mut Motion],
+        pool: &impl Pool,
+    ) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.courses.resize_with(truth.courses.len().max(active.len()), Course::default);
         truth.found.resize_with(truth.courses.len(), Vec::new);

@@ -9,11 +9,12 @@
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use parking_lot::MutexGuard;
+use parking_lot::{Mutex, MutexGuard};
 use sim_core::RobotId;
-use sim_core::parallel;
+use sim_core::parallel::{self, Pool as _};
 use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -21,6 +22,7 @@ use sim_core::world::World;
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
 use super::team::WorkerPool;
+use crate::program::load::deal;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
@@ -34,6 +36,8 @@ pub struct Dispatcher {
     affinity: Vec<u32>,
     /// Robots that suspended themselves, ended or were changed by an intervention in the present slot.
     touched: Vec<RobotId>,
+    /// Those of them that may request something from others, or have written files.
+    requesting: Vec<RobotId>,
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
@@ -53,7 +57,7 @@ pub struct Dispatcher {
     sinks: Sinks<'static>,
     end: Option<End>,
     /// Memory for references.
-    spare: Vec<usize>,
+    spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
 }
 
@@ -62,8 +66,43 @@ pub struct Dispatcher {
 struct Worker {
     /// Run queue: robots due in the present slot and not yet released, in order of their ids.
     run_queue: VecDeque<RobotId>,
-    /// Robot that was released and has not yet come back to the barrier.
-    running: Option<RobotId>,
+    /// Robots that were released and of which the dispatcher does not know yet that they have come back to the barrier.
+    running: Vec<RobotId>,
+}
+
+/// Greatest number of robots that are released at once, one after the other on their worker: only the last one that comes back takes the
+/// dispatcher's lock, for all of them.
+const MAX_RELEASE: usize = 16;
+
+/// The robots of one worker that come back to the barrier.
+#[derive(Default)]
+pub struct ReturnQueue {
+    returns: Mutex<Vec<Return>>,
+    /// Number of released robots that have not come back.
+    left: AtomicUsize,
+}
+
+/// A robot that has come back to the barrier.
+struct Return {
+    robot: RobotId,
+    /// Time until which it sleeps.
+    wake: Time,
+    /// It may have requested something from others, or has written files.
+    has_requests: bool,
+}
+
+impl ReturnQueue {
+    /// Puts `robot` back at the barrier, where it sleeps until `wake`; true if it is the last one that was released, so that the
+    /// caller must call [`Dispatcher::suspend`].
+    pub fn put(&self, robot: RobotId, wake: Time, has_requests: bool) -> bool {
+        self.returns.lock().push(Return { robot, wake, has_requests });
+        self.leave()
+    }
+
+    /// Counts a robot as come back; true if it is the last one.
+    fn leave(&self) -> bool {
+        self.left.fetch_sub(1, Ordering::AcqRel) == 1
+    }
 }
 
 /// Smallest length of a worker's run queue from which another worker steals.
@@ -141,6 +180,12 @@ pub struct Plan {
 }
 
 impl Dispatcher {
+    /// Greatest number of workers that a run of `plan` can have.
+    pub fn max_workers(plan: &Plan) -> usize {
+        let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        plan.workers.max(last_home).max(1)
+    }
+
     /// Creates a dispatcher paused before the first slot: all robots with programs are due at 0.
     pub fn new(plan: &Plan, sinks: Sinks<'static>) -> Self {
         let count = plan.has_program.len();
@@ -156,6 +201,7 @@ impl Dispatcher {
             max_workers: plan.workers,
             affinity: vec![0; count],
             touched: Vec::new(),
+            requesting: Vec::new(),
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
@@ -170,8 +216,9 @@ impl Dispatcher {
             spare: Vec::new(),
             spare_states: Vec::new(),
         };
+        let deal = deal(alive, workers);
         for (place, robot) in ids(true).enumerate() {
-            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place % workers) as u32);
+            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place / deal % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -193,7 +240,7 @@ impl Dispatcher {
 
     /// Robots that have been released and have not come back to the barrier.
     pub fn running(&self) -> impl Iterator<Item = RobotId> {
-        self.workers.iter().filter_map(|worker| worker.running)
+        self.workers.iter().flat_map(|worker| worker.running.iter().copied())
     }
 
     /// Sinks of the record.
@@ -211,11 +258,24 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes `robot` back at the barrier, where it sleeps until `wake`.
-    pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> BarrierOutcome {
-        self.vacate_worker(robot);
-        self.sleep_until(robot, wake);
+    /// Takes `robot` and those that were released with it back at the barrier: it is the last one that was [put](ReturnQueue::put)
+    /// there.
+    pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
+        self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
+    }
+
+    /// Takes back the robots of a worker that have come back to the barrier.
+    fn take_returns(&mut self, run: &Run, worker: usize) {
+        let mut returns = std::mem::take(&mut *run.returns(worker).returns.lock());
+        for Return { robot, wake, has_requests } in returns.drain(..) {
+            self.vacate_worker(robot);
+            if has_requests {
+                self.requesting.push(robot);
+            }
+            self.sleep_until(robot, wake);
+        }
+        *run.returns(worker).returns.lock() = returns;
     }
 
     /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Dispatcher::advance`].
@@ -224,11 +284,17 @@ impl Dispatcher {
             // Its flow was abandoned, and has come back after all.
             return BarrierOutcome::default();
         }
+        run.set_departed(robot);
         self.vacate_worker(robot);
+        self.requesting.push(robot);
         self.wake_numbers[robot.index()] += 1;
         self.alive -= 1;
         if self.alive == 0 {
             self.drives_end = run.drives_end();
+        }
+        let worker = self.affinity[robot.index()] as usize;
+        if run.returns(worker).leave() {
+            self.take_returns(run, worker);
         }
         self.dispatch(run, None, deadline)
     }
@@ -256,7 +322,8 @@ impl Dispatcher {
     }
 
     /// Marks `robot` as departed: its program has exited after the end of the run.
-    pub fn mark_departed(&mut self, robot: RobotId) {
+    pub fn mark_departed(&mut self, run: &Run, robot: RobotId) {
+        run.set_departed(robot);
         self.departed[robot.index()] = true;
     }
 
@@ -279,9 +346,10 @@ impl Dispatcher {
     }
 
     fn vacate_worker(&mut self, robot: RobotId) {
-        let worker = &mut self.workers[self.affinity[robot.index()] as usize];
-        debug_assert_eq!(worker.running, Some(robot), "only a robot that runs comes back");
-        worker.running = None;
+        let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
+        let place = running.iter().position(|running| *running == robot);
+        debug_assert!(place.is_some(), "only a robot that runs comes back");
+        place.map(|place| running.swap_remove(place));
         self.touched.push(robot);
     }
 
@@ -304,6 +372,21 @@ impl Dispatcher {
         Some(robot)
     }
 
+    /// Releases `first` on the idle `worker`, with the following ones of its queue if all of them are bound to it.
+    fn release(&mut self, worker: usize, first: RobotId, run: &Run) {
+        let Worker { run_queue, running } = &mut self.workers[worker];
+        running.push(first);
+        if run.is_bound_to_worker(first) {
+            while running.len() < MAX_RELEASE
+                && let Some(next) = run_queue.pop_front_if(|robot| run.is_bound_to_worker(*robot))
+            {
+                running.push(next);
+            }
+        }
+        run.returns(worker).left.store(running.len(), Ordering::Release);
+        running.iter().for_each(|robot| run.set_worker(*robot, worker as u32));
+    }
+
     /// Replaces the robot's wake time; for [`Time::NEVER`] the robot has none.
     fn sleep_until(&mut self, robot: RobotId, at: Time) {
         let number = &mut self.wake_numbers[robot.index()];
@@ -318,15 +401,14 @@ impl Dispatcher {
         let mut outcome = BarrierOutcome::default();
         loop {
             for worker in 0..self.workers.len() {
-                if self.workers[worker].running.is_some() {
-                    continue;
-                }
-                let next = self.next_for(worker, run);
-                self.workers[worker].running = next;
-                match next {
-                    Some(robot) if Some(robot) == returning => outcome.continues = true,
-                    Some(robot) => outcome.resume.push((robot, worker as u32)),
-                    None => {}
+                if self.workers[worker].running.is_empty()
+                    && let Some(first) = self.next_for(worker, run)
+                {
+                    self.release(worker, first, run);
+                    outcome.continues |= Some(first) == returning;
+                    let released = self.workers[worker].running.iter().copied();
+                    let others = released.skip(usize::from(Some(first) == returning));
+                    outcome.resume.extend(others.map(|robot| (robot, worker as u32)));
                 }
             }
             outcome.is_at_rest = self.is_at_rest();
@@ -339,7 +421,7 @@ impl Dispatcher {
 
     /// Returns true if the run has ended and its last slot is complete.
     pub fn is_over(&self) -> bool {
-        let is_idle = |worker: &Worker| worker.running.is_none() && worker.run_queue.is_empty();
+        let is_idle = |worker: &Worker| worker.running.is_empty() && worker.run_queue.is_empty();
         self.end.is_some() && self.touched.is_empty() && self.workers.iter().all(is_idle)
     }
 
@@ -411,6 +493,7 @@ impl Dispatcher {
                 self.sleep_until(id, wake);
             }
             self.touched.push(id);
+            self.requesting.push(id);
         }
         if let Some((id, has_program)) = effect.spawned {
             self.admit(id, has_program, run.home(id), at);
@@ -445,26 +528,35 @@ impl Dispatcher {
 
     /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let affected = environment.affected_robots(&self.touched, &mut Members(run));
+        let pool = WorkerPool(run.executor());
+        self.requesting.sort_unstable();
+        self.requesting.dedup();
+        let affected = environment.affected_robots(&self.touched, &self.requesting, &mut Members(run));
         self.touched.clear();
-        let mut robots: Vec<MutexGuard<'_, Robot>> = parallel::reuse(std::mem::take(&mut self.spare));
-        robots.extend(affected.iter().map(|id| run.robot(*id)));
-        save_files(&mut robots);
+        let mut robots: Vec<AffectedRobot<'_>> = parallel::reuse(std::mem::take(&mut self.spare));
+        robots.extend(affected.iter().map(|id| AffectedRobot { id: *id, robot: None, wake: None }));
+        pool.for_each(&mut robots, |affected| affected.robot = Some(run.robot(affected.id)));
+        save_files(&mut robots, &self.requesting);
+        self.requesting.clear();
         let SlotEnd { at, heard } = {
             let mut states: Vec<&mut simulation::Robot> = parallel::reuse(std::mem::take(&mut self.spare_states));
-            states.extend(robots.iter_mut().map(|robot| &mut robot.state));
-            let end = environment.end_slot(&mut states, &WorkerPool(run.executor()));
+            states.extend(robots.iter_mut().filter_map(|affected| Some(&mut affected.robot.as_mut()?.state)));
+            let end = environment.end_slot(&mut states, &pool);
             self.spare_states = parallel::reuse(states);
             end
         };
         for (id, visible) in heard {
-            if let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) {
-                robots[place].tasks.recheck_radio(visible);
+            if let Some(robot) = AffectedRobot::find(&mut robots, id) {
+                robot.tasks.recheck_radio(visible);
             }
         }
-        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
-            if let Some(wake) = robot.earliest_wake_after(at) {
-                self.sleep_until(robot.id, wake);
+        pool.for_each(&mut robots, |affected| {
+            let robot = affected.robot.take().filter(|robot| !robot.is_removed);
+            affected.wake = robot.and_then(|mut robot| robot.earliest_wake_after(at));
+        });
+        for AffectedRobot { id, wake, .. } in &robots {
+            if let Some(wake) = wake {
+                self.sleep_until(*id, *wake);
             }
         }
         self.spare = parallel::reuse(robots);
@@ -510,16 +602,37 @@ impl Dispatcher {
     }
 }
 
-/// Saves the files that robots wrote in the slot that ends, in order of (virtual time, robot).
-fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
-    let mut files = Vec::new();
-    for (index, robot) in robots.iter_mut().enumerate() {
-        files.extend(robot.robios.storage.take_pending_writes().map(|file| (file, index)));
+/// A robot that the end of a slot affects.
+struct AffectedRobot<'a> {
+    id: RobotId,
+    /// Its state, while the step uses it.
+    robot: Option<MutexGuard<'a, Robot>>,
+    /// Time at which it wakes; `None` if the step has not changed that.
+    wake: Option<Time>,
+}
+
+impl<'a> AffectedRobot<'a> {
+    /// The state of robot `id` among `robots`, which are in the order of ids.
+    fn find<'r>(robots: &'r mut [Self], id: RobotId) -> Option<&'r mut MutexGuard<'a, Robot>> {
+        let place = robots.binary_search_by_key(&id, |affected| affected.id).ok()?;
+        robots[place].robot.as_mut()
     }
-    files.sort_by_key(|(file, index)| (file.at, *index));
-    for (file, index) in files {
-        if let Err(error) = file.save() {
-            robots[index].hint(&format!("`{}` cannot be written: {error}", file.path.display()));
+}
+
+/// Saves the files that the robots `writers` wrote in the slot that ends, in order of (virtual time, robot).
+fn save_files(robots: &mut [AffectedRobot<'_>], writers: &[RobotId]) {
+    let mut files = Vec::new();
+    for id in writers {
+        if let Some(robot) = AffectedRobot::find(robots, *id) {
+            files.extend(robot.robios.storage.take_pending_writes().map(|file| (file, *id)));
+        }
+    }
+    files.sort_by_key(|(file, id)| (file.at, *id));
+    for (file, id) in files {
+        if let Err(error) = file.save()
+            && let Some(robot) = AffectedRobot::find(robots, id)
+        {
+            robot.hint(&format!("`{}` cannot be written: {error}", file.path.display()));
         }
     }
 }

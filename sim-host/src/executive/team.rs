@@ -41,21 +41,25 @@ impl Job {
 pub struct Team {
     /// Null for none.
     job: AtomicPtr<Job>,
+    /// Number of loops so far.
+    loops: AtomicUsize,
     /// Number of threads that may be looking at the job.
     helpers: AtomicUsize,
 }
 
 impl Team {
-    /// Returns true if there is a loop to help with.
-    pub fn has_job(&self) -> bool {
-        !self.job.load(Ordering::SeqCst).is_null()
+    /// Returns true if a loop has begun since the caller helped last, when `seen` had begun.
+    pub fn has_job(&self, seen: usize) -> bool {
+        self.loops.load(Ordering::SeqCst) != seen
     }
 
-    /// Helps with the loop in progress; false if there is none.
-    pub fn help(&self) -> bool {
-        if !self.has_job() {
+    /// Helps with the loop in progress, if it has begun after the one with number `seen`, which becomes its number; false if there is
+    /// none.
+    pub fn help(&self, seen: &mut usize) -> bool {
+        if !self.has_job(*seen) {
             return false;
         }
+        *seen = self.loops.load(Ordering::SeqCst);
         let _helper = Helper::enter(self);
         // SAFETY: `lead` does not return, so that the job lives, before it has seen that no helper is left.
         if let Some(job) = unsafe { self.job.load(Ordering::SeqCst).as_ref() } {
@@ -67,6 +71,7 @@ impl Team {
     /// Runs `job` on the calling thread and on those that help; `call` wakes the latter. One thread at a time leads.
     pub fn lead(&self, job: &Job, call: impl FnOnce()) {
         self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
+        self.loops.fetch_add(1, Ordering::SeqCst);
         let _lead = Lead(self);
         call();
         job.work();
@@ -95,7 +100,7 @@ struct Lead<'a>(&'a Team);
 impl Drop for Lead<'_> {
     fn drop(&mut self) {
         /// Turns of the wait before the thread leaves its processor to others, on which a helper may have to wait.
-        const SPINS: usize = 10_000;
+        const SPINS: usize = 500;
         self.0.job.store(ptr::null_mut(), Ordering::SeqCst);
         let mut spins = 0;
         while self.0.helpers.load(Ordering::SeqCst) > 0 {

@@ -1,11 +1,12 @@
 //! The programs of a scene, each found and built once.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
 
 use super::build::Builder;
-use super::find::{Found, SearchPath, find_program};
+use super::find::{FindError, Found, SearchPath, find_program};
 use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
@@ -40,17 +41,22 @@ impl Programs {
         // A program named on the command line is searched from the working folder, not from the sim file's.
         let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
+        // By the name, and true for one of the command line.
+        let mut searched: BTreeMap<(&str, bool), Result<Found, FindError>> = BTreeMap::new();
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
             let find = |program: &PathRef| {
                 let search = if is_of_command_line(program) { &search_from_here } else { search };
                 find_program(&program.text, search)
             };
-            found.push(robot.program.as_ref().and_then(|program| match find(program) {
-                Ok(found) => Some(found.wanted(wanted_of(robot))),
-                Err(error) => {
-                    push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
-                    None
+            found.push(robot.program.as_ref().and_then(|program| {
+                let key = (&*program.text, is_of_command_line(program));
+                match searched.entry(key).or_insert_with(|| find(program)) {
+                    Ok(found) => Some(found.clone().wanted(wanted_of(robot))),
+                    Err(error) => {
+                        push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
+                        None
+                    }
                 }
             }));
         }

@@ -25,7 +25,7 @@ use parking_lot::Mutex;
 
 use sim_core::RobotId;
 
-use self::stack::Stack;
+use self::stack::{Stack, Stacks};
 use super::fault::Broken;
 use super::notifier::Notifier;
 use super::process::Child;
@@ -50,8 +50,7 @@ pub struct FiberExecutor {
     threads: Mutex<Vec<RunningWorker>>,
     /// The loop with which workers help that have nothing to run.
     team: Arc<Team>,
-    /// Number of fibers created so far.
-    fiber_count: AtomicUsize,
+    stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
 }
@@ -161,7 +160,7 @@ impl FiberExecutor {
             workers: OnceLock::new(),
             threads: Mutex::default(),
             team: Arc::default(),
-            fiber_count: AtomicUsize::new(0),
+            stacks: Arc::default(),
             notifier: OnceLock::new(),
         }
     }
@@ -306,16 +305,16 @@ impl Worker {
         /// Turns of a wait, some tens of microseconds.
         const SPINS: usize = 1000;
         let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
-        let mut spins = 0;
+        let (mut spins, mut seen) = (0, 0);
         while spins < SPINS {
             if is_over() {
                 return;
             }
-            spins = if self.team.help() { 0 } else { spins + 1 };
+            spins = if self.team.help(&mut seen) { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !is_over() && !self.team.has_job() {
+        if !is_over() && !self.team.has_job(seen) {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -392,12 +391,11 @@ impl RobotFibers {
 }
 
 impl Fiber {
-    /// Creates the `number`-th fiber of a run, which runs `flow`.
-    fn new(number: usize, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<Self> {
-        let stack = Stack::new(number)?;
+    /// Creates a fiber, which runs `flow` on `stack`.
+    fn new(stack: Stack, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> Self {
         // SAFETY: nobody uses the new stack.
         let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
-        Ok(Self {
+        Self {
             block: FlowBlock::leaving(
                 Leave { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
                 Arc::clone(notifier),
@@ -412,7 +410,7 @@ impl Fiber {
                 environment: Environment::INITIAL,
                 errno: 0,
             }),
-        })
+        }
     }
 
     fn status(&self) -> Status {
@@ -495,6 +493,7 @@ impl Executor for FiberExecutor {
 
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
         let mut all_end = true;
+        self.stacks.end();
         let deadline = Instant::now() + JOIN_TIMEOUT;
         for (index, robot) in &self.robots {
             let list = std::mem::take(&mut *robot.flows.lock()).list;
@@ -532,8 +531,7 @@ impl Executor for FiberExecutor {
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
         self.start_workers()?;
-        let number = self.fiber_count.fetch_add(1, Ordering::Relaxed);
-        let fiber = Arc::new(Fiber::new(number, self.notifier(), flow)?);
+        let fiber = Arc::new(Fiber::new(self.stacks.take()?, self.notifier(), flow));
         let mut flows = self.robot(robot).flows.lock();
         flows.token_holder.get_or_insert_with(|| Arc::clone(&fiber));
         flows.list.push((task, fiber));
