@@ -44,7 +44,7 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
     }
     let mut found = Vec::new();
     for (one, bounds) in &sorted {
-        moving.for_each_after(*one, bounds, |other| found.push((*one, other)));
+        moving.visit_in(bounds, |other| found.extend((other > *one).then_some((*one, other))));
     }
     found.sort();
     let mut expected = Vec::new();

@@ -31,7 +31,7 @@ fn moving(criterion: &mut Criterion) {
     group.bench_function("pairs", |bencher| {
         bencher.iter(|| {
             for (one, bounds) in &list {
-                index.for_each_after(*one, bounds, |other| {
+                index.visit_in(bounds, |other| {
                     black_box((one, other));
                 });
             }

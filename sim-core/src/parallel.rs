@@ -1,9 +1,18 @@
 //! Loops whose turns are independent of each other, for callers that have several threads.
 
+/// Number of items in a section of a loop.
+pub const SECTION: usize = 8;
+
 /// Runs loops, on several threads if it has them.
 pub trait Pool {
+    /// Calls `act` once for each section of `items`, in any order, several at a time. Sections have [`SECTION`] items, the last one may
+    /// have fewer. Returns when all calls have returned.
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync);
+
     /// Calls `act` once for each of `items`, in any order, several at a time. Returns when all calls have returned.
-    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync);
+    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
+        self.for_each_section(items, |section| section.iter_mut().for_each(&act));
+    }
 }
 
 /// The pool of a caller with one thread: runs the turns of a loop one after the other.
@@ -11,8 +20,8 @@ pub trait Pool {
 pub struct Serial;
 
 impl Pool for Serial {
-    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
-        items.iter_mut().for_each(act);
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
+        items.chunks_mut(SECTION).for_each(act);
     }
 }
 

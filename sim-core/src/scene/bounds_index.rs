@@ -126,8 +126,8 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits each body with a key above `key` whose rectangle meets `bounds`, once, in no particular order.
-    pub fn for_each_after(&self, key: K, bounds: &Bounds, mut visit: impl FnMut(K)) {
+    /// Visits each body whose rectangle meets `bounds`, once, in no particular order, without a list of them.
+    pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
         let Some(grid) = &self.grid else { return };
         if !grid.bounds().overlaps(bounds) {
             return;
@@ -142,7 +142,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
                         let corner = bounds.min.max(its.min);
                         grid.column(corner.x) == column && grid.row(corner.y) == row
                     };
-                    if *other > key && its.overlaps(bounds) && is_here() {
+                    if its.overlaps(bounds) && is_here() {
                         visit(*other);
                     }
                 }
@@ -215,7 +215,7 @@ mod tests {
     fn pairs(moving: &BoundsIndex<u32>) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
         for (key, bounds) in &moving.bodies {
-            moving.for_each_after(*key, bounds, |other| pairs.push((*key, other)));
+            moving.visit_in(bounds, |other| pairs.extend((other > *key).then_some((*key, other))));
         }
         pairs.sort_unstable();
         pairs

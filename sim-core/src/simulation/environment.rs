@@ -204,14 +204,19 @@ impl Environment {
                 endings.push(RobotEnding { robot, publication, ended });
             }
         }
-        pool.for_each(&mut endings, |ending| {
-            let RobotEnding { robot, publication, ended } = ending;
-            if let Some(publication) = publication.take() {
-                let Robot { motion, journal, .. } = &mut **robot;
-                publication.publish(motion, at, following, |contact| record_contact(journal, &contact));
+        pool.for_each_section(&mut endings, |section| {
+            for RobotEnding { robot, publication, ended } in section.iter_mut() {
+                if let Some(publication) = publication.take() {
+                    let Robot { motion, journal, .. } = &mut **robot;
+                    publication.publish(motion, at, following, |contact| record_contact(journal, &contact));
+                }
+                if !has_walks {
+                    ended.is_active = robot.end_slot(None, at);
+                }
             }
             if !has_walks {
-                **ended = robot.end_slot(None, at, interest);
+                section.iter_mut().for_each(|ending| ending.robot.journal.seal());
+                section.iter_mut().for_each(|ending| ending.ended.journal = ending.robot.journal.end_slot(interest));
             }
         });
         self.spare_endings = parallel::reuse(endings);
@@ -230,7 +235,8 @@ impl Environment {
         recorder.collect(journal);
         for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
             if has_walks {
-                *ended = robot.end_slot(Some(world), at, interest);
+                ended.is_active = robot.end_slot(Some(world), at);
+                ended.journal = robot.journal.end_slot(interest);
             }
             if ended.is_active {
                 self.moving.push(*id);

@@ -17,7 +17,7 @@ use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
 use crate::pose::Pose;
 use crate::radio::Station;
-use crate::record::{EndedJournal, Event, Journal, KindSet, Numbers, Obstacle};
+use crate::record::{EndedJournal, Event, Journal, Numbers, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
@@ -328,16 +328,18 @@ impl Robot {
         self.station.is_some() || !self.placements.is_empty()
     }
 
-    /// Ends the slot at `at`: records the fates of messages, the posture if the `world` is given, and the pose, and ends the journal.
-    pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time, interest: KindSet) -> EndedRobot {
+    /// Ends the slot at `at`: records the fates of messages, the posture if the `world` is given, and the pose. Returns true if the robot
+    /// takes part in the end of the next slot, whatever its program does.
+    pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time) -> bool {
         self.settle_radio(at - Time(1));
-        if !self.is_removed {
-            if let Some(world) = world {
-                self.record_walk(world, at);
-            }
-            self.record_pose(at);
+        if self.is_removed {
+            return false;
         }
-        EndedRobot { is_active: !self.is_removed && self.motion.is_active(), journal: self.journal.end_slot(interest) }
+        if let Some(world) = world {
+            self.record_walk(world, at);
+        }
+        self.record_pose(at);
+        self.motion.is_active()
     }
 
     /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the

@@ -551,13 +551,19 @@ impl<'a> View<'a> {
             let (a, b) = (robot.min(other), robot.max(other));
             found.extend(self.find_contact(a, b, 0.0).map(|seconds| (other, Instant::new(seconds))));
         };
-        self.truth.index.for_each_after(robot, &course.bounds, &mut find);
+        self.truth.index.visit_in(&course.bounds, |other| {
+            if other > robot {
+                find(other);
+            }
+        });
         if self.truth.count < self.world.tracks.len() {
-            self.world.for_each_near(course.bounds, self.start, |other| {
-                if self.is_passive(other) {
+            let mut find_passive = |other| {
+                if self.is_passive(other) && self.world.is_robot_present(other, self.start) {
                     find(other);
                 }
-            });
+            };
+            self.world.resting.visit_in(&course.bounds, &mut find_passive);
+            self.world.moving.visit_in(&course.bounds, &mut find_passive);
         }
     }
 

@@ -38,9 +38,15 @@ pub struct Dispatcher {
     touched: Vec<RobotId>,
     /// Those of them that may request something from others, or have written files.
     requesting: Vec<RobotId>,
+    /// Wake times before `soon_until`, the end of the next slot, in no order: those of most robots.
+    soon: Vec<Wake>,
+    soon_until: Time,
+    /// The other wake times.
     wakes: BinaryHeap<Reverse<Wake>>,
-    /// For each robot the number of its valid entry in `wakes`; entries with other numbers are stale.
+    /// For each robot the number of its valid entry in `soon` or `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
+    /// For each robot, true if its suspended program waits for something that the scheduler step can bring.
+    await_step: Vec<bool>,
     /// For each robot, true if its program has ended or it has none.
     departed: Vec<bool>,
     /// Number of robots with a program that has not ended.
@@ -83,19 +89,22 @@ pub struct ReturnQueue {
 }
 
 /// A robot that has come back to the barrier.
-struct Return {
-    robot: RobotId,
+pub struct Return {
+    /// The robot.
+    pub robot: RobotId,
     /// Time until which it sleeps.
-    wake: Time,
+    pub wake: Time,
     /// It may have requested something from others, or has written files.
-    has_requests: bool,
+    pub has_requests: bool,
+    /// It waits for something that the scheduler step can bring, so that it may wake earlier.
+    pub awaits_step: bool,
 }
 
 impl ReturnQueue {
-    /// Puts `robot` back at the barrier, where it sleeps until `wake`; true if it is the last one that was released, so that the
-    /// caller must call [`Dispatcher::suspend`].
-    pub fn put(&self, robot: RobotId, wake: Time, has_requests: bool) -> bool {
-        self.returns.lock().push(Return { robot, wake, has_requests });
+    /// Puts a robot back at the barrier; true if it is the last one that was released, so that the caller must call
+    /// [`Dispatcher::suspend`].
+    pub fn put(&self, robot: Return) -> bool {
+        self.returns.lock().push(robot);
         self.leave()
     }
 
@@ -202,8 +211,11 @@ impl Dispatcher {
             affinity: vec![0; count],
             touched: Vec::new(),
             requesting: Vec::new(),
+            soon: Vec::new(),
+            soon_until: Time::ZERO,
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; count],
+            await_step: vec![false; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
             drives_end: Time::ZERO,
@@ -268,8 +280,9 @@ impl Dispatcher {
     /// Takes back the robots of a worker that have come back to the barrier.
     fn take_returns(&mut self, run: &Run, worker: usize) {
         let mut returns = std::mem::take(&mut *run.returns(worker).returns.lock());
-        for Return { robot, wake, has_requests } in returns.drain(..) {
+        for Return { robot, wake, has_requests, awaits_step } in returns.drain(..) {
             self.vacate_worker(robot);
+            self.await_step[robot.index()] = awaits_step;
             if has_requests {
                 self.requesting.push(robot);
             }
@@ -287,6 +300,7 @@ impl Dispatcher {
         run.set_departed(robot);
         self.vacate_worker(robot);
         self.requesting.push(robot);
+        self.await_step[robot.index()] = false;
         self.wake_numbers[robot.index()] += 1;
         self.alive -= 1;
         if self.alive == 0 {
@@ -391,8 +405,11 @@ impl Dispatcher {
     fn sleep_until(&mut self, robot: RobotId, at: Time) {
         let number = &mut self.wake_numbers[robot.index()];
         *number += 1;
-        if at < Time::NEVER {
-            self.wakes.push(Reverse(Wake { at, robot, number: *number }));
+        let wake = Wake { at, robot, number: *number };
+        if at < self.soon_until {
+            self.soon.push(wake);
+        } else if at < Time::NEVER {
+            self.wakes.push(Reverse(wake));
         }
     }
 
@@ -464,7 +481,9 @@ impl Dispatcher {
         self.is_intervention_pending = false;
         environment.world.advance_to(start);
         run.publish_slot(&environment.world);
-        self.enqueue_due(environment.world.slot_end());
+        let slot_end = environment.world.slot_end();
+        self.enqueue_due(slot_end);
+        self.soon_until = slot_end + environment.world.slot();
     }
 
     /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
@@ -513,6 +532,7 @@ impl Dispatcher {
     fn admit(&mut self, robot: RobotId, has_program: bool, home: Option<u32>, at: Time) {
         self.affinity.push(0);
         self.wake_numbers.push(0);
+        self.await_step.push(false);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
@@ -550,8 +570,10 @@ impl Dispatcher {
                 robot.tasks.recheck_radio(visible);
             }
         }
+        let await_step = &self.await_step;
         pool.for_each(&mut robots, |affected| {
-            let robot = affected.robot.take().filter(|robot| !robot.is_removed);
+            let robot = affected.robot.take();
+            let robot = robot.filter(|robot| await_step[affected.id.index()] && !robot.is_removed);
             affected.wake = robot.and_then(|mut robot| robot.earliest_wake_after(at));
         });
         for AffectedRobot { id, wake, .. } in &robots {
@@ -580,7 +602,9 @@ impl Dispatcher {
         {
             self.wakes.pop();
         }
-        let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at);
+        let soon = self.soon.iter().filter(|wake| self.wake_numbers[wake.robot.index()] == wake.number);
+        let soon = soon.map(|wake| wake.at).min().unwrap_or(Time::NEVER);
+        let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at).min(soon);
         // A message is no reason to run on either once no program is alive.
         let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
@@ -589,6 +613,15 @@ impl Dispatcher {
 
     /// Moves the robots that are due before `slot_end` to the run queues.
     fn enqueue_due(&mut self, slot_end: Time) {
+        let mut soon = std::mem::take(&mut self.soon);
+        for wake in soon.drain(..) {
+            if wake.at >= slot_end {
+                self.wakes.push(Reverse(wake));
+            } else if self.wake_numbers[wake.robot.index()] == wake.number {
+                self.enqueue(wake.robot);
+            }
+        }
+        self.soon = soon;
         while self.wakes.peek().is_some_and(|Reverse(wake)| wake.at < slot_end)
             && let Some(Reverse(Wake { robot, number, .. })) = self.wakes.pop()
         {

@@ -12,7 +12,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::Executor;
-use super::dispatcher::{BarrierOutcome, Dispatcher, Plan, ReturnQueue};
+use super::dispatcher::{BarrierOutcome, Dispatcher, Plan, Return, ReturnQueue};
 use super::fault::Broken;
 use super::flow::{self, RobotFlow};
 use super::interrupt::Interrupt;
@@ -290,9 +290,9 @@ impl Run {
     /// # Errors
     /// [`Stop`] if the program must exit or its flow was abandoned.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
-        let has_requests = {
+        let (has_requests, awaits_step) = {
             let state = self.robot(robot);
-            state.has_requests() || state.robios.storage.has_pending_writes()
+            (state.has_requests() || state.robios.storage.has_pending_writes(), state.awaits_step())
         };
         let member = &self.members[robot.index()];
         if member.has_departed.load(Ordering::Acquire) {
@@ -300,7 +300,12 @@ impl Run {
             return Err(Stop);
         }
         let mut continues = false;
-        if self.returns(member.worker.load(Ordering::Relaxed) as usize).put(robot, wake, has_requests) {
+        if self.returns(member.worker.load(Ordering::Relaxed) as usize).put(Return {
+            robot,
+            wake,
+            has_requests,
+            awaits_step,
+        }) {
             let outcome = self.dispatcher.lock().suspend(self, robot);
             self.apply(&outcome);
             continues = outcome.continues;

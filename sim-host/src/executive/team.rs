@@ -1,9 +1,10 @@
 //! Loops of the scheduler step on all workers: those without a flow to run help the worker that runs the step.
 
 use std::ptr;
+use std::slice;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 
-use sim_core::parallel::{Pool, Serial};
+use sim_core::parallel::{Pool, SECTION, Serial};
 
 use super::Executor;
 
@@ -114,42 +115,45 @@ impl Drop for Lead<'_> {
 pub struct WorkerPool<'a>(pub &'a dyn Executor);
 
 /// Smallest number of turns of a loop on several threads: with fewer the hand-over costs more than it saves.
-const MIN_TURNS: usize = 48;
+const MIN_TURNS: usize = 6;
 
 /// Greatest number of turns that a thread takes at once.
-const MAX_SHARE: usize = 32;
+const MAX_SHARE: usize = 4;
 
 impl Pool for WorkerPool<'_> {
-    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
         struct Data<'d, T, F> {
             items: *mut T,
+            len: usize,
             act: &'d F,
         }
         /// # Safety
-        /// `data` is a [`Data`] whose items from `first` to `last` nobody else uses now.
-        unsafe fn run<T, F: Fn(&mut T)>(data: *const (), first: usize, last: usize) {
+        /// `data` is a [`Data`] whose sections from `first` to `last` nobody else uses now.
+        unsafe fn run<T, F: Fn(&mut [T])>(data: *const (), first: usize, last: usize) {
             // SAFETY: by this function's contract.
             unsafe {
                 let data = &*data.cast::<Data<'_, T, F>>();
-                for index in first..last {
-                    (data.act)(&mut *data.items.add(index));
+                for start in (first..last).map(|section| section * SECTION) {
+                    let len = SECTION.min(data.len - start);
+                    (data.act)(slice::from_raw_parts_mut(data.items.add(start), len));
                 }
             }
         }
-        fn runner<T, F: Fn(&mut T)>(_: &F) -> unsafe fn(*const (), usize, usize) {
+        fn runner<T, F: Fn(&mut [T])>(_: &F) -> unsafe fn(*const (), usize, usize) {
             run::<T, F>
         }
         let workers = self.0.helping_workers();
-        if workers < 2 || items.len() < MIN_TURNS {
-            return Serial.for_each(items, act);
+        let turns = items.len().div_ceil(SECTION);
+        if workers < 2 || turns < MIN_TURNS {
+            return Serial.for_each_section(items, act);
         }
-        let data = Data { items: items.as_mut_ptr(), act: &act };
+        let data = Data { items: items.as_mut_ptr(), len: items.len(), act: &act };
         let job = Job {
             next: AtomicUsize::new(0),
-            turns: items.len(),
-            share: (items.len() / (8 * workers)).clamp(1, MAX_SHARE),
+            turns,
+            share: (turns / (8 * workers)).clamp(1, MAX_SHARE),
             // SAFETY of its calls: the executor is done with the job when `run_loop` returns, so that the data live; the items are
-            // borrowed mutably here, may be sent to other threads, and each is in the turns of one call; threads may share `act`.
+            // borrowed mutably here, may be sent to other threads, and each section is the turn of one call; threads may share `act`.
             run: runner::<T, _>(&act),
             data: ptr::from_ref(&data).cast(),
         };
