@@ -460,7 +460,8 @@ impl World {
             self.quiescence =
                 Quiescence { revision: motion.revision(), until: motion.steady_until(end).min(end + MAX_QUIESCENCE) };
             let (from, to) = (end - HISTORY, self.slot_end().max(self.quiescence.until));
-            self.publications().for_each(|publication| publication.refresh(from, to));
+            let published = self.publications().filter(|publication| publication.course.published.is_some());
+            published.for_each(|publication| publication.refresh(from, to));
         }
         let truth = std::mem::take(&mut self.truth);
         self.refresh_index_after(Some(&truth));

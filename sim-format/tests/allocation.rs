@@ -8,7 +8,6 @@ use sim_core::RobotId;
 use sim_core::drive::Command;
 use sim_core::pose::Twist;
 use sim_core::simulation::{Options, Simulation};
-use sim_core::time::Time;
 use sim_format::{MemoryFiles, load_scene};
 
 thread_local! {

@@ -39,7 +39,8 @@ fn resident_memory_stays_within_one_percent_after_the_first_minute() {
     let stdout = BufReader::new(child.stdout.take().expect("it is piped"));
     let mut sizes = Vec::new();
     for line in stdout.lines() {
-        if line.expect("a line of text").contains("minute ") {
+        let line = line.expect("a line of text");
+        if line.contains("[r1 ") && line.contains("minute ") {
             sizes.push(resident_kib(child.id()));
         }
     }
