@@ -114,9 +114,10 @@ impl Journal {
         self.is_sealed = true;
     }
 
-    /// Ends the slot for this robot, and begins the next one unless it has recorded an event of a kind of `interest`.
+    /// Ends the slot for this robot, which may be sealed, and begins the next one unless it has recorded an event of a kind of `interest`.
     pub(crate) fn end_slot(&mut self, interest: KindSet) -> EndedJournal {
         if self.is_empty() {
+            self.is_sealed = false;
             return EndedJournal::Empty;
         }
         self.seal();
