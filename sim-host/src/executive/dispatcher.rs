@@ -9,7 +9,7 @@
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use parking_lot::{Mutex, MutexGuard};
@@ -101,11 +101,30 @@ pub struct Return {
 }
 
 impl ReturnQueue {
-    /// Puts a robot back at the barrier; true if it is the last one that was released, so that the caller must call
-    /// [`Dispatcher::suspend`].
-    pub fn put(&self, robot: Return) -> bool {
-        self.returns.lock().push(robot);
-        self.leave()
+    /// Puts a robot back at the barrier, unless it has departed (`None`): its flow was abandoned, and has come back after all. True if it
+    /// is the last one that was released, so that the caller must call [`Dispatcher::suspend`].
+    pub fn put(&self, robot: Return, has_departed: &AtomicBool) -> Option<bool> {
+        let mut returns = self.returns.lock();
+        if has_departed.load(Ordering::Acquire) {
+            return None;
+        }
+        returns.push(robot);
+        drop(returns);
+        Some(self.leave())
+    }
+
+    /// Lets a released robot depart instead of coming back; true if it is the last one.
+    fn depart(&self, robot: RobotId, has_departed: &AtomicBool) -> bool {
+        let mut returns = self.returns.lock();
+        has_departed.store(true, Ordering::Release);
+        let came_back = returns.iter().position(|other| other.robot == robot);
+        match came_back {
+            Some(place) => {
+                returns.swap_remove(place);
+                false
+            }
+            None => self.leave(),
+        }
     }
 
     /// Counts a robot as come back; true if it is the last one.
@@ -297,7 +316,6 @@ impl Dispatcher {
             // Its flow was abandoned, and has come back after all.
             return BarrierOutcome::default();
         }
-        run.set_departed(robot);
         self.vacate_worker(robot);
         self.requesting.push(robot);
         self.await_step[robot.index()] = false;
@@ -307,7 +325,7 @@ impl Dispatcher {
             self.drives_end = run.drives_end();
         }
         let worker = self.affinity[robot.index()] as usize;
-        if run.returns(worker).leave() {
+        if run.returns(worker).depart(robot, run.has_departed_flag(robot)) {
             self.take_returns(run, worker);
         }
         self.dispatch(run, None, deadline)
@@ -337,7 +355,7 @@ impl Dispatcher {
 
     /// Marks `robot` as departed: its program has exited after the end of the run.
     pub fn mark_departed(&mut self, run: &Run, robot: RobotId) {
-        run.set_departed(robot);
+        run.has_departed_flag(robot).store(true, Ordering::Release);
         self.departed[robot.index()] = true;
     }
 

@@ -295,17 +295,11 @@ impl Run {
             (state.has_requests() || state.robios.storage.has_pending_writes(), state.awaits_step())
         };
         let member = &self.members[robot.index()];
-        if member.has_departed.load(Ordering::Acquire) {
-            // The flow was abandoned, and has come back after all.
-            return Err(Stop);
-        }
         let mut continues = false;
-        if self.returns(member.worker.load(Ordering::Relaxed) as usize).put(Return {
-            robot,
-            wake,
-            has_requests,
-            awaits_step,
-        }) {
+        let returns = self.returns(member.worker.load(Ordering::Relaxed) as usize);
+        let is_last =
+            returns.put(Return { robot, wake, has_requests, awaits_step }, &member.has_departed).ok_or(Stop)?;
+        if is_last {
             let outcome = self.dispatcher.lock().suspend(self, robot);
             self.apply(&outcome);
             continues = outcome.continues;
@@ -328,9 +322,9 @@ impl Run {
         self.members[id.index()].worker.store(worker, Ordering::Relaxed);
     }
 
-    /// Marks robot `id` as departed: its program has ended or broken.
-    pub(super) fn set_departed(&self, id: RobotId) {
-        self.members[id.index()].has_departed.store(true, Ordering::Release);
+    /// True once robot `id` has departed: its program has ended or broken.
+    pub(super) fn has_departed_flag(&self, id: RobotId) -> &AtomicBool {
+        &self.members[id.index()].has_departed
     }
 
     /// Resumes these robots, each on its worker.
