@@ -43,7 +43,10 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
         assert_eq!(found, expected, "{query:?}");
     }
     let mut found = Vec::new();
-    moving.pairs(|one, other| found.push((one, other)));
+    for (one, bounds) in &sorted {
+        moving.visit_in(bounds, |other| found.extend((other > *one).then_some((*one, other))));
+    }
+    found.sort();
     let mut expected = Vec::new();
     for (place, (one, bounds)) in sorted.iter().enumerate() {
         let later = sorted[place + 1..].iter().filter(|other| other.1.overlaps(bounds));

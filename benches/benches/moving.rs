@@ -30,9 +30,11 @@ fn moving(criterion: &mut Criterion) {
     group.bench_function("rebuild", |bencher| bencher.iter(|| index.rebuild(black_box(&list))));
     group.bench_function("pairs", |bencher| {
         bencher.iter(|| {
-            index.pairs(|one, other| {
-                black_box((one, other));
-            });
+            for (one, bounds) in &list {
+                index.visit_in(bounds, |other| {
+                    black_box((one, other));
+                });
+            }
         });
     });
     group.throughput(Throughput::Elements(rays.len() as u64));

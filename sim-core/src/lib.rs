@@ -20,6 +20,7 @@ pub mod math;
 pub mod nearest;
 pub mod noise;
 pub mod object;
+pub mod parallel;
 pub mod pose;
 pub mod radio;
 pub mod record;

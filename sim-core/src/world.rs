@@ -21,8 +21,9 @@ use glam::DVec2;
 use crate::{
     ObjectId, RobotId,
     contact::{Body, TOUCH, Thing},
-    drive::{HISTORY, Motion, Passage},
+    drive::{HISTORY, Impact, Motion, Passage},
     object::{Properties, State},
+    parallel::{Pool, Serial},
     pose::{PlacementError, Pose, Pose3, Twist},
     radio::{Channel, Loss, RadioModel},
     scene::{Bounds, BoundsIndex, Walls},
@@ -32,7 +33,7 @@ pub use lifetime::Lifetime;
 pub use objects::ObjectStep;
 use objects::Objects;
 pub use ray::{HitSurface, Ray, RayHit, Tilt};
-use settle::{ContactResolution, TrueMotions};
+use settle::{ContactResolution, Course, TrueMotions};
 use space::IndexedSpace;
 pub use space::{Space, ThickWall};
 pub use touch::{LegClearance, LegContact};
@@ -80,6 +81,8 @@ pub struct World {
     moving: BoundsIndex<RobotId>,
     /// Index over the bodies at rest.
     resting: BoundsIndex<RobotId>,
+    /// By robot, true if its body is in `resting` and nothing has changed its [track](Track::is_resting) since.
+    are_resting: Vec<bool>,
     /// Number of robots that were removed longer ago than the history reaches.
     forgotten: usize,
     /// Buffer for the next rebuild of an index.
@@ -129,6 +132,7 @@ impl World {
             tracks: Vec::new(),
             moving: BoundsIndex::default(),
             resting: BoundsIndex::default(),
+            are_resting: Vec::new(),
             forgotten: 0,
             bounds: Vec::new(),
             truth: TrueMotions::default(),
@@ -383,12 +387,31 @@ impl World {
     /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; others may be omitted.
     /// Returns the contacts that began in the slot, in the order of (time, robot).
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
-        self.advance_with(active, |_| {})
+        active.sort_by_key(|motion| motion.id());
+        let mut contacts = Vec::new();
+        if self.settle(active, &Serial, |_| {}) {
+            let (end, following) = (self.slot_end(), self.slot_end() + self.slot);
+            for (motion, publication) in active.iter_mut().zip(self.publications()) {
+                publication.publish(motion, end, following, |contact| contacts.push(contact));
+            }
+            contacts.sort_by_key(|contact| (contact.time, contact.robot));
+            self.conclude(active);
+        }
+        contacts
     }
 
-    /// Ends the present slot like [`World::advance`]; `observe` gets each motion once its contacts are resolved, while the whole slot can
-    /// still be queried.
-    pub fn advance_with(&mut self, active: &mut [&mut Motion], mut observe: impl FnMut(&mut Motion)) -> Vec<Contact> {
+    /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become free. `active`
+    /// is as for [`World::advance`], in the order of ids; `observe` gets each motion once its contacts are resolved, while the whole
+    /// slot can still be queried.
+    ///
+    /// Returns false if the world has advanced already, because nothing can have changed. Else the caller has to publish all
+    /// [publications](World::publications) and call [`World::conclude`].
+    pub(crate) fn settle(
+        &mut self,
+        active: &mut [&mut Motion],
+        pool: &impl Pool,
+        mut observe: impl FnMut(&mut Motion),
+    ) -> bool {
         let end = self.slot_end();
         if let [motion] = active
             && self.is_quiescent(motion, end + self.slot)
@@ -397,46 +420,52 @@ impl World {
             motion.pass(end);
             self.now = end;
             self.publish_stance(motion, end);
-            return Vec::new();
+            return false;
         }
-        active.sort_by_key(|motion| motion.id());
         let mut truth = std::mem::take(&mut self.truth);
         let mut objects = self.objects.take();
-        ContactResolution::new(&mut truth, self, active).run(objects.as_deref_mut());
+        let mut resolution = ContactResolution::new(&mut truth, self, active, pool);
+        resolution.run(objects.as_deref_mut(), pool);
+        resolution.for_each_active(&mut observe);
+        resolution.resume();
         self.objects = objects;
-        let mut contacts = Vec::new();
-        for motion in active.iter_mut() {
-            observe(motion);
-            let robot = motion.id();
-            contacts.extend(motion.commit(end).into_iter().filter(|impact| impact.fresh).map(|impact| Contact {
-                time: impact.time,
-                robot,
-                with: impact.thing,
-                point: impact.point,
-            }));
-        }
-        contacts.sort_by_key(|contact| (contact.time, contact.robot));
-        if active.iter().any(|motion| motion.blocker().is_some()) {
-            ContactResolution::new(&mut truth, self, active).resume();
-        }
         self.truth = truth;
+        true
+    }
+
+    /// Second part of the end of a slot: what each active robot publishes, in the order of ids.
+    pub(crate) fn publications(&mut self) -> impl Iterator<Item = Publication<'_>> {
+        let mut tracks = self.tracks.iter_mut().enumerate();
+        self.truth.active_mut().iter_mut().map(move |course| {
+            let index = course.robot.index();
+            let track = tracks.find(|(other, _)| *other == index);
+            Publication { course, track: track.map(|(_, track)| track).expect("each robot has a track") }
+        })
+    }
+
+    /// Last part of the end of a slot, after what all robots of `active` publish has been published: advances to the next slot.
+    pub(crate) fn conclude(&mut self, active: &mut [&mut Motion]) {
+        let end = self.slot_end();
         self.now = end;
         if let Some(objects) = &mut self.objects {
             objects.apply_placements();
             objects.publish(end, end + self.slot);
         }
-        for motion in active.iter_mut() {
-            self.tracks[motion.id().index()].publish(motion, end, end + self.slot);
-            self.publish_stance(motion, end);
+        if self.has_stances() {
+            active.iter_mut().for_each(|motion| self.publish_stance(motion, end));
         }
         if let [motion] = active
             && self.has_single_robot()
         {
             self.quiescence =
                 Quiescence { revision: motion.revision(), until: motion.steady_until(end).min(end + MAX_QUIESCENCE) };
+            let (from, to) = (end - HISTORY, self.slot_end().max(self.quiescence.until));
+            let published = self.publications().filter(|publication| publication.course.published.is_some());
+            published.for_each(|publication| publication.refresh(from, to));
         }
-        self.refresh_index();
-        contacts
+        let truth = std::mem::take(&mut self.truth);
+        self.refresh_index_after(Some(&truth));
+        self.truth = truth;
     }
 
     /// Publishes the plan of `motion` for the present slot, at its start, after the robot was [placed](Motion::place)
@@ -444,6 +473,7 @@ impl World {
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
         self.tracks[motion.id().index()].publish(motion, now, end);
+        self.are_resting[motion.id().index()] = self.tracks[motion.id().index()].is_resting();
         self.publish_stance(motion, now);
         self.quiescence = Quiescence::default();
         self.refresh_index();
@@ -470,6 +500,11 @@ impl World {
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
         let robot_from_part = self.stances.get(&robot)?.parts.get(part)?;
         Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
+    }
+
+    /// Returns true if there is a robot with legs or in the water.
+    pub(crate) fn has_stances(&self) -> bool {
+        !self.stances.is_empty()
     }
 
     /// Returns true if there is only one robot and no movable object.
@@ -508,19 +543,33 @@ impl World {
 
     /// Enters the bounds of the published motion into the indices. Bodies that stay at rest are not entered again.
     fn refresh_index(&mut self) {
+        self.refresh_index_after(None);
+    }
+
+    /// As [`World::refresh_index`], where the active robots of `published` have just published their motion.
+    fn refresh_index_after(&mut self, published: Option<&TrueMotions>) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
         let mut has_rest_changed = false;
         self.bounds.clear();
-        for (index, track) in self.tracks.iter_mut().enumerate() {
-            if !track.is_resting() {
-                track.refresh(from, to);
-                self.forgotten += usize::from(track.lifetime.until <= from);
-                has_rest_changed |= track.is_resting();
-                self.bounds.push((RobotId::from_index(index), track.bounds()));
+        self.are_resting.resize(self.tracks.len(), false);
+        for index in 0..self.tracks.len() {
+            let robot = RobotId::from_index(index);
+            let course = published.and_then(|published| published.course(robot));
+            let (bounds, is_resting) = match course.and_then(|course| course.published) {
+                Some(published) => published,
+                None if self.are_resting[index] => continue,
+                None => {
+                    let track = &mut self.tracks[index];
+                    track.refresh(from, to);
+                    self.forgotten += usize::from(track.lifetime.until <= from);
+                    (track.bounds(), track.is_resting())
+                }
+            };
+            self.are_resting[index] = is_resting;
+            has_rest_changed |= is_resting;
+            if !is_resting {
+                self.bounds.push((robot, bounds));
             }
-        }
-        if has_rest_changed {
-            self.bounds.retain(|(robot, _)| !self.tracks[robot.index()].is_resting());
         }
         if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
@@ -529,7 +578,7 @@ impl World {
         let count = self.tracks.len() - self.forgotten - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();
-            let at_rest = self.tracks.iter().enumerate().filter(|(_, track)| track.is_resting());
+            let at_rest = self.tracks.iter().enumerate().filter(|(index, _)| self.are_resting[*index]);
             self.bounds.extend(at_rest.map(|(index, track)| (RobotId::from_index(index), track.bounds())));
             self.resting.rebuild(&self.bounds);
         }
@@ -544,6 +593,39 @@ impl World {
         };
         self.resting.for_each_in(bounds, &mut visit);
         self.moving.for_each_in(bounds, &mut visit);
+    }
+}
+
+/// What an active robot publishes at the end of a slot.
+pub(crate) struct Publication<'a> {
+    course: &'a mut Course,
+    track: &'a mut Track,
+}
+
+impl Publication<'_> {
+    /// Robot of the motion.
+    pub fn robot(&self) -> RobotId {
+        self.course.robot
+    }
+
+    /// Ends the slot at `end` for `motion`, shows the contacts that began in it, in order of time, and publishes the motion up to
+    /// `following`.
+    pub fn publish(self, motion: &mut Motion, end: Time, following: Time, mut show: impl FnMut(Contact)) {
+        let impacts = self.course.impacts.take().unwrap_or_else(|| motion.commit(end));
+        for impact in impacts.into_iter().filter(|impact| impact.fresh) {
+            let Impact { time, thing: with, point, .. } = impact;
+            show(Contact { time, robot: self.course.robot, with, point });
+        }
+        self.track.publish(motion, end, following);
+        if !self.track.is_resting() {
+            self.refresh(end - HISTORY, following);
+        }
+    }
+
+    /// Computes the bounds of what was published from `from` to `to`.
+    fn refresh(self, from: Time, to: Time) {
+        self.track.refresh(from, to);
+        self.course.published = Some((self.track.bounds(), self.track.is_resting()));
     }
 }
 

@@ -56,6 +56,25 @@ fn c_programs_with_random_numbers_give_the_same_digest_on_one_thread_and_two() {
 }
 
 #[test]
+fn the_end_of_a_slot_gives_the_same_digest_on_any_number_of_workers() {
+    let scratch = Scratch::new();
+    // So many that loops over the robots are shared among the workers, and so dense that robots collide and block each other.
+    let mut sim = String::from("world crowd.wld\n");
+    for index in 0..160 {
+        let (x, y) = (400 * (index % 16) + 300, 400 * (index / 16) + 300);
+        sim += &format!("robi %sim%/robis/ring.robi {AVOID_C} {x} {y} {}\n", index * 137 % 360);
+    }
+    scratch.write("crowd.sim", &sim);
+    scratch.write("crowd.wld", "floor 6600 4200\n0 0 6600 0\n6600 0 6600 4200\n6600 4200 0 4200\n0 4200 0 0\n");
+    let first = digest(&scratch, &["--exec", "fiber", "--threads", "1", "--trace", "t.jsonl"]);
+    let contacts = scratch.trace("t.jsonl").iter().filter(|line| line["event"] == "contact").count();
+    assert!(contacts > 100, "{contacts} contacts");
+    for args in [["fiber", "2"], ["fiber", "3"], ["fiber", "2"], ["thread", "2"]] {
+        assert_eq!(digest(&scratch, &["--exec", args[0], "--threads", args[1]]), first, "{args:?}");
+    }
+}
+
+#[test]
 fn who_watches_changes_nothing() {
     let scratch = Scratch::new();
     write_crowd(&scratch, 9, AVOID);

@@ -37,6 +37,18 @@ pub(super) struct Page {
     pub(super) kinds: KindSet,
 }
 
+/// Result of the end of a slot for one journal.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) enum EndedJournal {
+    /// It holds nothing for the recorder, and the next slot has begun.
+    #[default]
+    Empty,
+    /// It has this new chain value and nothing to show, and the next slot has begun.
+    Chain([u8; CHAIN_LEN]),
+    /// The recorder still has to collect it.
+    Sealed,
+}
+
 /// Index entry of an event in its page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
@@ -100,6 +112,21 @@ impl Journal {
             self.page.events[..CHAIN_LEN].copy_from_slice(&chain);
         }
         self.is_sealed = true;
+    }
+
+    /// Ends the slot for this robot, which may be sealed, and begins the next one unless it has recorded an event of a kind of `interest`.
+    pub(crate) fn end_slot(&mut self, interest: KindSet) -> EndedJournal {
+        if self.is_empty() {
+            self.is_sealed = false;
+            return EndedJournal::Empty;
+        }
+        self.seal();
+        if self.page.kinds.intersects(interest) {
+            return EndedJournal::Sealed;
+        }
+        let ended = self.changed_chain().map_or(EndedJournal::Empty, |chain| EndedJournal::Chain(*chain));
+        self.clear_page();
+        ended
     }
 
     /// Returns true if the slot has an event that is not a note.

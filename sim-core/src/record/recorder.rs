@@ -2,7 +2,7 @@
 
 use super::digest::{Digest, RunDigest};
 use super::event::{KindSet, Record};
-use super::journal::{Entry, Journal, Page};
+use super::journal::{EndedJournal, Entry, Journal, Page};
 use crate::RobotId;
 use crate::time::Time;
 
@@ -68,6 +68,20 @@ impl Recorder {
         };
         self.order.extend(page.entries().iter().enumerate().filter(wanted).map(place));
         self.used += 1;
+    }
+
+    /// Kinds of the events to show.
+    pub(crate) fn interest(&self) -> KindSet {
+        self.interest
+    }
+
+    /// Takes the events of `journal` as [`Recorder::collect`] does, given how [`Journal::end_slot`] has ended its slot.
+    pub(crate) fn collect_ended(&mut self, robot: RobotId, ended: &EndedJournal, journal: &mut Journal) {
+        match ended {
+            EndedJournal::Empty => {}
+            EndedJournal::Chain(chain) => self.digest.add(robot, chain),
+            EndedJournal::Sealed => self.collect(journal),
+        }
     }
 
     /// Ends the slot: passes the collected events of interest to `show`, in order of (virtual time, robot, sequence). Returns the

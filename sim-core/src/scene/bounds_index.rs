@@ -120,25 +120,38 @@ impl<K: Copy + Ord> BoundsIndex<K> {
     /// Visits each body whose rectangle meets `bounds`, once, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
         let mut places = Vec::new();
-        self.overlapping(&bounds, 0, &mut places);
+        self.overlapping(&bounds, &mut places);
         for place in places {
             visit(self.bodies[place as usize].0);
         }
     }
 
-    /// Visits each pair of bodies whose rectangles meet, once: the lower key first, pairs in ascending order.
-    pub fn pairs(&self, mut visit: impl FnMut(K, K)) {
-        let mut places = Vec::new();
-        for (after, (id, bounds)) in (1..).zip(&self.bodies) {
-            self.overlapping(bounds, after, &mut places);
-            for &place in &places {
-                visit(*id, self.bodies[place as usize].0);
+    /// Visits each body whose rectangle meets `bounds`, once, in no particular order, without a list of them.
+    pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
+        let Some(grid) = &self.grid else { return };
+        if !grid.bounds().overlaps(bounds) {
+            return;
+        }
+        let (columns, rows) = grid.span(bounds);
+        for row in rows {
+            for column in columns.clone() {
+                for &place in self.cells.of(grid.index(column, row)) {
+                    let (other, its) = &self.bodies[place as usize];
+                    // Bodies that share several cells are visited in the cell of their common rectangle's lower left corner.
+                    let is_here = || {
+                        let corner = bounds.min.max(its.min);
+                        grid.column(corner.x) == column && grid.row(corner.y) == row
+                    };
+                    if its.overlaps(bounds) && is_here() {
+                        visit(*other);
+                    }
+                }
             }
         }
     }
 
-    /// Fills `places`, in ascending order, with the bodies from place `first` on whose rectangles meet `bounds`.
-    fn overlapping(&self, bounds: &Bounds, first: u32, places: &mut Vec<u32>) {
+    /// Fills `places`, in ascending order, with the bodies whose rectangles meet `bounds`.
+    fn overlapping(&self, bounds: &Bounds, places: &mut Vec<u32>) {
         places.clear();
         let Some(grid) = &self.grid else { return };
         if !grid.bounds().overlaps(bounds) {
@@ -147,7 +160,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         let (columns, rows) = grid.span(bounds);
         for row in rows {
             let of_row = self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row));
-            let meets = |place: u32| place >= first && self.bodies[place as usize].1.overlaps(bounds);
+            let meets = |place: u32| self.bodies[place as usize].1.overlaps(bounds);
             places.extend(of_row.iter().filter(|&&place| meets(place)));
         }
         places.sort_unstable();
@@ -201,7 +214,10 @@ mod tests {
 
     fn pairs(moving: &BoundsIndex<u32>) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        moving.pairs(|i, j| pairs.push((i, j)));
+        for (key, bounds) in &moving.bodies {
+            moving.visit_in(bounds, |other| pairs.extend((other > *key).then_some((*key, other))));
+        }
+        pairs.sort_unstable();
         pairs
     }
 
@@ -216,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_come_once_and_in_order() {
+    fn pairs_come_once() {
         let moving = bodies(&[(3, 1.0, 0.0, 0.5), (1, 0.0, 0.0, 0.5), (2, 0.5, 0.5, 0.1), (9, 7.0, 7.0, 0.1)]);
         assert_eq!(pairs(&moving), [(1, 2), (1, 3), (2, 3)], "those that touch included");
     }

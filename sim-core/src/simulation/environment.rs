@@ -1,12 +1,14 @@
 //! Environment: the state that robots share (world, messages on their way, record), and the end of a slot.
 
+use super::robot::{EndedRobot, record_contact};
 use super::traffic::Traffic;
 use super::{Placeable, Placement, Robot, Robots};
 use crate::check::Monitor;
 use crate::drive::Motion;
+use crate::parallel::{self, Pool};
 use crate::record::{Digest, Event, Journal, Recorder, WORLD};
 use crate::time::Time;
-use crate::world::World;
+use crate::world::{Publication, World};
 use crate::{ObjectId, RobotId};
 
 /// State shared by all robots of a simulation.
@@ -23,12 +25,29 @@ pub struct Environment {
     journal: Journal,
     /// Robots that move or are blocked by another body at the start of the present slot.
     moving: Vec<RobotId>,
+    /// Robots affected by the end of the present slot.
+    affected: Vec<RobotId>,
+    /// How the slot ended for each of them.
+    ended: Vec<EndedRobot>,
+    /// A robot has been removed.
+    has_removed_robots: bool,
     traffic: Traffic,
     placements: Vec<Placement>,
     /// The initial poses of the movable objects have been recorded.
     has_recorded_starts: bool,
     /// Evaluates the checks on motion.
     monitor: Option<Box<Monitor>>,
+    /// Memory for references.
+    spare_motions: Vec<usize>,
+    spare_endings: Vec<[usize; 4]>,
+}
+
+/// End of a slot for one robot: what it takes, and what comes out.
+struct RobotEnding<'a> {
+    robot: &'a mut Robot,
+    /// `None` if its motion has no part in this end.
+    publication: Option<Publication<'a>>,
+    ended: &'a mut EndedRobot,
 }
 
 /// Effects of the end of a slot on the robots.
@@ -49,10 +68,15 @@ impl Environment {
             recorder,
             journal: Journal::new(WORLD, false),
             moving: Vec::new(),
+            affected: Vec::new(),
+            ended: Vec::new(),
+            has_removed_robots: false,
             traffic: Traffic::default(),
             placements: Vec::new(),
             has_recorded_starts: false,
             monitor: None,
+            spare_motions: Vec::new(),
+            spare_endings: Vec::new(),
         }
     }
 
@@ -105,18 +129,26 @@ impl Environment {
 
     /// Handles the removal of robot `id` from the world: the robot no longer counts as moving.
     pub fn forget(&mut self, id: RobotId) {
+        self.has_removed_robots = true;
         self.moving.retain(|moving| *moving != id);
     }
 
-    /// Robots affected by the end of the present slot, in the order of their ids: robots that acted in it (`ran`),
-    /// moving robots, receivers and senders of messages, and robots to be placed elsewhere.
-    pub fn affected_robots(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
-        let mut concerned = std::mem::take(&mut self.moving);
-        concerned.extend_from_slice(ran);
-        concerned.sort_unstable();
-        concerned.dedup();
-        let Self { world, traffic, placements, .. } = self;
-        for id in &concerned {
+    /// Finds the robots affected by the end of the present slot: robots that acted in it (`ran`), moving robots, receivers and
+    /// senders of messages, and robots to be placed elsewhere. Returns them in the order of their ids. `requesting` are the robots that
+    /// may [request](Robot::has_requests) anything, in the order of their ids.
+    pub fn affected_robots(
+        &mut self,
+        ran: &[RobotId],
+        requesting: &[RobotId],
+        robots: &mut (impl Robots + ?Sized),
+    ) -> &[RobotId] {
+        let Self { world, traffic, placements, affected, .. } = self;
+        std::mem::swap(affected, &mut self.moving);
+        self.moving.clear();
+        affected.extend_from_slice(ran);
+        affected.sort_unstable();
+        affected.dedup();
+        for id in requesting {
             robots.with(*id, |robot| {
                 placements.append(&mut robot.placements);
                 traffic.collect(robot, world.radio_mut());
@@ -124,57 +156,92 @@ impl Environment {
         }
         // The placements of each robot are already in order.
         placements.sort_by_key(|placement| (placement.time, placement.by));
-        traffic.exchange(world.slot_end(), world.radio_mut(), &mut concerned);
-        concerned.extend(placements.iter().filter_map(|placement| match placement.what {
+        let acted = affected.len();
+        traffic.exchange(world.slot_end(), world.radio_mut(), affected);
+        affected.extend(placements.iter().filter_map(|placement| match placement.what {
             Placeable::Robot(id) => Some(id),
             Placeable::Object(_) => None,
         }));
-        concerned.sort_unstable();
-        concerned.dedup();
-        concerned
+        if affected.len() > acted {
+            affected.sort_unstable();
+            affected.dedup();
+        }
+        &self.affected
     }
 
-    /// Ends the present slot with the affected robots, in the order of their ids: carries out requested placements, moves
-    /// the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals.
-    pub fn end_slot(&mut self, robots: &mut [&mut Robot]) -> SlotEnd {
+    /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids: carries out requested
+    /// placements, moves the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals. What
+    /// concerns one robot only is computed on `pool`.
+    pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &impl Pool) -> SlotEnd {
         let at = self.world.slot_end();
         self.record_starts();
         for placement in std::mem::take(&mut self.placements) {
             self.place(&placement, robots);
         }
-        let contacts = {
-            let present = robots.iter_mut().filter(|robot| !robot.is_removed);
-            let mut motions: Vec<&mut Motion> = present.map(|robot| &mut robot.motion).collect();
-            let (monitor, slot) = (&mut self.monitor, (self.world.slot_start(), at));
-            let observe = |motion: &mut Motion| {
-                if let Some(monitor) = monitor {
-                    monitor.observe(motion, slot);
+        let mut motions: Vec<&mut Motion> = parallel::reuse(std::mem::take(&mut self.spare_motions));
+        let has_removed = self.has_removed_robots;
+        let present = robots.iter_mut().filter(|robot| !(has_removed && robot.is_removed));
+        motions.extend(present.map(|robot| &mut robot.motion));
+        let (monitor, slot) = (&mut self.monitor, (self.world.slot_start(), at));
+        let is_settled = self.world.settle(&mut motions, pool, |motion| {
+            if let Some(monitor) = monitor {
+                monitor.observe(motion, slot);
+            }
+        });
+        self.spare_motions = parallel::reuse(motions);
+        let heard = self.traffic.deliver(robots);
+        // The walk is recorded before the pose, so that readers of poses already know the height of a walking body; it needs what all
+        // robots have published.
+        let has_walks = self.world.has_stances();
+        let (following, interest) = (at + self.world.slot(), self.recorder.interest());
+        self.ended.clear();
+        self.ended.resize(robots.len(), EndedRobot::default());
+        let mut endings: Vec<RobotEnding<'_>> = parallel::reuse(std::mem::take(&mut self.spare_endings));
+        {
+            let mut publications = is_settled.then(|| self.world.publications()).into_iter().flatten().peekable();
+            for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
+                let publication = publications.next_if(|publication| publication.robot() == *id);
+                endings.push(RobotEnding { robot, publication, ended });
+            }
+        }
+        pool.for_each_section(&mut endings, |section| {
+            for RobotEnding { robot, publication, ended } in section.iter_mut() {
+                if let Some(publication) = publication.take() {
+                    let Robot { motion, journal, .. } = &mut **robot;
+                    publication.publish(motion, at, following, |contact| record_contact(journal, &contact));
                 }
-            };
-            self.world.advance_with(&mut motions, observe)
-        };
+                if !has_walks {
+                    ended.is_active = robot.end_slot(None, at);
+                }
+            }
+            if !has_walks {
+                section.iter_mut().for_each(|ending| ending.robot.journal.seal());
+                section.iter_mut().for_each(|ending| ending.ended.journal = ending.robot.journal.end_slot(interest));
+            }
+        });
+        self.spare_endings = parallel::reuse(endings);
+        if is_settled {
+            let mut motions: Vec<&mut Motion> = parallel::reuse(std::mem::take(&mut self.spare_motions));
+            let present = robots.iter_mut().filter(|robot| !(has_removed && robot.is_removed));
+            motions.extend(present.map(|robot| &mut robot.motion));
+            self.world.conclude(&mut motions);
+            self.spare_motions = parallel::reuse(motions);
+        }
         if let Some(monitor) = &mut self.monitor {
             monitor.end_slot(&mut self.world, at);
         }
         let Self { world, journal, recorder, .. } = self;
         record_objects(journal, world, at, world.moved_objects().iter().copied());
         recorder.collect(journal);
-        for contact in contacts {
-            if let Ok(place) = robots.binary_search_by_key(&contact.robot, |robot| robot.id) {
-                robots[place].record_contact(&contact);
+        for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
+            if has_walks {
+                ended.is_active = robot.end_slot(Some(world), at);
+                ended.journal = robot.journal.end_slot(interest);
             }
-        }
-        let heard = self.traffic.deliver(at, robots);
-        for robot in robots {
-            if !robot.is_removed {
-                // The walk is recorded first, so that readers of poses already know the height of a walking body.
-                robot.record_walk(world, at);
-                robot.record_pose(at);
-                if robot.motion.is_active() {
-                    self.moving.push(robot.id);
-                }
+            if ended.is_active {
+                self.moving.push(*id);
             }
-            recorder.collect(&mut robot.journal);
+            recorder.collect_ended(*id, &ended.journal, &mut robot.journal);
         }
         SlotEnd { at, heard }
     }

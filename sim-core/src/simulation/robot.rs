@@ -17,7 +17,7 @@ use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
 use crate::pose::Pose;
 use crate::radio::Station;
-use crate::record::{Event, Journal, Numbers, Obstacle};
+use crate::record::{EndedJournal, Event, Journal, Numbers, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
@@ -59,6 +59,14 @@ pub struct Robot {
     pub walk: WalkRecord,
     /// Watch of the floor's edge; `None` in a world without a floor.
     floor: Option<FloorWatch>,
+}
+
+/// How a slot ended for a robot.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EndedRobot {
+    /// It takes part in the end of the next slot, whatever its program does.
+    pub is_active: bool,
+    pub journal: EndedJournal,
 }
 
 /// Watch of the edge of the floor, which a robot leaves where a wall is missing.
@@ -315,6 +323,25 @@ impl Robot {
         self.journal.record(off, &Event::Hint { text: &text });
     }
 
+    /// Returns true if the robot may have requested placements or the transmission of messages in the present slot.
+    pub fn has_requests(&self) -> bool {
+        self.station.is_some() || !self.placements.is_empty()
+    }
+
+    /// Ends the slot at `at`: records the fates of messages, the posture if the `world` is given, and the pose. Returns true if the robot
+    /// takes part in the end of the next slot, whatever its program does.
+    pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time) -> bool {
+        self.settle_radio(at - Time(1));
+        if self.is_removed {
+            return false;
+        }
+        if let Some(world) = world {
+            self.record_walk(world, at);
+        }
+        self.record_pose(at);
+        self.motion.is_active()
+    }
+
     /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the
     /// slot's end if the posture has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
@@ -371,13 +398,6 @@ impl Robot {
         format!("{name}.{link}")
     }
 
-    /// Records a contact that began in the present slot.
-    pub fn record_contact(&mut self, contact: &Contact) {
-        let with = obstacle(contact.with);
-        let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
-        self.journal.record(contact.time, &event);
-    }
-
     /// Records that robot `by` has placed this one at `pose` at `at`.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
         let Pose { position, heading } = pose;
@@ -411,6 +431,13 @@ fn measure_range(
 ) -> Reading {
     let is_on = switches.is_on(SensorId::Range(index));
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
+}
+
+/// Records a contact that began in the present slot in the journal of its robot.
+pub(super) fn record_contact(journal: &mut Journal, contact: &Contact) {
+    let with = obstacle(contact.with);
+    let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
+    journal.record(contact.time, &event);
 }
 
 /// Obstacle in its recorded form.

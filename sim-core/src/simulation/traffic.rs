@@ -51,10 +51,10 @@ impl Traffic {
         }
     }
 
-    /// Delivers the outcomes and settles the slot that ends. `robots` must include those that [`Traffic::exchange`]
+    /// Delivers the outcomes in the slot that ends. `robots` must include those that [`Traffic::exchange`]
     /// named, in the order of their ids. Returns the receivers of messages, each with the time when the message becomes
     /// visible.
-    pub fn deliver(&mut self, slot_end: Time, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
+    pub fn deliver(&mut self, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
         for (robot, sequence) in self.left.drain(..) {
             if let Ok(place) = robots.binary_search_by_key(&robot, |robot| robot.id)
                 && let Some(station) = &mut robots[place].station
@@ -73,9 +73,6 @@ impl Traffic {
                     self.visible.push(Reverse((visible, to)));
                 }
             }
-        }
-        for robot in robots {
-            robot.settle_radio(slot_end - Time(1));
         }
         heard
     }

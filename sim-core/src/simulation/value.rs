@@ -10,6 +10,7 @@ use crate::camera::{Label, Picture};
 use crate::check::{Finding, Monitor};
 use crate::device::camera::{CameraError, Setting};
 use crate::drive::{Command, CommandError};
+use crate::parallel::{self, Serial};
 use crate::pose::Pose;
 use crate::record::{Action, Digest, KindSet, Record, Recorder};
 use crate::spec::SceneSpec;
@@ -37,6 +38,8 @@ pub struct Simulation {
     /// All robots and objects, and the types of robots and objects that can be added.
     roster: Arc<Roster>,
     factory: Arc<RobotFactory>,
+    /// Memory for references.
+    spare: Vec<usize>,
 }
 
 /// Options of a simulation besides its scene.
@@ -79,7 +82,7 @@ impl Simulation {
         robots.iter_mut().for_each(|robot| robot.now = now);
         let acted = robots.iter().map(|robot| robot.id).collect();
         let (roster, factory) = (Arc::new(roster), Arc::new(factory));
-        Self { environment, robots, acted, now, visuals: None, roster, factory }
+        Self { environment, robots, acted, now, visuals: None, roster, factory, spare: Vec::new() }
     }
 
     /// Present time of all robots.
@@ -319,14 +322,17 @@ impl Simulation {
     }
 
     fn end_slot(&mut self) {
-        let Self { environment, robots, acted, .. } = self;
-        let concerned = environment.affected_robots(acted, &mut robots[..]);
+        let Self { environment, robots, acted, spare, .. } = self;
+        acted.sort_unstable();
+        acted.dedup();
+        let mut affected = environment.affected_robots(acted, acted, &mut robots[..]).iter().copied().peekable();
         acted.clear();
         // Both lists are in the order of the ids.
-        let mut next = concerned.iter().copied().peekable();
-        let is_concerned = |robot: &&mut Robot| next.next_if_eq(&robot.id).is_some();
-        let mut states: Vec<&mut Robot> = robots.iter_mut().filter(is_concerned).collect();
-        environment.end_slot(&mut states);
+        let is_affected = |robot: &&mut Robot| affected.next_if_eq(&robot.id).is_some();
+        let mut states: Vec<&mut Robot> = parallel::reuse(std::mem::take(spare));
+        states.extend(robots.iter_mut().filter(is_affected));
+        environment.end_slot(&mut states, &Serial);
+        *spare = parallel::reuse(states);
     }
 
     /// Skips slots before `time` in which nothing happens.

@@ -71,6 +71,7 @@ impl World {
             return;
         }
         track.end(self.now);
+        self.are_resting[robot.index()] = false;
         if let Some(objects) = &mut self.objects {
             objects.remove_robot(robot);
         }

@@ -12,8 +12,9 @@ use super::{World, objects::Objects, track::passages_bounds};
 use crate::{
     RobotId,
     contact::{APPROACH, Body, MovingDisc, Obstacle, Path, TOUCH, Thing, first_touch},
-    drive::{DriveState, Model, Motion, Passage},
+    drive::{DriveState, Impact, Model, Motion, Passage},
     object::{GRAVITY, Pusher, STEP},
+    parallel::{self, Pool},
     pose::Twist,
     scene::{Bounds, BoundsIndex},
     time::Time,
@@ -27,14 +28,82 @@ const PASSIVE: u32 = u32::MAX;
 pub(super) struct TrueMotions {
     /// By robot, its index in the list of active motions, or [`PASSIVE`].
     places: Vec<u32>,
-    /// Passages of the active motions.
-    passages: Vec<Vec<Passage>>,
-    /// Bounds of the active robots' bodies in the slot.
+    /// Number of active motions.
+    count: usize,
+    /// The active motions, in the order of ids; further entries are spare.
+    courses: Vec<Course>,
+    /// By active motion, its first contacts with bodies of higher ids and with passive ones.
+    found: Vec<Vec<(RobotId, Instant)>>,
+    /// Bounds of the active robots' bodies in the slot, for the index.
     bounds: Vec<(RobotId, Bounds)>,
-    /// Index of `bounds` before any contact was resolved.
+    /// Index of the bounds before any contact was resolved.
     index: BoundsIndex<RobotId>,
     /// Robots that may leave their bounds in the index, because their motion has changed.
     strays: BTreeSet<RobotId>,
+    /// Memory for references.
+    spare: Vec<[usize; 2]>,
+}
+
+/// True motion of an active robot in a slot, and how it ends.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    pub robot: RobotId,
+    passages: Vec<Passage>,
+    /// Bounds of the body before any contact was resolved.
+    bounds: Bounds,
+    /// The body moves.
+    is_moving: bool,
+    /// A robot blocks the body.
+    is_blocked: bool,
+    /// The impacts of the slot, if they have been taken from the motion already.
+    pub impacts: Option<Vec<Impact>>,
+    /// Bounds of the motion published at the slot's end, and true if the body rests; `None` if it rested before.
+    pub published: Option<(Bounds, bool)>,
+}
+
+impl TrueMotions {
+    /// The active motions, in the order of ids.
+    pub fn active(&self) -> &[Course] {
+        &self.courses[..self.count]
+    }
+
+    /// The active motions, mutable.
+    pub fn active_mut(&mut self) -> &mut [Course] {
+        &mut self.courses[..self.count]
+    }
+
+    /// The motion of an active robot.
+    pub fn course(&self, robot: RobotId) -> Option<&Course> {
+        let place = self.places[robot.index()];
+        (place != PASSIVE).then(|| &self.courses[place as usize])
+    }
+}
+
+impl Default for Course {
+    fn default() -> Self {
+        Self {
+            robot: RobotId(0),
+            passages: Vec::new(),
+            bounds: Bounds::EMPTY,
+            is_moving: false,
+            is_blocked: false,
+            impacts: None,
+            published: None,
+        }
+    }
+}
+
+impl Course {
+    /// Reads the motion from `start` to `end`.
+    fn read(&mut self, motion: &mut Motion, start: Time, end: Time) {
+        self.robot = motion.id();
+        motion.passages(start, end, &mut self.passages);
+        self.bounds = passages_bounds(&self.passages, start, end).grown(motion.radius() + TOUCH);
+        self.is_moving = !self.passages.iter().all(|passage| passage.path.is_resting());
+        self.is_blocked = motion.blocker().is_some();
+        self.impacts = None;
+        self.published = None;
+    }
 }
 
 /// An event. At equal instants commands come before contacts and steps of the objects last; events of one kind are
@@ -50,7 +119,7 @@ enum Event {
 }
 
 /// Seconds since the start of the slot, as a sortable key.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Instant(u64);
 
 impl Instant {
@@ -82,14 +151,24 @@ pub(super) struct ContactResolution<'a, 'm> {
 
 impl<'a, 'm> ContactResolution<'a, 'm> {
     /// Reads the motions of the world's present slot; `active` is in the order of ids.
-    pub fn new(truth: &'a mut TrueMotions, world: &'a World, active: &'a mut [&'m mut Motion]) -> Self {
+    pub fn new(
+        truth: &'a mut TrueMotions,
+        world: &'a World,
+        active: &'a mut [&'m mut Motion],
+        pool: &impl Pool,
+    ) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
+        truth.courses.resize_with(truth.courses.len().max(active.len()), Course::default);
+        truth.found.resize_with(truth.courses.len(), Vec::new);
+        let mut courses: Vec<(&mut Motion, &mut Course)> = parallel::reuse(std::mem::take(&mut truth.spare));
+        courses.extend(active.iter_mut().map(|motion| &mut **motion).zip(&mut truth.courses));
+        pool.for_each(&mut courses, |(motion, course)| course.read(motion, start, end));
+        truth.spare = parallel::reuse(courses);
+        truth.count = active.len();
         truth.places.clear();
         truth.places.resize(world.tracks.len(), PASSIVE);
-        truth.passages.resize_with(truth.passages.len().max(active.len()), Vec::new);
-        for (place, motion) in active.iter_mut().enumerate() {
-            truth.places[motion.id().index()] = place as u32;
-            motion.passages(start, end, &mut truth.passages[place]);
+        for (place, course) in truth.courses[..truth.count].iter().enumerate() {
+            truth.places[course.robot.index()] = place as u32;
         }
         Self {
             truth,
@@ -105,10 +184,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 
     /// Resolves all contacts within the slot.
-    pub fn run(&mut self, mut objects: Option<&mut Objects>) {
-        let passages = &self.truth.passages[..self.active.len()];
-        let has_contacts =
-            self.world.tracks.len() > 1 && !passages.iter().flatten().all(|passage| passage.path.is_resting());
+    pub fn run(&mut self, mut objects: Option<&mut Objects>, pool: &impl Pool) {
+        let has_contacts = self.world.tracks.len() > 1 && self.truth.active().iter().any(|course| course.is_moving);
         if let Some(objects) = &mut objects {
             objects.skip_to(self.start);
             let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
@@ -117,7 +194,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
         let has_steps = !self.events.is_empty();
         if has_contacts || has_steps {
-            self.find_all();
+            self.find_all(pool);
         }
         while let Some((instant, event)) = self.events.pop_first() {
             match event {
@@ -147,7 +224,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     /// Adds those of the active robots `of` that may come near a movable object to `near`.
     fn find_near(&mut self, objects: &Objects, of: &[RobotId]) {
         for &robot in of {
-            if objects.is_near(self.bounds_of(robot)) {
+            if objects.is_near(self.view().bounds_of(robot)) {
                 self.near.insert(robot);
             }
         }
@@ -218,7 +295,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     /// A robot as the objects meet it in a step, and the share of the ordered twist that its traction can reach by the
     /// end of the step.
     fn pusher(&self, robot: RobotId, state: Option<&DriveState>, at: Time) -> (Pusher, f64) {
-        let radius = self.radius(robot);
+        let radius = self.view().radius(robot);
         let Some(state) = state else {
             let centre = self.world.tracks[robot.index()].centre(at);
             let still =
@@ -266,37 +343,227 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         if after * model.speed(state.ordered) < 1e-4 { 0.0 } else { after }
     }
 
-    /// Releases bodies whose way has become free, at the slot's end, after [`ContactResolution::run`].
+    /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: takes their impacts, and releases those whose
+    /// way has become free.
     pub fn resume(&mut self) {
         for place in 0..self.active.len() {
-            if self.active[place].blocker().is_some() {
+            if self.truth.courses[place].is_blocked {
+                self.truth.courses[place].impacts = Some(self.active[place].commit(self.end));
+            }
+        }
+        for place in 0..self.active.len() {
+            if self.truth.courses[place].is_blocked && self.active[place].blocker().is_some() {
                 let touching = self.touching(self.active[place].id(), self.end);
                 self.active[place].resume(self.end, &touching);
             }
         }
     }
 
+    /// Calls `observe` with each active motion.
+    pub fn for_each_active(&mut self, observe: &mut impl FnMut(&mut Motion)) {
+        self.active.iter_mut().for_each(|motion| observe(motion));
+    }
+
     /// Queues the first contact of each pair of bodies.
-    fn find_all(&mut self) {
+    fn find_all(&mut self, pool: &impl Pool) {
         let mut bounds = std::mem::take(&mut self.truth.bounds);
         bounds.clear();
-        bounds.extend(self.active.iter().map(|motion| (motion.id(), self.bounds_of(motion.id()))));
+        bounds.extend(self.truth.active().iter().map(|course| (course.robot, course.bounds)));
         self.truth.index.rebuild(&bounds);
         self.truth.bounds = bounds;
         self.truth.strays.clear();
-        let mut pairs = Vec::new();
-        self.truth.index.pairs(|a, b| pairs.push((a, b)));
-        if self.active.len() < self.world.tracks.len() {
-            for &(a, bounds) in &self.truth.bounds {
-                self.world.for_each_near(bounds, self.start, |b| {
-                    if self.is_passive(b) {
-                        pairs.push((a, b));
-                    }
-                });
+        let mut found = std::mem::take(&mut self.truth.found);
+        let mut searches: Vec<(&Course, &mut Vec<_>)> = parallel::reuse(std::mem::take(&mut self.truth.spare));
+        searches.extend(self.truth.active().iter().zip(&mut found));
+        let spare = {
+            let view = self.view();
+            pool.for_each(&mut searches, |(course, found)| view.find_contacts(course, found));
+            parallel::reuse(searches)
+        };
+        self.truth.spare = spare;
+        for (place, list) in found[..self.truth.count].iter_mut().enumerate() {
+            let robot = self.truth.courses[place].robot;
+            for (other, instant) in list.drain(..) {
+                let (a, b) = (robot.min(other), robot.max(other));
+                self.contacts.insert((a, b), instant);
+                self.events.insert((instant, Event::Contact(a, b)));
             }
         }
-        for (a, b) in pairs {
-            self.queue_contact(a, b, 0.0);
+        self.truth.found = found;
+    }
+
+    /// The true motions and the world, to read.
+    fn view(&self) -> View<'_> {
+        View { truth: &*self.truth, world: self.world, start: self.start, end: self.end }
+    }
+
+    /// Queues the first contact of a pair from `from` seconds on, and removes the contact queued for this pair before.
+    fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
+        let (a, b) = (a.min(b), a.max(b));
+        if let Some(instant) = self.contacts.remove(&(a, b)) {
+            self.events.remove(&(instant, Event::Contact(a, b)));
+        }
+        if let Some(seconds) = self.view().find_contact(a, b, from) {
+            let instant = Instant::new(seconds);
+            self.contacts.insert((a, b), instant);
+            self.events.insert((instant, Event::Contact(a, b)));
+        }
+    }
+
+    /// Stops each of two touching bodies that approaches the contact.
+    fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
+        let seconds = instant.seconds();
+        let (disc_a, _) = self.view().moving_disc(a, seconds);
+        let (disc_b, _) = self.view().moving_disc(b, seconds);
+        let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
+        let towards_b = (centre_b - centre_a).normalize_or_zero();
+        let approach = |disc: &MovingDisc, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
+        // Together they approach by more than the threshold, so at least one of them approaches by half of it or more.
+        let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
+        let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
+        let point = centre_a + towards_b * disc_a.radius;
+        if is_blocked_a {
+            self.block(a, seconds, Obstacle { thing: Thing::Robot(b), point });
+        }
+        if is_blocked_b {
+            self.block(b, seconds, Obstacle { thing: Thing::Robot(a), point });
+        }
+        if is_blocked_a {
+            self.revised(a, seconds);
+        }
+        if is_blocked_b {
+            self.revised(b, seconds);
+        }
+    }
+
+    /// Stops a body `seconds` into the slot, and queues the next input of its program.
+    fn block(&mut self, robot: RobotId, seconds: f64, obstacle: Obstacle) {
+        let place = self.truth.places[robot.index()] as usize;
+        let motion = &mut self.active[place];
+        motion.block(self.start, seconds, obstacle);
+        self.truth.courses[place].is_blocked = true;
+        self.replan(robot, seconds);
+    }
+
+    /// Reads the new plan of a motion that has changed from `seconds` into the slot on, and queues the next input of
+    /// the robot's program.
+    fn replan(&mut self, robot: RobotId, seconds: f64) {
+        let place = self.truth.places[robot.index()] as usize;
+        self.active[place].passages(self.start, self.end, &mut self.truth.courses[place].passages);
+        // Inputs that an earlier change has queued are replaced.
+        self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
+        let journal = self.active[place].journal();
+        let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
+        self.queue_input(robot, next);
+    }
+
+    fn queue_input(&mut self, robot: RobotId, entry: usize) {
+        let place = self.truth.places[robot.index()] as usize;
+        if let Some((at, _)) = self.active[place].journal().get(entry) {
+            let instant = Instant::new((*at - self.start).seconds());
+            self.events.insert((instant, Event::Input(robot, entry)));
+        }
+    }
+
+    /// Obeys again an entry of a stopped body's journal.
+    fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
+        let place = self.truth.places[robot.index()] as usize;
+        let (at, input) = self.active[place].journal()[entry];
+        let touching = self.touching(robot, at);
+        let motion = &mut self.active[place];
+        motion.replay(at, input, &touching);
+        self.truth.courses[place].is_blocked |= motion.blocker().is_some();
+        motion.passages(self.start, self.end, &mut self.truth.courses[place].passages);
+        self.queue_input(robot, entry + 1);
+        self.revised(robot, instant.seconds());
+    }
+
+    /// Searches again for the contacts of a body whose motion has changed from `from` seconds on.
+    fn revised(&mut self, robot: RobotId, from: f64) {
+        self.changed.push(robot);
+        let bounds = self.view().bounds_of(robot);
+        let indexed = self.truth.courses[self.truth.places[robot.index()] as usize].bounds;
+        if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
+            self.truth.strays.insert(robot);
+        }
+        let stale: Vec<_> = self.contacts.keys().filter(|(a, b)| *a == robot || *b == robot).copied().collect();
+        for (a, b) in stale {
+            self.queue_contact(a, b, from);
+        }
+        for other in self.neighbours(robot, bounds) {
+            self.queue_contact(robot, other, from);
+        }
+    }
+
+    /// Robots other than `robot` whose bodies may come into `bounds` during the slot, in the order of their ids.
+    fn neighbours(&self, robot: RobotId, bounds: Bounds) -> BTreeSet<RobotId> {
+        let mut others = self.robots_in(bounds);
+        others.remove(&robot);
+        others
+    }
+
+    /// Robots whose bodies may come into `bounds` during the slot, in the order of their ids.
+    fn robots_in(&self, bounds: Bounds) -> BTreeSet<RobotId> {
+        let mut others = BTreeSet::new();
+        self.truth.index.for_each_in(bounds, |other| {
+            others.insert(other);
+        });
+        self.world.for_each_near(bounds, self.start, |other| {
+            if self.view().is_passive(other) {
+                others.insert(other);
+            }
+        });
+        others.extend(self.truth.strays.iter().filter(|stray| self.view().bounds_of(**stray).overlaps(&bounds)));
+        others
+    }
+
+    /// The bodies in contact with a robot at `at`, in the order of their ids.
+    fn touching(&self, robot: RobotId, at: Time) -> Vec<Body> {
+        let seconds = (at - self.start).seconds();
+        let body = |robot: RobotId| {
+            let (disc, _) = self.view().moving_disc(robot, seconds);
+            Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
+        };
+        let own = body(robot);
+        let near = Bounds::of_disc(own.centre, own.radius + TOUCH);
+        self.neighbours(robot, near)
+            .into_iter()
+            .map(body)
+            .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
+            .collect()
+    }
+}
+
+/// The true motions of a slot as they are known so far.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    truth: &'a TrueMotions,
+    world: &'a World,
+    start: Time,
+    end: Time,
+}
+
+impl<'a> View<'a> {
+    /// Finds the first contacts of an active body with the active ones of higher ids and with the passive ones.
+    fn find_contacts(&self, course: &Course, found: &mut Vec<(RobotId, Instant)>) {
+        let robot = course.robot;
+        let mut find = |other| {
+            let (a, b) = (robot.min(other), robot.max(other));
+            found.extend(self.find_contact(a, b, 0.0).map(|seconds| (other, Instant::new(seconds))));
+        };
+        self.truth.index.visit_in(&course.bounds, |other| {
+            if other > robot {
+                find(other);
+            }
+        });
+        if self.truth.count < self.world.tracks.len() {
+            let mut find_passive = |other| {
+                if self.is_passive(other) && self.world.is_robot_present(other, self.start) {
+                    find(other);
+                }
+            };
+            self.world.resting.visit_in(&course.bounds, &mut find_passive);
+            self.world.moving.visit_in(&course.bounds, &mut find_passive);
         }
     }
 
@@ -304,10 +571,10 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         self.truth.places[robot.index()] == PASSIVE
     }
 
-    fn passages(&self, robot: RobotId) -> &[Passage] {
+    fn passages(&self, robot: RobotId) -> &'a [Passage] {
         match self.truth.places[robot.index()] {
             PASSIVE => self.world.tracks[robot.index()].passages(),
-            place => &self.truth.passages[place as usize],
+            place => &self.truth.courses[place as usize].passages,
         }
     }
 
@@ -317,19 +584,6 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     fn bounds_of(&self, robot: RobotId) -> Bounds {
         passages_bounds(self.passages(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
-    }
-
-    /// Queues the first contact of a pair from `from` seconds on, and removes the contact queued for this pair before.
-    fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
-        let (a, b) = (a.min(b), a.max(b));
-        if let Some(instant) = self.contacts.remove(&(a, b)) {
-            self.events.remove(&(instant, Event::Contact(a, b)));
-        }
-        if let Some(seconds) = self.find_contact(a, b, from) {
-            let instant = Instant::new(seconds);
-            self.contacts.insert((a, b), instant);
-            self.events.insert((instant, Event::Contact(a, b)));
-        }
     }
 
     /// Seconds since the start of the slot, at least `from`, at which two bodies first touch and approach.
@@ -376,127 +630,6 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         } else {
             (MovingDisc { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.after))
         }
-    }
-
-    /// Stops each of two touching bodies that approaches the contact.
-    fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
-        let seconds = instant.seconds();
-        let (disc_a, _) = self.moving_disc(a, seconds);
-        let (disc_b, _) = self.moving_disc(b, seconds);
-        let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
-        let towards_b = (centre_b - centre_a).normalize_or_zero();
-        let approach = |disc: &MovingDisc, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
-        // Together they approach by more than the threshold, so at least one of them approaches by half of it or more.
-        let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
-        let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
-        let point = centre_a + towards_b * disc_a.radius;
-        if is_blocked_a {
-            self.block(a, seconds, Obstacle { thing: Thing::Robot(b), point });
-        }
-        if is_blocked_b {
-            self.block(b, seconds, Obstacle { thing: Thing::Robot(a), point });
-        }
-        if is_blocked_a {
-            self.revised(a, seconds);
-        }
-        if is_blocked_b {
-            self.revised(b, seconds);
-        }
-    }
-
-    /// Stops a body `seconds` into the slot, and queues the next input of its program.
-    fn block(&mut self, robot: RobotId, seconds: f64, obstacle: Obstacle) {
-        let place = self.truth.places[robot.index()] as usize;
-        let motion = &mut self.active[place];
-        motion.block(self.start, seconds, obstacle);
-        self.replan(robot, seconds);
-    }
-
-    /// Reads the new plan of a motion that has changed from `seconds` into the slot on, and queues the next input of
-    /// the robot's program.
-    fn replan(&mut self, robot: RobotId, seconds: f64) {
-        let place = self.truth.places[robot.index()] as usize;
-        self.active[place].passages(self.start, self.end, &mut self.truth.passages[place]);
-        // Inputs that an earlier change has queued are replaced.
-        self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
-        let journal = self.active[place].journal();
-        let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
-        self.queue_input(robot, next);
-    }
-
-    fn queue_input(&mut self, robot: RobotId, entry: usize) {
-        let place = self.truth.places[robot.index()] as usize;
-        if let Some((at, _)) = self.active[place].journal().get(entry) {
-            let instant = Instant::new((*at - self.start).seconds());
-            self.events.insert((instant, Event::Input(robot, entry)));
-        }
-    }
-
-    /// Obeys again an entry of a stopped body's journal.
-    fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
-        let place = self.truth.places[robot.index()] as usize;
-        let (at, input) = self.active[place].journal()[entry];
-        let touching = self.touching(robot, at);
-        let motion = &mut self.active[place];
-        motion.replay(at, input, &touching);
-        motion.passages(self.start, self.end, &mut self.truth.passages[place]);
-        self.queue_input(robot, entry + 1);
-        self.revised(robot, instant.seconds());
-    }
-
-    /// Searches again for the contacts of a body whose motion has changed from `from` seconds on.
-    fn revised(&mut self, robot: RobotId, from: f64) {
-        self.changed.push(robot);
-        let bounds = self.bounds_of(robot);
-        let indexed = self.truth.bounds[self.truth.places[robot.index()] as usize].1;
-        if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
-            self.truth.strays.insert(robot);
-        }
-        let stale: Vec<_> = self.contacts.keys().filter(|(a, b)| *a == robot || *b == robot).copied().collect();
-        for (a, b) in stale {
-            self.queue_contact(a, b, from);
-        }
-        for other in self.neighbours(robot, bounds) {
-            self.queue_contact(robot, other, from);
-        }
-    }
-
-    /// Robots other than `robot` whose bodies may come into `bounds` during the slot, in the order of their ids.
-    fn neighbours(&self, robot: RobotId, bounds: Bounds) -> BTreeSet<RobotId> {
-        let mut others = self.robots_in(bounds);
-        others.remove(&robot);
-        others
-    }
-
-    /// Robots whose bodies may come into `bounds` during the slot, in the order of their ids.
-    fn robots_in(&self, bounds: Bounds) -> BTreeSet<RobotId> {
-        let mut others = BTreeSet::new();
-        self.truth.index.for_each_in(bounds, |other| {
-            others.insert(other);
-        });
-        self.world.for_each_near(bounds, self.start, |other| {
-            if self.is_passive(other) {
-                others.insert(other);
-            }
-        });
-        others.extend(self.truth.strays.iter().filter(|stray| self.bounds_of(**stray).overlaps(&bounds)));
-        others
-    }
-
-    /// The bodies in contact with a robot at `at`, in the order of their ids.
-    fn touching(&self, robot: RobotId, at: Time) -> Vec<Body> {
-        let seconds = (at - self.start).seconds();
-        let body = |robot: RobotId| {
-            let (disc, _) = self.moving_disc(robot, seconds);
-            Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
-        };
-        let own = body(robot);
-        let near = Bounds::of_disc(own.centre, own.radius + TOUCH);
-        self.neighbours(robot, near)
-            .into_iter()
-            .map(body)
-            .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
-            .collect()
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::{Lifetime, passage_at};
 use crate::{
-    drive::{Motion, Passage},
+    drive::{HISTORY, Motion, Passage},
     pose::Pose,
     scene::Bounds,
     time::Time,
@@ -18,6 +18,8 @@ struct Publication {
     since: Time,
     /// Never empty; in the order of time.
     passages: Vec<Passage>,
+    /// Bounds of the centre while it was in force, within the history, once another publication is.
+    past: Bounds,
 }
 
 /// The publications of one robot, and its disc.
@@ -42,7 +44,7 @@ impl Track {
     pub fn new(motion: &mut Motion, lifetime: Lifetime, (from, until): (Time, Time)) -> Self {
         let mut passages = Vec::new();
         motion.passages(from, until, &mut passages);
-        let publications = VecDeque::from([Publication { since: Time(i64::MIN), passages }]);
+        let publications = VecDeque::from([Publication { since: Time(i64::MIN), passages, past: Bounds::EMPTY }]);
         Self {
             lifetime,
             radius: motion.radius(),
@@ -99,7 +101,8 @@ impl Track {
             self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
             self.revision = motion.revision();
-            self.publications.push_back(Publication { since, passages });
+            last.past = passages_bounds(&last.passages, last.since.max(since - HISTORY), since);
+            self.publications.push_back(Publication { since, passages, past: Bounds::EMPTY });
         }
     }
 
@@ -130,18 +133,16 @@ impl Track {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             self.spare = self.publications.pop_front().expect("more than one publication").passages;
         }
-        let mut bounds = Bounds::EMPTY;
-        self.is_resting = self.publications.len() == 1 && self.lifetime.until == Time::NEVER;
-        for (index, publication) in self.publications.iter().enumerate() {
-            let next = self.publications.get(index + 1).map_or(to, |next| next.since);
-            let (from, to) = (from.max(publication.since), to.min(next));
-            if from <= to {
-                bounds = bounds.union(passages_bounds(&publication.passages, from, to));
-            }
-            self.is_resting &=
-                publication.passages.iter().all(|passage| passage.path.is_resting() || passage.has_ended(from));
+        let last = self.publications.back().expect("a track has a publication");
+        let in_force = from.max(last.since);
+        let mut bounds = if in_force <= to { passages_bounds(&last.passages, in_force, to) } else { Bounds::EMPTY };
+        for earlier in self.publications.iter().rev().skip(1) {
+            bounds = bounds.union(earlier.past);
         }
         self.bounds = bounds.grown(self.radius);
+        let rests = |passage: &Passage| passage.path.is_resting() || passage.has_ended(in_force);
+        self.is_resting =
+            self.publications.len() == 1 && self.lifetime.until == Time::NEVER && last.passages.iter().all(rests);
     }
 }
 

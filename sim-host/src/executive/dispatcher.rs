@@ -9,16 +9,20 @@
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use parking_lot::MutexGuard;
+use parking_lot::{Mutex, MutexGuard};
 use sim_core::RobotId;
+use sim_core::parallel::{self, Pool as _};
 use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
+use super::team::WorkerPool;
+use crate::program::load::deal;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
@@ -32,9 +36,17 @@ pub struct Dispatcher {
     affinity: Vec<u32>,
     /// Robots that suspended themselves, ended or were changed by an intervention in the present slot.
     touched: Vec<RobotId>,
+    /// Those of them that may request something from others, or have written files.
+    requesting: Vec<RobotId>,
+    /// Wake times before `soon_until`, the end of the next slot, in no order: those of most robots.
+    soon: Vec<Wake>,
+    soon_until: Time,
+    /// The other wake times.
     wakes: BinaryHeap<Reverse<Wake>>,
-    /// For each robot the number of its valid entry in `wakes`; entries with other numbers are stale.
+    /// For each robot the number of its valid entry in `soon` or `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
+    /// For each robot, true if its suspended program waits for something that the scheduler step can bring.
+    await_step: Vec<bool>,
     /// For each robot, true if its program has ended or it has none.
     departed: Vec<bool>,
     /// Number of robots with a program that has not ended.
@@ -50,6 +62,9 @@ pub struct Dispatcher {
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
+    /// Memory for references.
+    spare: Vec<[usize; 4]>,
+    spare_states: Vec<usize>,
 }
 
 /// A worker: one robot runs on it at a time.
@@ -57,8 +72,65 @@ pub struct Dispatcher {
 struct Worker {
     /// Run queue: robots due in the present slot and not yet released, in order of their ids.
     run_queue: VecDeque<RobotId>,
-    /// Robot that was released and has not yet come back to the barrier.
-    running: Option<RobotId>,
+    /// Robots that were released and of which the dispatcher does not know yet that they have come back to the barrier.
+    running: Vec<RobotId>,
+}
+
+/// Greatest number of robots that are released at once, one after the other on their worker: only the last one that comes back takes the
+/// dispatcher's lock, for all of them.
+const MAX_RELEASE: usize = 16;
+
+/// The robots of one worker that come back to the barrier.
+#[derive(Default)]
+pub struct ReturnQueue {
+    returns: Mutex<Vec<Return>>,
+    /// Number of released robots that have not come back.
+    left: AtomicUsize,
+}
+
+/// A robot that has come back to the barrier.
+pub struct Return {
+    /// The robot.
+    pub robot: RobotId,
+    /// Time until which it sleeps.
+    pub wake: Time,
+    /// It may have requested something from others, or has written files.
+    pub has_requests: bool,
+    /// It waits for something that the scheduler step can bring, so that it may wake earlier.
+    pub awaits_step: bool,
+}
+
+impl ReturnQueue {
+    /// Puts a robot back at the barrier, unless it has departed (`None`): its flow was abandoned, and has come back after all. True if it
+    /// is the last one that was released, so that the caller must call [`Dispatcher::suspend`].
+    pub fn put(&self, robot: Return, has_departed: &AtomicBool) -> Option<bool> {
+        let mut returns = self.returns.lock();
+        if has_departed.load(Ordering::Acquire) {
+            return None;
+        }
+        returns.push(robot);
+        drop(returns);
+        Some(self.leave())
+    }
+
+    /// Lets a released robot depart instead of coming back; true if it is the last one.
+    fn depart(&self, robot: RobotId, has_departed: &AtomicBool) -> bool {
+        let mut returns = self.returns.lock();
+        has_departed.store(true, Ordering::Release);
+        let came_back = returns.iter().position(|other| other.robot == robot);
+        match came_back {
+            Some(place) => {
+                returns.swap_remove(place);
+                false
+            }
+            None => self.leave(),
+        }
+    }
+
+    /// Counts a robot as come back; true if it is the last one.
+    fn leave(&self) -> bool {
+        self.left.fetch_sub(1, Ordering::AcqRel) == 1
+    }
 }
 
 /// Smallest length of a worker's run queue from which another worker steals.
@@ -136,6 +208,12 @@ pub struct Plan {
 }
 
 impl Dispatcher {
+    /// Greatest number of workers that a run of `plan` can have.
+    pub fn max_workers(plan: &Plan) -> usize {
+        let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        plan.workers.max(last_home).max(1)
+    }
+
     /// Creates a dispatcher paused before the first slot: all robots with programs are due at 0.
     pub fn new(plan: &Plan, sinks: Sinks<'static>) -> Self {
         let count = plan.has_program.len();
@@ -151,8 +229,12 @@ impl Dispatcher {
             max_workers: plan.workers,
             affinity: vec![0; count],
             touched: Vec::new(),
+            requesting: Vec::new(),
+            soon: Vec::new(),
+            soon_until: Time::ZERO,
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; count],
+            await_step: vec![false; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
             drives_end: Time::ZERO,
@@ -162,9 +244,12 @@ impl Dispatcher {
             is_intervention_pending: false,
             sinks,
             end: None,
+            spare: Vec::new(),
+            spare_states: Vec::new(),
         };
+        let deal = deal(alive, workers);
         for (place, robot) in ids(true).enumerate() {
-            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place % workers) as u32);
+            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place / deal % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -186,7 +271,7 @@ impl Dispatcher {
 
     /// Robots that have been released and have not come back to the barrier.
     pub fn running(&self) -> impl Iterator<Item = RobotId> {
-        self.workers.iter().filter_map(|worker| worker.running)
+        self.workers.iter().flat_map(|worker| worker.running.iter().copied())
     }
 
     /// Sinks of the record.
@@ -204,11 +289,25 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes `robot` back at the barrier, where it sleeps until `wake`.
-    pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> BarrierOutcome {
-        self.vacate_worker(robot);
-        self.sleep_until(robot, wake);
+    /// Takes `robot` and those that were released with it back at the barrier: it is the last one that was [put](ReturnQueue::put)
+    /// there.
+    pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
+        self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
+    }
+
+    /// Takes back the robots of a worker that have come back to the barrier.
+    fn take_returns(&mut self, run: &Run, worker: usize) {
+        let mut returns = std::mem::take(&mut *run.returns(worker).returns.lock());
+        for Return { robot, wake, has_requests, awaits_step } in returns.drain(..) {
+            self.vacate_worker(robot);
+            self.await_step[robot.index()] = awaits_step;
+            if has_requests {
+                self.requesting.push(robot);
+            }
+            self.sleep_until(robot, wake);
+        }
+        *run.returns(worker).returns.lock() = returns;
     }
 
     /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Dispatcher::advance`].
@@ -218,10 +317,16 @@ impl Dispatcher {
             return BarrierOutcome::default();
         }
         self.vacate_worker(robot);
+        self.requesting.push(robot);
+        self.await_step[robot.index()] = false;
         self.wake_numbers[robot.index()] += 1;
         self.alive -= 1;
         if self.alive == 0 {
             self.drives_end = run.drives_end();
+        }
+        let worker = self.affinity[robot.index()] as usize;
+        if run.returns(worker).depart(robot, run.has_departed_flag(robot)) {
+            self.take_returns(run, worker);
         }
         self.dispatch(run, None, deadline)
     }
@@ -249,7 +354,8 @@ impl Dispatcher {
     }
 
     /// Marks `robot` as departed: its program has exited after the end of the run.
-    pub fn mark_departed(&mut self, robot: RobotId) {
+    pub fn mark_departed(&mut self, run: &Run, robot: RobotId) {
+        run.has_departed_flag(robot).store(true, Ordering::Release);
         self.departed[robot.index()] = true;
     }
 
@@ -272,9 +378,10 @@ impl Dispatcher {
     }
 
     fn vacate_worker(&mut self, robot: RobotId) {
-        let worker = &mut self.workers[self.affinity[robot.index()] as usize];
-        debug_assert_eq!(worker.running, Some(robot), "only a robot that runs comes back");
-        worker.running = None;
+        let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
+        let place = running.iter().position(|running| *running == robot);
+        debug_assert!(place.is_some(), "only a robot that runs comes back");
+        place.map(|place| running.swap_remove(place));
         self.touched.push(robot);
     }
 
@@ -297,12 +404,30 @@ impl Dispatcher {
         Some(robot)
     }
 
+    /// Releases `first` on the idle `worker`, with the following ones of its queue if all of them are bound to it.
+    fn release(&mut self, worker: usize, first: RobotId, run: &Run) {
+        let Worker { run_queue, running } = &mut self.workers[worker];
+        running.push(first);
+        if run.is_bound_to_worker(first) {
+            while running.len() < MAX_RELEASE
+                && let Some(next) = run_queue.pop_front_if(|robot| run.is_bound_to_worker(*robot))
+            {
+                running.push(next);
+            }
+        }
+        run.returns(worker).left.store(running.len(), Ordering::Release);
+        running.iter().for_each(|robot| run.set_worker(*robot, worker as u32));
+    }
+
     /// Replaces the robot's wake time; for [`Time::NEVER`] the robot has none.
     fn sleep_until(&mut self, robot: RobotId, at: Time) {
         let number = &mut self.wake_numbers[robot.index()];
         *number += 1;
-        if at < Time::NEVER {
-            self.wakes.push(Reverse(Wake { at, robot, number: *number }));
+        let wake = Wake { at, robot, number: *number };
+        if at < self.soon_until {
+            self.soon.push(wake);
+        } else if at < Time::NEVER {
+            self.wakes.push(Reverse(wake));
         }
     }
 
@@ -311,15 +436,14 @@ impl Dispatcher {
         let mut outcome = BarrierOutcome::default();
         loop {
             for worker in 0..self.workers.len() {
-                if self.workers[worker].running.is_some() {
-                    continue;
-                }
-                let next = self.next_for(worker, run);
-                self.workers[worker].running = next;
-                match next {
-                    Some(robot) if Some(robot) == returning => outcome.continues = true,
-                    Some(robot) => outcome.resume.push((robot, worker as u32)),
-                    None => {}
+                if self.workers[worker].running.is_empty()
+                    && let Some(first) = self.next_for(worker, run)
+                {
+                    self.release(worker, first, run);
+                    outcome.continues |= Some(first) == returning;
+                    let released = self.workers[worker].running.iter().copied();
+                    let others = released.skip(usize::from(Some(first) == returning));
+                    outcome.resume.extend(others.map(|robot| (robot, worker as u32)));
                 }
             }
             outcome.is_at_rest = self.is_at_rest();
@@ -332,7 +456,7 @@ impl Dispatcher {
 
     /// Returns true if the run has ended and its last slot is complete.
     pub fn is_over(&self) -> bool {
-        let is_idle = |worker: &Worker| worker.running.is_none() && worker.run_queue.is_empty();
+        let is_idle = |worker: &Worker| worker.running.is_empty() && worker.run_queue.is_empty();
         self.end.is_some() && self.touched.is_empty() && self.workers.iter().all(is_idle)
     }
 
@@ -375,7 +499,9 @@ impl Dispatcher {
         self.is_intervention_pending = false;
         environment.world.advance_to(start);
         run.publish_slot(&environment.world);
-        self.enqueue_due(environment.world.slot_end());
+        let slot_end = environment.world.slot_end();
+        self.enqueue_due(slot_end);
+        self.soon_until = slot_end + environment.world.slot();
     }
 
     /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
@@ -404,6 +530,7 @@ impl Dispatcher {
                 self.sleep_until(id, wake);
             }
             self.touched.push(id);
+            self.requesting.push(id);
         }
         if let Some((id, has_program)) = effect.spawned {
             self.admit(id, has_program, run.home(id), at);
@@ -423,6 +550,7 @@ impl Dispatcher {
     fn admit(&mut self, robot: RobotId, has_program: bool, home: Option<u32>, at: Time) {
         self.affinity.push(0);
         self.wake_numbers.push(0);
+        self.await_step.push(false);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
@@ -438,25 +566,40 @@ impl Dispatcher {
 
     /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.affected_robots(&self.touched, &mut Members(run));
+        let pool = WorkerPool(run.executor());
+        self.requesting.sort_unstable();
+        self.requesting.dedup();
+        let affected = environment.affected_robots(&self.touched, &self.requesting, &mut Members(run));
         self.touched.clear();
-        let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
-        save_files(&mut robots);
+        let mut robots: Vec<AffectedRobot<'_>> = parallel::reuse(std::mem::take(&mut self.spare));
+        robots.extend(affected.iter().map(|id| AffectedRobot { id: *id, robot: None, wake: None }));
+        pool.for_each(&mut robots, |affected| affected.robot = Some(run.robot(affected.id)));
+        save_files(&mut robots, &self.requesting);
+        self.requesting.clear();
         let SlotEnd { at, heard } = {
-            let mut states: Vec<&mut simulation::Robot> = robots.iter_mut().map(|robot| &mut robot.state).collect();
-            environment.end_slot(&mut states)
+            let mut states: Vec<&mut simulation::Robot> = parallel::reuse(std::mem::take(&mut self.spare_states));
+            states.extend(robots.iter_mut().filter_map(|affected| Some(&mut affected.robot.as_mut()?.state)));
+            let end = environment.end_slot(&mut states, &pool);
+            self.spare_states = parallel::reuse(states);
+            end
         };
         for (id, visible) in heard {
-            if let Ok(place) = active.binary_search(&id) {
-                robots[place].tasks.recheck_radio(visible);
+            if let Some(robot) = AffectedRobot::find(&mut robots, id) {
+                robot.tasks.recheck_radio(visible);
             }
         }
-        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
-            if let Some(wake) = robot.earliest_wake_after(at) {
-                self.sleep_until(robot.id, wake);
+        let await_step = &self.await_step;
+        pool.for_each(&mut robots, |affected| {
+            let robot = affected.robot.take();
+            let robot = robot.filter(|robot| await_step[affected.id.index()] && !robot.is_removed);
+            affected.wake = robot.and_then(|mut robot| robot.earliest_wake_after(at));
+        });
+        for AffectedRobot { id, wake, .. } in &robots {
+            if let Some(wake) = wake {
+                self.sleep_until(*id, *wake);
             }
         }
-        drop(robots);
+        self.spare = parallel::reuse(robots);
         self.sinks.take_slot(environment.recorder(), at)
     }
 
@@ -477,7 +620,9 @@ impl Dispatcher {
         {
             self.wakes.pop();
         }
-        let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at);
+        let soon = self.soon.iter().filter(|wake| self.wake_numbers[wake.robot.index()] == wake.number);
+        let soon = soon.map(|wake| wake.at).min().unwrap_or(Time::NEVER);
+        let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at).min(soon);
         // A message is no reason to run on either once no program is alive.
         let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
@@ -486,6 +631,15 @@ impl Dispatcher {
 
     /// Moves the robots that are due before `slot_end` to the run queues.
     fn enqueue_due(&mut self, slot_end: Time) {
+        let mut soon = std::mem::take(&mut self.soon);
+        for wake in soon.drain(..) {
+            if wake.at >= slot_end {
+                self.wakes.push(Reverse(wake));
+            } else if self.wake_numbers[wake.robot.index()] == wake.number {
+                self.enqueue(wake.robot);
+            }
+        }
+        self.soon = soon;
         while self.wakes.peek().is_some_and(|Reverse(wake)| wake.at < slot_end)
             && let Some(Reverse(Wake { robot, number, .. })) = self.wakes.pop()
         {
@@ -499,16 +653,37 @@ impl Dispatcher {
     }
 }
 
-/// Saves the files that robots wrote in the slot that ends, in order of (virtual time, robot).
-fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
-    let mut files = Vec::new();
-    for (index, robot) in robots.iter_mut().enumerate() {
-        files.extend(robot.robios.storage.take_pending_writes().map(|file| (file, index)));
+/// A robot that the end of a slot affects.
+struct AffectedRobot<'a> {
+    id: RobotId,
+    /// Its state, while the step uses it.
+    robot: Option<MutexGuard<'a, Robot>>,
+    /// Time at which it wakes; `None` if the step has not changed that.
+    wake: Option<Time>,
+}
+
+impl<'a> AffectedRobot<'a> {
+    /// The state of robot `id` among `robots`, which are in the order of ids.
+    fn find<'r>(robots: &'r mut [Self], id: RobotId) -> Option<&'r mut MutexGuard<'a, Robot>> {
+        let place = robots.binary_search_by_key(&id, |affected| affected.id).ok()?;
+        robots[place].robot.as_mut()
     }
-    files.sort_by_key(|(file, index)| (file.at, *index));
-    for (file, index) in files {
-        if let Err(error) = file.save() {
-            robots[index].hint(&format!("`{}` cannot be written: {error}", file.path.display()));
+}
+
+/// Saves the files that the robots `writers` wrote in the slot that ends, in order of (virtual time, robot).
+fn save_files(robots: &mut [AffectedRobot<'_>], writers: &[RobotId]) {
+    let mut files = Vec::new();
+    for id in writers {
+        if let Some(robot) = AffectedRobot::find(robots, *id) {
+            files.extend(robot.robios.storage.take_pending_writes().map(|file| (file, *id)));
+        }
+    }
+    files.sort_by_key(|(file, id)| (file.at, *id));
+    for (file, id) in files {
+        if let Err(error) = file.save()
+            && let Some(robot) = AffectedRobot::find(robots, id)
+        {
+            robot.hint(&format!("`{}` cannot be written: {error}", file.path.display()));
         }
     }
 }

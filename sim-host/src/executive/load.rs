@@ -11,7 +11,7 @@ use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, Place, RobotProgram};
 use super::{damage, fiber};
-use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
+use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
 
@@ -57,6 +57,7 @@ pub fn load_programs(
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
     let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
+    loader.set_deal(deal(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == Place::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());

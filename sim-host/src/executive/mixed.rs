@@ -11,6 +11,7 @@ use super::fiber::FiberExecutor;
 use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
+use super::team::Job;
 use super::thread::ThreadExecutor;
 
 /// Executor that forwards each call to the executor of the robot's kind of flow.
@@ -85,6 +86,14 @@ impl Executor for MixedExecutor {
 
     fn switch(&self, robot: RobotId, task: u32) {
         self.of(robot).switch(robot, task);
+    }
+
+    fn helping_workers(&self) -> usize {
+        self.fibers.helping_workers()
+    }
+
+    fn run_loop(&self, job: &Job) {
+        self.fibers.run_loop(job);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {

@@ -28,6 +28,7 @@ pub mod script;
 pub mod signal;
 pub mod spawn;
 pub mod subreaper;
+pub mod team;
 pub mod thread;
 pub mod watchdog;
 
@@ -78,6 +79,17 @@ pub trait Executor: Send + Sync {
 
     /// Hands the run token of `robot` from the calling flow to that of task `task`; returns when it is handed back.
     fn switch(&self, robot: RobotId, task: u32);
+
+    /// Number of threads on which [`Executor::run_loop`] runs a loop, the calling one included.
+    fn helping_workers(&self) -> usize {
+        1
+    }
+
+    /// Runs a loop of the scheduler step on the calling thread, and on the workers that have nothing to run. Returns when no thread
+    /// uses the job any more.
+    fn run_loop(&self, job: &team::Job) {
+        job.work();
+    }
 
     /// Flows that broke (by a fault, or stopped as overdue) and never run again, with the cause.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;

@@ -2,11 +2,14 @@
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// An eventfd on which one thread waits and which any code may notify, signal handlers included.
 pub struct Notifier {
     fd: OwnedFd,
+    /// A flow has broken since the last [`Notifier::take_fault`].
+    has_fault: AtomicBool,
 }
 
 impl Notifier {
@@ -21,7 +24,7 @@ impl Notifier {
             return Err(io::Error::last_os_error());
         }
         // SAFETY: `fd` was just opened by this function, which hands its ownership over.
-        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) } })
+        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_fault: AtomicBool::new(false) })
     }
 
     /// Wakes the waiting thread; async-signal-safe and idempotent until the next [`wait`](Self::wait).
@@ -29,6 +32,17 @@ impl Notifier {
         let one = 1u64;
         // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it is notified already.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
+    }
+
+    /// Wakes the waiting thread because a flow has published its fault; async-signal-safe.
+    pub fn notify_fault(&self) {
+        self.has_fault.store(true, Ordering::Release);
+        self.notify();
+    }
+
+    /// Returns true if a flow has published a fault since the last call.
+    pub fn take_fault(&self) -> bool {
+        self.has_fault.swap(false, Ordering::AcqRel)
     }
 
     /// Waits until notified or until `timeout` has passed, and clears the notification. Returns true if notified.

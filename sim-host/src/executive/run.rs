@@ -1,6 +1,6 @@
 //! State that the flows of a run share (robots, world, run queues), and the functions that flows execute.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::Executor;
-use super::dispatcher::{BarrierOutcome, Dispatcher, Plan};
+use super::dispatcher::{BarrierOutcome, Dispatcher, Plan, Return, ReturnQueue};
 use super::fault::Broken;
 use super::flow::{self, RobotFlow};
 use super::interrupt::Interrupt;
@@ -38,6 +38,8 @@ pub struct Run {
     /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
     pub(super) dispatcher: Mutex<Dispatcher>,
+    /// For each worker the robots that come back to the barrier.
+    returns: Vec<ReturnQueue>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how; the run goes on without them.
     pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
@@ -67,11 +69,22 @@ pub(super) struct Member {
     program: Option<RobotProgram>,
     /// The robot has been removed: its program must exit.
     is_removed: AtomicBool,
+    /// Its program has ended or broken.
+    has_departed: AtomicBool,
+    /// Worker on which it was released last.
+    worker: AtomicU32,
 }
 
 impl Member {
     pub fn new(robot: Robot, program: Option<RobotProgram>) -> Self {
-        Self { robot: Mutex::new(robot), program, is_removed: AtomicBool::new(false) }
+        let has_departed = AtomicBool::new(program.is_none());
+        Self {
+            robot: Mutex::new(robot),
+            program,
+            is_removed: AtomicBool::new(false),
+            has_departed,
+            worker: AtomicU32::new(0),
+        }
     }
 }
 
@@ -96,6 +109,7 @@ impl Run {
             environment: RwLock::new(Environment::new(parts.world, parts.recorder).with_monitor(parts.monitor)),
             members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
             spawner: Mutex::new(parts.spawner),
+            returns: (0..Dispatcher::max_workers(&plan)).map(|_| ReturnQueue::default()).collect(),
             dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),
             executor: parts.executor,
             broken_processes: Mutex::default(),
@@ -276,20 +290,41 @@ impl Run {
     /// # Errors
     /// [`Stop`] if the program must exit or its flow was abandoned.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
-        let mut dispatcher = self.dispatcher.lock();
-        if dispatcher.has_departed(robot) {
-            // The flow was abandoned, and has come back after all.
-            return Err(Stop);
+        let (has_requests, awaits_step) = {
+            let state = self.robot(robot);
+            (state.has_requests() || state.robios.storage.has_pending_writes(), state.awaits_step())
+        };
+        let member = &self.members[robot.index()];
+        let mut continues = false;
+        let returns = self.returns(member.worker.load(Ordering::Relaxed) as usize);
+        let is_last =
+            returns.put(Return { robot, wake, has_requests, awaits_step }, &member.has_departed).ok_or(Stop)?;
+        if is_last {
+            let outcome = self.dispatcher.lock().suspend(self, robot);
+            self.apply(&outcome);
+            continues = outcome.continues;
         }
-        let outcome = dispatcher.suspend(self, robot, wake);
-        drop(dispatcher);
-        self.apply(&outcome);
-        if outcome.continues {
+        if continues {
             self.executor.continue_running(robot);
         } else {
             self.executor.suspend(robot);
         }
         if self.is_exiting(robot) { Err(Stop) } else { Ok(()) }
+    }
+
+    /// The robots of `worker` that come back to the barrier.
+    pub(super) fn returns(&self, worker: usize) -> &ReturnQueue {
+        &self.returns[worker]
+    }
+
+    /// Sets the worker on which robot `id` is released.
+    pub(super) fn set_worker(&self, id: RobotId, worker: u32) {
+        self.members[id.index()].worker.store(worker, Ordering::Relaxed);
+    }
+
+    /// True once robot `id` has departed: its program has ended or broken.
+    pub(super) fn has_departed_flag(&self, id: RobotId) -> &AtomicBool {
+        &self.members[id.index()].has_departed
     }
 
     /// Resumes these robots, each on its worker.
@@ -336,7 +371,7 @@ impl Run {
             self.robot(id).ending.get_or_insert(Ending::Stopped);
         }
         if self.is_stopping() {
-            self.dispatcher.lock().mark_departed(id);
+            self.dispatcher.lock().mark_departed(&self, id);
             self.notifier.notify();
         } else {
             self.end_robot(id, None);

@@ -285,8 +285,11 @@ impl Scheduler {
             if !self.broken.is_empty() {
                 interrupt::arm_last_resort();
             }
-            for (id, broken) in self.run.executor().broken() {
-                self.handle_broken(id, broken, deadline);
+            // The flows are many, and faults are few.
+            if self.run.notifier().take_fault() {
+                for (id, broken) in self.run.executor().broken() {
+                    self.handle_broken(id, broken, deadline);
+                }
             }
             // A flow that runs scheduler steps over many slots in which no robot is due keeps the lock meanwhile.
             let Some(mut dispatcher) = self.run.dispatcher.try_lock_for(POLL_INTERVAL) else { continue };

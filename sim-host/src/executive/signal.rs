@@ -238,7 +238,7 @@ impl FlowBlock {
     pub fn publish_stored(&self) {
         self.faulted.store(true, Ordering::Release);
         if let OnFault::Park(notifier) | OnFault::Leave { notifier, .. } = &self.on_fault {
-            notifier.notify();
+            notifier.notify_fault();
         }
     }
 

@@ -269,6 +269,15 @@ pub struct Loader {
     shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
     /// Number of robots so far that share copies.
     sharing_robots: usize,
+    /// Number of robots that a worker gets before the next one does.
+    deal: usize,
+}
+
+/// Number of robots, neighbours in the list of `robots`, that each of the `workers` gets before the next one does. Neighbours in the list
+/// are often neighbours in the world, and see each other; each worker gets four parts of the list, since robots in one part may have
+/// more to do than those in another.
+pub fn deal(robots: usize, workers: usize) -> usize {
+    (robots / (4 * workers.max(1))).max(1)
 }
 
 impl Loader {
@@ -284,7 +293,13 @@ impl Loader {
             libraries: BTreeMap::new(),
             shared_copies: BTreeMap::new(),
             sharing_robots: 0,
+            deal: 1,
         })
+    }
+
+    /// Sets the number of robots that a worker gets before the next one does, see [`deal`].
+    pub fn set_deal(&mut self, robots: usize) {
+        self.deal = robots;
     }
 
     /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
@@ -318,7 +333,7 @@ impl Loader {
         Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library, variables })
     }
 
-    /// The copy that the next robot shares with others: robots are dealt to the workers in turn.
+    /// The copy that the next robot shares with others.
     fn shared_copy(
         &mut self,
         prepared: &Arc<Prepared>,
@@ -326,7 +341,7 @@ impl Loader {
         places: &[Range<usize>],
         workers: usize,
     ) -> Result<Arc<SharedCopy>, LoadError> {
-        let worker = (self.sharing_robots % workers.max(1)) as u32;
+        let worker = (self.sharing_robots / self.deal % workers.max(1)) as u32;
         self.sharing_robots += 1;
         let key = (Arc::as_ptr(prepared).addr(), worker);
         if let Some((_, copy)) = self.shared_copies.get(&key) {

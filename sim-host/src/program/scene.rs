@@ -1,12 +1,14 @@
 //! The programs of a scene, each found and built once.
 
+use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
 
 use super::build::Builder;
 use super::data_files;
-use super::find::{Found, SearchPath, find_program};
+use super::find::{FindError, Found, SearchPath, find_program};
 use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
@@ -41,17 +43,22 @@ impl Programs {
         // A program named on the command line is searched from the working folder, not from the sim file's.
         let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
+        // By the name, and true for one of the command line.
+        let mut searched: BTreeMap<(&str, bool), Result<Found, FindError>> = BTreeMap::new();
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
             let find = |program: &PathRef| {
                 let search = if is_of_command_line(program) { &search_from_here } else { search };
                 find_program(&program.text, search)
             };
-            found.push(robot.program.as_ref().and_then(|program| match find(program) {
-                Ok(found) => Some(found.wanted(wanted_of(robot))),
-                Err(error) => {
-                    push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
-                    None
+            found.push(robot.program.as_ref().and_then(|program| {
+                let key = (&*program.text, is_of_command_line(program));
+                match searched.entry(key).or_insert_with(|| find(program)) {
+                    Ok(found) => Some(found.clone().wanted(wanted_of(robot))),
+                    Err(error) => {
+                        push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
+                        None
+                    }
                 }
             }));
         }
@@ -61,6 +68,7 @@ impl Programs {
         let mut prepared = prepare(builder, &found.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
         let mut of_robots = Vec::with_capacity(found.len());
         let mut remarks = Vec::new();
+        let mut seen = BTreeSet::new();
         for (robot, found) in scene.robots.iter().zip(&found) {
             let Some((found, prepared)) = found.as_ref().and_then(|found| Some((found, prepared.next()?))) else {
                 of_robots.push(None);
@@ -73,8 +81,9 @@ impl Programs {
                     generation.into_iter().for_each(|remark| push_new(&mut remarks, remark));
                     let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
                     output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
-                    let files = data_files::remarks(&found.source, &search.working_folder);
-                    files.into_iter().for_each(|remark| push_new(&mut remarks, remark));
+                    if seen.insert(&found.source) {
+                        remarks.extend(data_files::remarks(&found.source, &search.working_folder));
+                    }
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
                     of_robots.push(Some(program));
                 }

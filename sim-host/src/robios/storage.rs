@@ -77,6 +77,11 @@ impl Storage {
         Ok(())
     }
 
+    /// Returns true if files were written in the slot that ends.
+    pub fn has_pending_writes(&self) -> bool {
+        !self.pending_writes.is_empty()
+    }
+
     /// Takes the files written in the slot that ends.
     pub fn take_pending_writes(&mut self) -> impl Iterator<Item = PendingWrite> + use<> {
         let written = std::mem::take(&mut self.pending_writes);

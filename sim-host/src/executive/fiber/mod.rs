@@ -25,12 +25,13 @@ use parking_lot::Mutex;
 
 use sim_core::RobotId;
 
-use self::stack::Stack;
+use self::stack::{Stack, Stacks};
 use super::fault::Broken;
 use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::signal::{self, FlowBlock, Handlers, Leave};
+use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
@@ -47,8 +48,9 @@ pub struct FiberExecutor {
     /// The workers once they have started, and their threads until they are joined.
     workers: OnceLock<Vec<Arc<Worker>>>,
     threads: Mutex<Vec<RunningWorker>>,
-    /// Number of fibers created so far.
-    fiber_count: AtomicUsize,
+    /// The loop with which workers help that have nothing to run.
+    team: Arc<Team>,
+    stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
 }
@@ -69,6 +71,7 @@ struct Worker {
     /// It waits in the kernel, which takes microseconds to wake it.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
+    team: Arc<Team>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
     /// Context of the worker while a fiber runs: where the fiber returns to. Used by the worker's thread only.
@@ -156,7 +159,8 @@ impl FiberExecutor {
             worker_count: workers,
             workers: OnceLock::new(),
             threads: Mutex::default(),
-            fiber_count: AtomicUsize::new(0),
+            team: Arc::default(),
+            stacks: Arc::default(),
             notifier: OnceLock::new(),
         }
     }
@@ -183,7 +187,7 @@ impl FiberExecutor {
         if self.workers.get().is_none() {
             let mut running = self.threads.lock();
             while running.len() < self.worker_count {
-                let worker = RunningWorker::start(running.len(), self.notifier())?;
+                let worker = RunningWorker::start(running.len(), self.notifier(), &self.team)?;
                 running.push(worker);
             }
             self.workers.get_or_init(|| running.iter().map(|running| Arc::clone(&running.worker)).collect());
@@ -193,13 +197,14 @@ impl FiberExecutor {
 }
 
 impl RunningWorker {
-    fn start(number: usize, notifier: &Arc<Notifier>) -> io::Result<Self> {
+    fn start(number: usize, notifier: &Arc<Notifier>, team: &Arc<Team>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
             block: FlowBlock::notifying(Arc::clone(notifier)),
             queue: Mutex::default(),
             queued: AtomicUsize::new(0),
             is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
+            team: Arc::clone(team),
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
             is_ending: AtomicBool::new(false),
@@ -294,20 +299,22 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker is to end: a short time awake, since the next slot of a few robots begins
-    /// sooner than the kernel could wake a thread, then in the kernel.
+    /// Waits until a fiber is in the queue or the worker is to end, and helps with loops meanwhile: a short time awake, since the next
+    /// slot of a few robots begins sooner than the kernel could wake a thread, then in the kernel.
     fn wait(&self) {
         /// Turns of a wait, some tens of microseconds.
         const SPINS: usize = 1000;
         let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
-        for _ in 0..SPINS {
+        let (mut spins, mut seen) = (0, 0);
+        while spins < SPINS {
             if is_over() {
                 return;
             }
+            spins = if self.team.help(&mut seen) { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !is_over() {
+        if !is_over() && !self.team.has_job(seen) {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -384,12 +391,11 @@ impl RobotFibers {
 }
 
 impl Fiber {
-    /// Creates the `number`-th fiber of a run, which runs `flow`.
-    fn new(number: usize, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<Self> {
-        let stack = Stack::new(number)?;
+    /// Creates a fiber, which runs `flow` on `stack`.
+    fn new(stack: Stack, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> Self {
         // SAFETY: nobody uses the new stack.
         let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
-        Ok(Self {
+        Self {
             block: FlowBlock::leaving(
                 Leave { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
                 Arc::clone(notifier),
@@ -404,7 +410,7 @@ impl Fiber {
                 environment: Environment::INITIAL,
                 errno: 0,
             }),
-        })
+        }
     }
 
     fn status(&self) -> Status {
@@ -487,6 +493,7 @@ impl Executor for FiberExecutor {
 
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
         let mut all_end = true;
+        self.stacks.end();
         let deadline = Instant::now() + JOIN_TIMEOUT;
         for (index, robot) in &self.robots {
             let list = std::mem::take(&mut *robot.flows.lock()).list;
@@ -524,8 +531,7 @@ impl Executor for FiberExecutor {
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
         self.start_workers()?;
-        let number = self.fiber_count.fetch_add(1, Ordering::Relaxed);
-        let fiber = Arc::new(Fiber::new(number, self.notifier(), flow)?);
+        let fiber = Arc::new(Fiber::new(self.stacks.take()?, self.notifier(), flow));
         let mut flows = self.robot(robot).flows.lock();
         flows.token_holder.get_or_insert_with(|| Arc::clone(&fiber));
         flows.list.push((task, fiber));
@@ -557,6 +563,18 @@ impl Executor for FiberExecutor {
     fn switch(&self, robot: RobotId, task: u32) {
         self.robot(robot).hand_token_to(task);
         Fiber::current().suspend();
+    }
+
+    fn helping_workers(&self) -> usize {
+        self.workers.get().map_or(1, Vec::len)
+    }
+
+    fn run_loop(&self, job: &Job) {
+        let call = || {
+            let workers = self.workers.get().into_iter().flatten();
+            workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());
+        };
+        self.team.lead(job, call);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {

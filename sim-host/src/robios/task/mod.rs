@@ -367,15 +367,20 @@ impl Tasks {
         self.recheck_from(at, |reason| matches!(reason, WaitReason::Key(_) | WaitReason::Input(_)));
     }
 
-    /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the running task waits, and
-    /// some task waits for something that the scheduler step can bring: the end of the drive, a message, or user input.
-    pub fn earliest_wake(&mut self, drive_end: Time) -> Option<Time> {
+    /// Returns true if the running task waits, and some task waits for something that the scheduler step can bring: the end of the
+    /// drive, a message, or user input.
+    fn awaits_step(&self) -> bool {
         let is_brought = |reason: &WaitReason| {
             matches!(reason, WaitReason::Drive | WaitReason::Message | WaitReason::Key(_) | WaitReason::Input(_))
         };
         let is_meant = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_brought(&waiting.reason));
         let is_waiting = if self.scheduler.is_some() { self.is_idle } else { self.current().waiting.is_some() };
-        if !is_waiting || !self.list.iter().any(is_meant) {
+        is_waiting && self.list.iter().any(is_meant)
+    }
+
+    /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the scheduler step can bring it.
+    pub fn earliest_wake(&mut self, drive_end: Time) -> Option<Time> {
+        if !self.awaits_step() {
             return None;
         }
         if let Some(scheduler) = &mut self.scheduler {
@@ -674,11 +679,16 @@ impl fmt::Display for TaskWait {
 }
 
 impl Robot {
+    /// Returns true if its suspended program waits for something that the scheduler step can bring.
+    pub fn awaits_step(&self) -> bool {
+        // Calls of a callback are work, whatever the interrupted call waits for.
+        !self.timers.in_callback && self.tasks.awaits_step()
+    }
+
     /// Earliest time at which a wait of its tasks may be over, given the effects of the slot that ends at `slot_end`;
     /// `None` if the scheduler step cannot have changed it.
     pub fn earliest_wake_after(&mut self, slot_end: Time) -> Option<Time> {
-        // Calls of a callback are work, whatever the interrupted call waits for.
-        if self.timers.in_callback {
+        if !self.awaits_step() {
             return None;
         }
         // The drive of a robot that was placed elsewhere is over.

@@ -1,0 +1,52 @@
+//! Loops whose turns are independent of each other, for callers that have several threads.
+
+/// Number of items in a section of a loop.
+pub const SECTION: usize = 8;
+
+/// Runs loops, on several threads if it has them.
+pub trait Pool {
+    /// Calls `act` once for each section of `items`, in any order, several at a time. Sections have [`SECTION`] items, the last one may
+    /// have fewer. Returns when all calls have returned.
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync);
+
+    /// Calls `act` once for each of `items`, in any order, several at a time. Returns when all calls have returned.
+    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
+        self.for_each_section(items, |section| section.iter_mut().for_each(&act));
+    }
+}
+
+/// The pool of a caller with one thread: runs the turns of a loop one after the other.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Serial;
+
+impl Pool for Serial {
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
+        items.chunks_mut(SECTION).for_each(act);
+    }
+}
+
+/// An empty vector of another type in the memory of `spare`, if their elements have the same layout: references that a loop needs in
+/// each slot take no new memory.
+pub fn reuse<T, U>(mut spare: Vec<T>) -> Vec<U> {
+    spare.clear();
+    // The standard library collects in place.
+    spare.into_iter().map_while(|_| None).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reused_memory_stays_in_place() {
+        let spare: Vec<usize> = Vec::with_capacity(100);
+        let place = spare.as_ptr().addr();
+        let value = 3;
+        let mut references: Vec<&i32> = reuse(spare);
+        references.push(&value);
+        assert_eq!((references.as_ptr().addr(), references.capacity()), (place, 100));
+        assert_eq!(references, [&3]);
+        let back: Vec<usize> = reuse(references);
+        assert_eq!((back.as_ptr().addr(), back.len()), (place, 0));
+    }
+}

@@ -1,0 +1,162 @@
+//! Loops of the scheduler step on all workers: those without a flow to run help the worker that runs the step.
+
+use std::ptr;
+use std::slice;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+
+use sim_core::parallel::{Pool, SECTION, Serial};
+
+use super::Executor;
+
+/// A loop whose turns any thread may run.
+pub struct Job {
+    /// First turn that no thread has taken.
+    next: AtomicUsize,
+    turns: usize,
+    /// Turns that a thread takes at once.
+    share: usize,
+    /// Runs the turns from the second number up to the third.
+    run: unsafe fn(*const (), usize, usize),
+    data: *const (),
+}
+
+// SAFETY: `run` may be called by any thread, see `WorkerPool::for_each`.
+unsafe impl Sync for Job {}
+
+impl Job {
+    /// Runs turns until none is left.
+    pub fn work(&self) {
+        loop {
+            let first = self.next.fetch_add(self.share, Ordering::Relaxed);
+            if first >= self.turns {
+                return;
+            }
+            // SAFETY: the data live as long as the job, and no other thread takes these turns.
+            unsafe { (self.run)(self.data, first, (first + self.share).min(self.turns)) };
+        }
+    }
+}
+
+/// The loop in progress, with which the workers of an executor help.
+#[derive(Default)]
+pub struct Team {
+    /// Null for none.
+    job: AtomicPtr<Job>,
+    /// Number of loops so far.
+    loops: AtomicUsize,
+    /// Number of threads that may be looking at the job.
+    helpers: AtomicUsize,
+}
+
+impl Team {
+    /// Returns true if a loop has begun since the caller helped last, when `seen` had begun.
+    pub fn has_job(&self, seen: usize) -> bool {
+        self.loops.load(Ordering::SeqCst) != seen
+    }
+
+    /// Helps with the loop in progress, if it has begun after the one with number `seen`, which becomes its number; false if there is
+    /// none.
+    pub fn help(&self, seen: &mut usize) -> bool {
+        if !self.has_job(*seen) {
+            return false;
+        }
+        *seen = self.loops.load(Ordering::SeqCst);
+        let _helper = Helper::enter(self);
+        // SAFETY: `lead` does not return, so that the job lives, before it has seen that no helper is left.
+        if let Some(job) = unsafe { self.job.load(Ordering::SeqCst).as_ref() } {
+            job.work();
+        }
+        true
+    }
+
+    /// Runs `job` on the calling thread and on those that help; `call` wakes the latter. One thread at a time leads.
+    pub fn lead(&self, job: &Job, call: impl FnOnce()) {
+        self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
+        self.loops.fetch_add(1, Ordering::SeqCst);
+        let _lead = Lead(self);
+        call();
+        job.work();
+    }
+}
+
+/// A thread that looks at the job.
+struct Helper<'a>(&'a Team);
+
+impl<'a> Helper<'a> {
+    fn enter(team: &'a Team) -> Self {
+        team.helpers.fetch_add(1, Ordering::SeqCst);
+        Self(team)
+    }
+}
+
+impl Drop for Helper<'_> {
+    fn drop(&mut self) {
+        self.0.helpers.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// The thread that leads; it ends by waiting for the helpers.
+struct Lead<'a>(&'a Team);
+
+impl Drop for Lead<'_> {
+    fn drop(&mut self) {
+        /// Turns of the wait before the thread leaves its processor to others, on which a helper may have to wait.
+        const SPINS: usize = 500;
+        self.0.job.store(ptr::null_mut(), Ordering::SeqCst);
+        let mut spins = 0;
+        while self.0.helpers.load(Ordering::SeqCst) > 0 {
+            spins += 1;
+            if spins < SPINS { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+    }
+}
+
+/// The workers of an executor as the simulation uses them.
+pub struct WorkerPool<'a>(pub &'a dyn Executor);
+
+/// Smallest number of turns of a loop on several threads: with fewer the hand-over costs more than it saves.
+const MIN_TURNS: usize = 6;
+
+/// Greatest number of turns that a thread takes at once.
+const MAX_SHARE: usize = 4;
+
+impl Pool for WorkerPool<'_> {
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
+        struct Data<'d, T, F> {
+            items: *mut T,
+            len: usize,
+            act: &'d F,
+        }
+        /// # Safety
+        /// `data` is a [`Data`] whose sections from `first` to `last` nobody else uses now.
+        unsafe fn run<T, F: Fn(&mut [T])>(data: *const (), first: usize, last: usize) {
+            // SAFETY: by this function's contract.
+            unsafe {
+                let data = &*data.cast::<Data<'_, T, F>>();
+                for start in (first..last).map(|section| section * SECTION) {
+                    let len = SECTION.min(data.len - start);
+                    (data.act)(slice::from_raw_parts_mut(data.items.add(start), len));
+                }
+            }
+        }
+        fn runner<T, F: Fn(&mut [T])>(_: &F) -> unsafe fn(*const (), usize, usize) {
+            run::<T, F>
+        }
+        let workers = self.0.helping_workers();
+        let turns = items.len().div_ceil(SECTION);
+        if workers < 2 || turns < MIN_TURNS {
+            return Serial.for_each_section(items, act);
+        }
+        let data = Data { items: items.as_mut_ptr(), len: items.len(), act: &act };
+        let job = Job {
+            next: AtomicUsize::new(0),
+            turns,
+            share: (turns / (8 * workers)).clamp(1, MAX_SHARE),
+            // SAFETY of its calls: the executor is done with the job when `run_loop` returns, so that the data live; the items are
+            // borrowed mutably here, may be sent to other threads, and each section is the turn of one call; threads may share `act`.
+            run: runner::<T, _>(&act),
+            data: ptr::from_ref(&data).cast(),
+        };
+        self.0.run_loop(&job);
+    }
+}
