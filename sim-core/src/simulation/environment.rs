@@ -165,15 +165,16 @@ impl Environment {
             }
         }
         let heard = self.traffic.deliver(at, robots);
-        for robot in robots {
-            if !robot.is_removed {
-                // The walk is recorded first, so that readers of poses already know the height of a walking body.
-                robot.record_walk(world, at);
-                robot.record_pose(at);
-                if robot.motion.is_active() {
-                    self.moving.push(robot.id);
-                }
+        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
+            // The walk is recorded first, so that readers of poses already know the height of a walking body.
+            robot.record_walk(world, at);
+            robot.record_pose(at);
+            if robot.motion.is_active() {
+                self.moving.push(robot.id);
             }
+        }
+        Journal::seal_all(robots.iter_mut().map(|robot| &mut robot.journal));
+        for robot in robots {
             recorder.collect(&mut robot.journal);
         }
         SlotEnd { at, heard }

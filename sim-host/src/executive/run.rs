@@ -34,7 +34,7 @@ pub struct Run {
     /// World, recorder and radio channel; written only between slots, while no robot runs.
     pub(crate) environment: RwLock<Environment>,
     /// All robots that were ever in the run, in the order of their ids.
-    members: boxcar::Vec<Member>,
+    members: boxcar::Vec<Arc<Member>>,
     /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
     pub(super) dispatcher: Mutex<Dispatcher>,
@@ -73,6 +73,18 @@ impl Member {
     pub fn new(robot: Robot, program: Option<RobotProgram>) -> Self {
         Self { robot: Mutex::new(robot), program, is_removed: AtomicBool::new(false) }
     }
+
+    /// Locks the state of the robot.
+    #[inline]
+    pub fn robot(&self) -> MutexGuard<'_, Robot> {
+        self.robot.lock()
+    }
+
+    /// Returns true once the robot has been removed.
+    #[inline]
+    pub fn is_removed(&self) -> bool {
+        self.is_removed.load(Ordering::Acquire)
+    }
 }
 
 /// Time in which a stopped program must exit before its flow is abandoned.
@@ -94,7 +106,7 @@ impl Run {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             environment: RwLock::new(Environment::new(parts.world, parts.recorder).with_monitor(parts.monitor)),
-            members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
+            members: members.map(|(robot, program)| Arc::new(Member::new(robot, program))).collect(),
             spawner: Mutex::new(parts.spawner),
             dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),
             executor: parts.executor,
@@ -137,7 +149,7 @@ impl Run {
 
     /// Adds a spawned robot, which has the next id.
     pub(super) fn admit(&self, member: Member) {
-        self.members.push(member);
+        self.members.push(Arc::new(member));
     }
 
     /// Marks robot `id` as removed: its program must exit, and its calls return [`Stop`].
@@ -152,7 +164,7 @@ impl Run {
 
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
-        self.members[id.index()].robot.lock()
+        self.members[id.index()].robot()
     }
 
     /// The world as published at the start of the present slot. The guard must not be held while the run goes on.
@@ -161,6 +173,7 @@ impl Run {
     }
 
     /// As [`Run::world`], for a robot's flow that runs: without the lock, whose count all workers would change with each call.
+    #[inline]
     pub(super) fn world_in_slot(&self) -> &World {
         debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
         // SAFETY: the environment is written only between slots, while no robot runs: by the scheduler step, which the last flow at the
@@ -205,11 +218,13 @@ impl Run {
     }
 
     /// Start of the present slot.
+    #[inline]
     pub fn slot_start(&self) -> Time {
         Time(self.slot_start.load(Ordering::Acquire))
     }
 
     /// End of the present slot.
+    #[inline]
     pub fn slot_end(&self) -> Time {
         Time(self.slot_end.load(Ordering::Acquire))
     }
@@ -220,13 +235,15 @@ impl Run {
     }
 
     /// Virtual time that `call` takes.
+    #[inline]
     pub(crate) fn cost(&self, call: Call) -> Time {
         self.costs.of(call)
     }
 
-    /// Returns true if the calls of robot `id` are recorded.
-    pub(crate) fn is_verbose(&self, id: RobotId) -> bool {
-        self.is_verbose || self.has_verbose_robots.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
+    /// Returns true if the calls of the robot of `member` are recorded.
+    #[inline]
+    pub(super) fn is_verbose(&self, member: &Member) -> bool {
+        self.is_verbose || self.has_verbose_robots.load(Ordering::Relaxed) && member.robot().journal.is_verbose()
     }
 
     /// Turns the recording of the calls of robot `id` on or off, between two slots.
@@ -236,13 +253,14 @@ impl Run {
     }
 
     /// Returns true once all programs must exit.
-    fn is_stopping(&self) -> bool {
+    #[inline]
+    pub(super) fn is_stopping(&self) -> bool {
         self.is_stopping.load(Ordering::Acquire)
     }
 
     /// Returns true once robot `id` has been removed.
     pub fn is_removed(&self, id: RobotId) -> bool {
-        self.members[id.index()].is_removed.load(Ordering::Acquire)
+        self.members[id.index()].is_removed()
     }
 
     /// Returns true once the program of robot `id` must exit: all its calls return [`Stop`].
@@ -310,7 +328,8 @@ impl Run {
     /// Body of a robot's first flow, which runs `main`.
     fn run_main_flow(self: Arc<Self>, id: RobotId) -> Option<u32> {
         if let (false, Some(program)) = (self.is_exiting(id), self.program(id)) {
-            let caller = Caller::new(RobotFlow { run: Arc::clone(&self), id });
+            let member = Arc::clone(&self.members[id.index()]);
+            let caller = Caller::new(RobotFlow { run: Arc::clone(&self), member, id });
             let result = program.run(&caller);
             if result.is_ok() && !self.is_exiting(id) {
                 self.robot(id).hint_at_unfinished_tasks();
