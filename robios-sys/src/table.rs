@@ -6,6 +6,7 @@ use std::ffi::c_void;
 use std::fmt::{self, Display, Formatter};
 
 use crate::abi::Stop;
+use crate::param::{Return, ShownResult};
 
 /// Interface of the thunks to the implementor of a table's trait: one robot of a host.
 ///
@@ -117,6 +118,7 @@ pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static 
 }
 
 /// Runs a method of the host and catches its panic, which must not cross the ABI.
+#[inline]
 pub(crate) fn guarded<H: CallContext, R>(
     host: &H,
     name: &'static str,
@@ -126,6 +128,18 @@ pub(crate) fn guarded<H: CallContext, R>(
         host.panicked(name, payload);
         Err(Stop)
     })
+}
+
+/// Passes a call that has returned to the host's log.
+#[cold]
+pub(crate) fn log<H: CallContext, R: Copy + Return>(
+    host: &H,
+    name: &'static str,
+    arguments: &[&dyn Display],
+    outcome: Result<R, Stop>,
+) {
+    let shown = outcome.ok().map(ShownResult);
+    host.log_call(&CallRecord { name, arguments, result: shown.as_ref().map(|shown| shown as &dyn Display) });
 }
 
 /// Generates from one list of functions the table, the trait, the thunks, the enum of calls and the description.
@@ -315,7 +329,7 @@ macro_rules! function_table {
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
         mod method {
             use super::*;
-            use $crate::param::{Param, ShownArgument, ShownResult};
+            use $crate::param::{Param, ShownArgument};
             $($(
                 pub fn $name<H: $Trait>(
                     host: &H,
@@ -325,12 +339,7 @@ macro_rules! function_table {
                         host.$name($(<$kind as Param>::view($parameter)),*)
                     });
                     if host.is_logging() {
-                        let shown = outcome.ok().map(ShownResult);
-                        host.log_call(&$crate::table::CallRecord {
-                            name: stringify!($name),
-                            arguments: &[$(&ShownArgument::<$kind>($parameter)),*],
-                            result: shown.as_ref().map(|shown| shown as &dyn ::std::fmt::Display),
-                        });
+                        $crate::table::log(host, stringify!($name), &[$(&ShownArgument::<$kind>($parameter)),*], outcome);
                     }
                     outcome
                 }

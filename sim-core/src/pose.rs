@@ -130,10 +130,15 @@ impl Pose {
     ///
     /// Exact for straight lines, arcs and turns on the spot; finite and continuous as the angle goes to 0.
     pub fn moved(&self, displacement: Twist) -> Pose {
+        self.moved_along(self.heading.direction(), displacement)
+    }
+
+    /// As [`Pose::moved`], for a caller that has the unit vector of the heading already.
+    pub(crate) fn moved_along(&self, forward: DVec2, displacement: Twist) -> Pose {
         let Twist { vx, vy, omega } = displacement;
         let (s, c) = (math::sinc(omega), math::cosc(omega));
         let chord = DVec2::new(vx * s - vy * c, vx * c + vy * s);
-        Pose { position: self.transform_point(chord), heading: self.heading.turned(omega) }
+        Pose { position: self.position + forward.rotate(chord), heading: self.heading.turned(omega) }
     }
 }
 

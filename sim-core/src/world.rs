@@ -369,15 +369,19 @@ impl World {
         let centre = motion.pose(at).position;
         let radius = motion.radius();
         let mut bodies = Vec::new();
-        self.for_each_near(Bounds::of_disc(centre, radius + TOUCH), at, |robot| {
-            if robot != motion.id() {
+        let mut look_at = |robot: RobotId| {
+            if robot != motion.id() && self.is_robot_present(robot, at) {
                 let body = self.body(robot, at);
                 if (body.centre - centre).length() <= radius + body.radius + TOUCH {
                     bodies.push(body);
                 }
             }
-        });
+        };
+        let near = Bounds::of_disc(centre, radius + TOUCH);
+        self.resting.visit_in(&near, &mut look_at);
+        self.moving.visit_in(&near, &mut look_at);
         bodies.sort_by_key(|body| body.robot);
+        bodies.dedup_by_key(|body| body.robot);
         bodies
     }
 

@@ -58,6 +58,7 @@ impl Compass {
     }
 
     /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]; see [`super::psd::Psds::due`].
+    #[inline]
     pub fn due(&self) -> Time {
         self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
     }

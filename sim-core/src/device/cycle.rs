@@ -18,27 +18,32 @@ impl Cycle {
     }
 
     /// Number of cycles that are complete at `now`.
+    #[inline]
     pub fn completed(&self, now: Time) -> i64 {
         ((now - self.start).0.max(0) / self.period.0).min(self.last)
     }
 
     /// End of cycle `n`.
+    #[inline]
     pub fn end(&self, n: i64) -> Time {
         self.start + Time(self.period.0.saturating_mul(n))
     }
 
     /// End of the last cycle; [`Time::NEVER`] in continuous mode.
+    #[inline]
     pub fn last_end(&self) -> Time {
         if self.last == i64::MAX { Time::NEVER } else { self.end(self.last) }
     }
 
     /// End of the latest complete cycle; `None` before the end of the first.
+    #[inline]
     pub fn latest(&self, now: Time) -> Option<Time> {
         let completed = self.completed(now);
         (completed > 0).then(|| self.end(completed))
     }
 
     /// Returns true if no cycle is in progress any more.
+    #[inline]
     pub fn is_over(&self, now: Time) -> bool {
         self.completed(now) == self.last
     }

@@ -70,6 +70,7 @@ impl Devices {
     }
 
     /// Time by which a finished measurement must be computed, before the world's history is dropped; [`Time::NEVER`] if there is none.
+    #[inline]
     pub fn due(&self) -> Time {
         self.psds.due().min(self.compass.due())
     }

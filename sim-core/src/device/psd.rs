@@ -27,6 +27,8 @@ pub struct Psds {
 struct Measurement {
     sensors: SensorSet,
     cycle: Cycle,
+    /// End of the cycle in progress when [`Psds::advance`] last looked: nothing changes before.
+    next: Time,
 }
 
 /// A sensor's latest measurement.
@@ -61,7 +63,8 @@ impl Psds {
             self.readings.resize_with(count, Latest::default);
         }
         self.stamp = None;
-        self.measurement = Some(Measurement { sensors, cycle: Cycle::new(now, CYCLE, is_continuous) });
+        let cycle = Cycle::new(now, CYCLE, is_continuous);
+        self.measurement = Some(Measurement { sensors, cycle, next: cycle.end(1) });
         true
     }
 
@@ -91,6 +94,7 @@ impl Psds {
 
     /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]. [`settle`](Self::settle) must
     /// be called at that time, because the world keeps only a short history.
+    #[inline]
     pub fn due(&self) -> Time {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
     }
@@ -109,7 +113,12 @@ impl Psds {
 
     /// Takes over the cycles completed by `now`.
     fn advance(&mut self, now: Time) {
-        let Some(Measurement { sensors, cycle }) = self.measurement else { return };
+        let Some(Measurement { sensors, cycle, next }) = &mut self.measurement else { return };
+        if now < *next {
+            return;
+        }
+        let (sensors, cycle) = (*sensors, *cycle);
+        *next = cycle.end(cycle.completed(now) + 1);
         let Some(taken) = cycle.latest(now) else { return };
         if self.stamp != Some(taken) {
             self.stamp = Some(taken);

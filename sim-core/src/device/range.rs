@@ -100,14 +100,19 @@ impl Ranges {
 
     /// Reading of sensor `index` at `at`, with the servo angles just before `at`; no return if there is no such sensor.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
-        let world_from_robot = motion.pose(at);
-        let event = Events::index(at, CYCLE);
-        let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
-        let (angles, lift) = self.angles(sensor.link, servos, motion, at);
-        let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
+        let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
+        let event = errors.map_or(0, |_| Events::index(at, CYCLE));
         let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
-        let reading = sensor.read(world, motion.id(), &posture, at, own);
+        let reading = if sensor.is_level_psd() {
+            let (centre, forward) = motion.centre_and_forward(at);
+            sensor.read_level(world, motion.id(), (centre, forward, motion.lift(at)), at, own)
+        } else {
+            let world_from_robot = motion.pose(at);
+            let (angles, lift) = self.angles(sensor.link, servos, motion, at);
+            let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
+            sensor.read(world, motion.id(), &posture, at, own)
+        };
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
 

@@ -170,6 +170,8 @@ pub struct Motion {
     /// Result of the last [`Motion::pose`], with the revision and the instant for which it is valid: the sensors of a robot measure at
     /// the same instants.
     last_pose: Option<(u64, Time, Pose)>,
+    /// The last heading for which its unit vector was asked, with that vector.
+    last_forward: (Heading, DVec2),
     /// Result of the last [`Motion::drive_end`], with the revision for which it is valid.
     drive_end: Option<(u64, Option<Time>)>,
     /// The feet of a robot with legs.
@@ -198,6 +200,7 @@ impl Motion {
             contacts: 0,
             revision: 0,
             last_pose: None,
+            last_forward: (Heading::default(), Heading::default().direction()),
             drive_end: None,
             walk: None,
         }
@@ -401,6 +404,15 @@ impl Motion {
         let pose = self.stages[index].centre(&self.vehicle.model, at);
         self.last_pose = Some((self.revision, at, pose));
         pose
+    }
+
+    /// Position of the robot's centre at `at`, and the unit vector of its heading.
+    pub(crate) fn centre_and_forward(&mut self, at: Time) -> (DVec2, DVec2) {
+        let Pose { position, heading } = self.pose(at);
+        if self.last_forward.0 != heading {
+            self.last_forward = (heading, heading.direction());
+        }
+        (position, self.last_forward.1)
     }
 
     /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.
@@ -789,6 +801,9 @@ impl Motion {
 
     /// Returns true if a coming tick will change the motion, because of a lag of the wheels or of errors.
     fn has_ticks(&self) -> bool {
+        if self.last().has_no_ticks(&self.vehicle) {
+            return false;
+        }
         let mut stage = self.last().clone();
         let next_tick = self.committed.max(stage.piece.start) + TICK;
         stage.next(&self.vehicle, &self.walls, next_tick).is_some()
@@ -865,6 +880,9 @@ impl Motion {
     fn index_at(&mut self, at: Time) -> usize {
         loop {
             let last = self.stages.back_mut().expect("a motion has a stage");
+            if last.has_no_ticks(&self.vehicle) {
+                break;
+            }
             match last.next(&self.vehicle, &self.walls, at) {
                 Some(next) => self.stages.push_back(next),
                 None => break,

@@ -1,5 +1,7 @@
 //! One piece of motion: constant twist from a whole microsecond on, in closed form.
 
+use glam::DVec2;
+
 use super::model::Wheels;
 use crate::{
     contact::Obstacle,
@@ -68,25 +70,29 @@ pub struct Piece {
 impl Piece {
     /// The state at `at`, not before `start`: a function of `at` alone.
     pub fn state(&self, at: Time) -> State {
-        self.state_after((at - self.start).seconds())
+        self.state_after((at - self.start).seconds(), self.state.world_from_axle.heading.direction())
     }
 
-    /// The state `seconds` after the start.
-    pub fn state_after(&self, seconds: f64) -> State {
+    /// The state `seconds` after the start; `forward` is the unit vector of the axle's heading at the start.
+    pub(super) fn state_after(&self, seconds: f64, forward: DVec2) -> State {
         let seconds = seconds.clamp(0.0, self.after.max(0.0));
-        let truth = self.covered(self.rates.truth, seconds);
         State {
-            world_from_axle: self.state.world_from_axle.moved(truth),
+            world_from_axle: self.world_from_axle_after(seconds, forward),
             odometry: self.state.odometry.moved(self.covered(self.rates.odometry, seconds)),
             wheels: std::array::from_fn(|i| self.state.wheels[i] + self.rates.wheels[i] * seconds),
-            path: self.state.path + truth.speed(),
+            path: self.state.path + self.covered(self.rates.truth, seconds).speed(),
         }
     }
 
     /// True pose of the axle at `at`, the same as in [`Piece::state`].
     pub fn world_from_axle(&self, at: Time) -> Pose {
         let seconds = (at - self.start).seconds().clamp(0.0, self.after.max(0.0));
-        self.state.world_from_axle.moved(self.covered(self.rates.truth, seconds))
+        self.world_from_axle_after(seconds, self.state.world_from_axle.heading.direction())
+    }
+
+    /// True pose of the axle `seconds` after the start and not beyond the end; `forward` as in [`Piece::state_after`].
+    pub(super) fn world_from_axle_after(&self, seconds: f64, forward: DVec2) -> Pose {
+        self.state.world_from_axle.moved_along(forward, self.covered(self.rates.truth, seconds))
     }
 
     /// Displacement at `rate`, one of the piece's twists, in the first `seconds` of the piece, not beyond its end.

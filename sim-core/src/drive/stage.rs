@@ -193,7 +193,7 @@ impl Stage {
 
     /// State `seconds` after the start.
     fn state_after(&self, model: &Model, seconds: f64) -> State {
-        let state = self.piece.state_after(seconds);
+        let state = self.piece.state_after(seconds, self.path.direction);
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
         let Some(segment) = self.segment_at(seconds) else { return state };
         let path = self.piece.state.path + (segment.covered + self.length_on(model, segment, seconds - segment.from));
@@ -208,8 +208,7 @@ impl Stage {
     pub fn centre_after(&self, model: &Model, seconds: f64) -> Pose {
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
         let Some(segment) = self.segment_at(seconds) else {
-            let axle = self.piece.state.world_from_axle.moved(self.piece.covered(self.piece.rates.truth, seconds));
-            return centre_of(model, &axle);
+            return centre_of(model, &self.piece.world_from_axle_after(seconds, self.path.direction));
         };
         let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds);
         Pose { position: segment.position(seconds), heading }
@@ -326,6 +325,9 @@ impl Stage {
 
     /// The first body of `touching` that the robot approaches at the start of the stage.
     fn approached(&self, radius: f64, touching: &[Body]) -> Option<Obstacle> {
+        if touching.is_empty() {
+            return None;
+        }
         let velocity = self.path.velocity(0.0);
         touching.iter().find_map(|body| {
             let towards = (body.centre - self.path.origin).normalize_or_zero();
@@ -349,7 +351,14 @@ impl Stage {
     ///
     /// The contact with each wall is computed for the whole path, and the intervals of the search are counted from the
     /// start. So the result does not depend on earlier searches.
+    #[inline]
     pub fn explore(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
+        if self.explored < seconds.min(self.piece.after) {
+            self.explore_on(vehicle, walls, seconds);
+        }
+    }
+
+    fn explore_on(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
         while self.explored < seconds.min(self.piece.after) {
             let last = self.segments.last().copied();
             if let Some(SlideSegment { from, after, meets, against: Some(_), .. }) = last {
@@ -462,7 +471,8 @@ impl Stage {
     }
 
     /// Returns true if no tick opens another stage after this one.
-    fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
+    #[inline]
+    pub fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
         self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
     }
 

@@ -1,5 +1,6 @@
 //! Events of a run, defined in one list that generates enum, kinds and JSON names, and that `docs/trace.md` is checked against.
 
+mod canonical;
 mod field;
 mod line;
 mod set;
@@ -7,6 +8,7 @@ mod set;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize};
 
+pub(super) use canonical::Canonical;
 pub use field::{ActionText, Numbers, Obstacle, Outcome};
 pub use line::{Record, WORLD};
 pub use set::KindSet;
@@ -45,6 +47,15 @@ macro_rules! events {
             /// Names of the fields in the trace.
             pub fn fields(self) -> &'static [&'static str] {
                 match self { $( Self::$name => &[$( stringify!($field), )*], )* }
+            }
+        }
+
+        impl Canonical for Event<'_> {
+            fn write(&self, bytes: &mut Vec<u8>) {
+                u32::from(self.kind() as u8).write(bytes);
+                match self {
+                    $( Self::$name { $( $field, )* } => { $( $field.write(bytes); )* } )*
+                }
             }
         }
 

@@ -2,10 +2,12 @@
 
 use crate::RobotId;
 use crate::time::Time;
-use serde::Serialize;
+
+use fearless_simd::Level;
 
 use super::digest;
-use super::event::{Event, Kind, KindSet, Record};
+use super::event::{Canonical, Event, Kind, KindSet, Record};
+use super::lanes;
 
 /// Length of a chain value in bytes.
 const CHAIN_LEN: usize = 32;
@@ -95,7 +97,10 @@ impl Journal {
         let kind = event.kind();
         let bytes = if kind.is_note() { &mut self.page.notes } else { &mut self.page.events };
         let start = bytes.len();
-        append(bytes, &(time.0, event));
+        // Enough for most events, so that their fields need no further look at the capacity.
+        bytes.reserve(64);
+        time.0.write(bytes);
+        event.write(bytes);
         let sequence = (self.next_sequence - self.page.first_sequence) as u32;
         self.next_sequence += u64::from(!kind.is_note());
         self.page.entries.push(Entry { time, start, sequence, kind });
@@ -107,8 +112,35 @@ impl Journal {
     /// Hashing is the larger part of recording. Workers may call this method in parallel; the recorder seals the
     /// journals that are left.
     pub fn seal(&mut self) {
+        self.seal_with(|events| *blake3::hash(events).as_bytes());
+    }
+
+    /// Ends the slot as [`Journal::seal`] does for each of `journals`, whose events are hashed side by side.
+    pub fn seal_all<'a>(journals: impl IntoIterator<Item = &'a mut Self>) {
+        let is_short = |journal: &&mut Self| journal.page.events.len() <= lanes::MAX_LEN;
+        let mut journals = journals.into_iter().filter(|journal| journal.has_events() && !journal.is_sealed);
+        loop {
+            let mut few: [Option<&mut Self>; lanes::LANES] = Default::default();
+            few.iter_mut().zip(&mut journals).for_each(|(place, journal)| *place = Some(journal));
+            let count = few.iter().flatten().count();
+            // Lanes that stay empty cost as much as others.
+            if 2 * count > lanes::LANES && few.iter().flatten().all(is_short) {
+                let messages = few.each_ref().map(|journal| journal.as_ref().map_or(&[][..], |it| &it.page.events));
+                let chains = lanes::hash(Level::new(), &messages);
+                few.into_iter().flatten().zip(&chains).for_each(|(journal, chain)| journal.seal_with(|_| *chain));
+            } else {
+                few.into_iter().flatten().for_each(|journal| journal.seal());
+            }
+            if count < lanes::LANES {
+                return;
+            }
+        }
+    }
+
+    /// Seals the journal; `hash` gives the hash of its events and the chain value before.
+    fn seal_with(&mut self, hash: impl FnOnce(&[u8]) -> [u8; CHAIN_LEN]) {
         if !self.is_sealed && self.has_events() {
-            let chain = *blake3::hash(&self.page.events).as_bytes();
+            let chain = hash(&self.page.events);
             self.page.events[..CHAIN_LEN].copy_from_slice(&chain);
         }
         self.is_sealed = true;
@@ -192,31 +224,5 @@ impl Page {
             postcard::take_from_bytes(&bytes[entry.start..]).expect("a journal decodes what it encoded");
         let sequence = (!is_note).then(|| self.first_sequence + u64::from(entry.sequence));
         Record { time: entry.time, robot, sequence, event }
-    }
-}
-
-/// Appends the postcard form of `value` to `bytes`.
-fn append(bytes: &mut Vec<u8>, value: &impl Serialize) {
-    postcard::serialize_with_flavor(value, Append(bytes)).expect("memory is the only limit of a journal");
-}
-
-/// Postcard output that appends to a vector.
-struct Append<'a>(&'a mut Vec<u8>);
-
-impl postcard::ser_flavors::Flavor for Append<'_> {
-    type Output = ();
-
-    fn try_extend(&mut self, data: &[u8]) -> postcard::Result<()> {
-        self.0.extend_from_slice(data);
-        Ok(())
-    }
-
-    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        self.0.push(byte);
-        Ok(())
-    }
-
-    fn finalize(self) -> postcard::Result<()> {
-        Ok(())
     }
 }

@@ -8,6 +8,7 @@ mod action;
 pub mod digest;
 pub mod event;
 pub mod journal;
+mod lanes;
 pub mod recorder;
 
 pub use action::Action;

@@ -75,42 +75,62 @@ impl<K: Copy + Ord> BoundsIndex<K> {
     }
 
     /// Visits each body whose rectangle meets the ray from `origin` along the unit vector `direction` within `range`
-    /// metres, once, in about the order in which the ray meets the rectangles.
+    /// metres, once, in about the order in which the ray meets the rectangles. `visit` returns the distance up to which
+    /// bodies are still of interest.
     ///
-    /// Rectangles that the ray misses by no more than rounding may be visited too. An invalid ray (see
+    /// Rectangles that the ray misses by less than their size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
-    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K)) {
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K) -> f64) {
         let Some(grid) = &self.grid else { return };
         if !is_ray(origin, direction, range) {
             return;
         }
-        let entry_of = |bounds: &Bounds| {
-            let stretch = bounds.grown(2.0 * rounding_error(origin, bounds)).clip(origin, direction, range);
-            stretch.map(|(entry, _)| entry)
-        };
-        if 2.0 * rounding_error(origin, grid.bounds()) < self.margin {
-            // Most bodies of a cell lie off the ray's line, which this test finds without a division.
-            let aside = direction.perp();
-            let is_aside = |bounds: &Bounds| {
-                let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
-                (middle - origin).dot(aside).abs() > half.dot(aside.abs()) + 2.0 * self.margin
-            };
-            let mut last_exit = f64::NEG_INFINITY;
+        let is_near = grid.bounds().contains(origin) || 2.0 * rounding_error(origin, grid.bounds()) < self.margin;
+        if is_near {
+            let (forward, aside) = (direction.abs(), direction.perp().abs());
+            let slack = 2.0 * self.margin;
+            let (mut limit, mut before) = (range, None);
             grid.walk(origin, direction, range, |cell, exit| {
-                for &place in self.cells.of(cell) {
+                for &place in self.cells.of(grid.index(cell.column, cell.row)) {
                     let (id, bounds) = &self.bodies[place as usize];
-                    // A body that lies in several cells is reported in the cell where the ray enters its rectangle.
-                    let is_entered = |entry| entry > last_exit && entry <= exit;
-                    if !is_aside(bounds) && entry_of(bounds).is_some_and(is_entered) {
+                    // Most bodies of a cell lie off the ray's line, which this test finds without a division.
+                    let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+                    let offset = middle - origin;
+                    let (ahead, reach) = (offset.dot(direction), half.dot(forward) + slack);
+                    let is_met = (direction.perp_dot(offset).abs() <= half.dot(aside) + slack)
+                        & (ahead >= -reach)
+                        & (ahead - reach <= limit);
+                    // A body's cells are a rectangle, which the ray enters once: a body that is also in the cell before has
+                    // been visited there.
+                    let is_known = |before| grid.is_spanned(before, &bounds.grown(self.margin));
+                    if is_met && !before.is_some_and(is_known) {
+                        limit = limit.min(visit(*id));
+                    }
+                }
+                before = Some(cell);
+                if exit > limit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+        } else {
+            let entry_of =
+                |bounds: &Bounds| bounds.grown(2.0 * rounding_error(origin, bounds)).clip(origin, direction, range);
+            if entry_of(grid.bounds()).is_some() {
+                for (id, bounds) in &self.bodies {
+                    if entry_of(bounds).is_some() {
                         visit(*id);
                     }
                 }
-                last_exit = last_exit.max(exit);
-                ControlFlow::Continue(())
-            });
-        } else if entry_of(grid.bounds()).is_some() {
-            for (id, bounds) in &self.bodies {
-                if entry_of(bounds).is_some() {
+            }
+        }
+    }
+
+    /// Visits each body whose rectangle meets `bounds`, at least once and in no particular order, without a list of them.
+    pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
+        let Some(grid) = self.grid.as_ref().filter(|grid| grid.bounds().overlaps(bounds)) else { return };
+        let (columns, rows) = grid.span(bounds);
+        for row in rows {
+            for &place in self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row)) {
+                let (id, body) = &self.bodies[place as usize];
+                if body.overlaps(bounds) {
                     visit(*id);
                 }
             }
@@ -208,7 +228,10 @@ mod tests {
 
     fn along(moving: &BoundsIndex<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
         let mut ids = Vec::new();
-        moving.along_ray(origin, direction, range, |id| ids.push(id));
+        moving.along_ray(origin, direction, range, |id| {
+            ids.push(id);
+            range
+        });
         ids
     }
 
@@ -229,6 +252,40 @@ mod tests {
         assert_eq!(along(&moving, DVec2::new(-1e9, 0.0), DVec2::X, f64::INFINITY), [1, 2, 4]);
         assert_eq!(along(&moving, DVec2::new(-9.0, 0.0), DVec2::NEG_X, f64::INFINITY), [0; 0]);
         assert_eq!(along(&moving, DVec2::ZERO, DVec2::NAN, 2.0), [0; 0]);
+    }
+
+    #[test]
+    fn a_ray_leaves_out_no_body_that_it_meets() {
+        // Linear congruential generator with values from 0 to 1.
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for (count, size) in [(2, 0.3), (30, 0.1), (30, 2.0), (300, 0.2)] {
+            let discs: Vec<_> = (0..count).map(|id| (id, 10.0 * unit(), 10.0 * unit(), size * unit())).collect();
+            let moving = bodies(&discs);
+            for _ in 0..500 {
+                let origin = DVec2::new(12.0 * unit() - 1.0, 12.0 * unit() - 1.0);
+                let (sin, cos) = crate::math::sin_cos(7.0 * unit());
+                let (direction, range) = (DVec2::new(cos, sin), 8.0 * unit());
+                let mut met = along(&moving, origin, direction, range);
+                let found = met.len();
+                met.sort_unstable();
+                met.dedup();
+                assert_eq!(met.len(), found, "each once");
+                for &(id, x, y, radius) in &discs {
+                    let is_met = Bounds::of_disc(DVec2::new(x, y), radius).clip(origin, direction, range).is_some();
+                    assert!(!is_met || met.contains(&id), "{id} from {origin} along {direction} up to {range} m");
+                }
+                let mut is_any_met = false;
+                moving.along_ray(origin, direction, range, |_| {
+                    is_any_met = true;
+                    0.0
+                });
+                assert_eq!(is_any_met, !met.is_empty(), "a nearer limit leaves at least the first");
+            }
+        }
     }
 
     #[test]

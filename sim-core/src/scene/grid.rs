@@ -113,6 +113,12 @@ impl Grid {
         (self.column(area.min.x)..=self.column(area.max.x), self.row(area.min.y)..=self.row(area.max.y))
     }
 
+    /// Returns true if `cell` overlaps `area`, as in [`Grid::span`].
+    pub fn is_spanned(&self, cell: Cell, area: &Bounds) -> bool {
+        let (columns, rows) = self.span(area);
+        columns.contains(&cell.column) && rows.contains(&cell.row)
+    }
+
     /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `visit` gets each cell with
     /// the distance at which the ray leaves it. `direction` has length 1; all arguments except `range` are finite.
     ///
@@ -124,10 +130,14 @@ impl Grid {
         origin: DVec2,
         direction: DVec2,
         range: f64,
-        mut visit: impl FnMut(usize, f64) -> ControlFlow<()>,
+        mut visit: impl FnMut(Cell, f64) -> ControlFlow<()>,
     ) {
-        let Some((near, far)) = self.bounds.clip(origin, direction, range) else { return };
-        let entry = origin + direction * near;
+        let (entry, far) = if self.bounds.contains(origin) {
+            (origin, range)
+        } else {
+            let Some((near, far)) = self.bounds.clip(origin, direction, range) else { return };
+            (origin + direction * near, far)
+        };
         let (mut column, mut row) = (self.column(entry.x), self.row(entry.y));
         let x_axis = Axis::new(origin.x, direction.x, self.bounds.min.x, self.cell);
         let y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell);
@@ -135,7 +145,7 @@ impl Grid {
         loop {
             // Not `min`, which has extra code for NaN.
             let exit = if x_exit < y_exit { x_exit } else { y_exit };
-            if visit(row * self.columns + column, exit).is_break() || exit > far {
+            if visit(Cell { column, row }, exit).is_break() || exit > far {
                 return;
             }
             if x_exit < y_exit {
@@ -153,6 +163,13 @@ impl Grid {
             }
         }
     }
+}
+
+/// A cell of a [`Grid`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub column: usize,
+    pub row: usize,
 }
 
 /// Crossings of a ray with the cell borders of one axis.

@@ -1,6 +1,7 @@
 //! Static walls, and the nearest of them along a ray.
 
 mod batch;
+mod clearance;
 mod ray;
 
 use glam::{DVec2, Vec2Swizzles};
@@ -8,6 +9,7 @@ use glam::{DVec2, Vec2Swizzles};
 use super::grid::{Cells, Grid, is_ray, is_usable, rounding_error, rounding_margin};
 use super::{Bounds, Segment};
 use batch::WallBatches;
+use clearance::Clearance;
 use ray::{Nearest, Ray};
 
 /// A wall's number: its index in the list passed to [`Walls::new`].
@@ -61,6 +63,8 @@ pub struct Walls {
     /// margin.
     inside_rounding_error: f64,
     batches: WallBatches,
+    /// `None` without a wall that a ray can hit.
+    clearance: Option<Clearance>,
 }
 
 impl Walls {
@@ -87,7 +91,9 @@ impl Walls {
         });
         let batches = WallBatches::new(&grid, &cells, &segments);
         let inside_rounding_error = bounds.map_or(0.0, |bounds| 0.5 * rounding_margin(&bounds.grown(margin)));
-        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_rounding_error, batches }
+        let clearance =
+            bounds.map(|bounds| Clearance::new(bounds, usable.iter().map(|&wall| &segments[wall as usize])));
+        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_rounding_error, batches, clearance }
     }
 
     /// Sets the heights of the walls' upper edges above the floor, m, in the order of the walls.
@@ -132,6 +138,12 @@ impl Walls {
         self.bounds
     }
 
+    /// Lower bound of the distance from `point` to the nearest wall that a ray can hit, m.
+    #[inline]
+    fn clearance(&self, point: DVec2) -> f64 {
+        self.clearance.as_ref().map_or(0.0, |clearance| clearance.at(point))
+    }
+
     /// The nearest wall at most `range` metres from `origin` along `direction`, a vector of length 1.
     ///
     /// [`Walls`] defines a hit. `range` may be infinite. `None` without a hit, and for an invalid ray: an argument is
@@ -154,6 +166,9 @@ impl Walls {
             return None;
         }
         let bounds = self.bounds?;
+        if range < self.clearance(origin) {
+            return None;
+        }
         let mut nearest = Nearest::within(range);
         let reach = bounds.grown(self.margin);
         if reach.contains(origin) {
@@ -194,9 +209,12 @@ impl Walls {
         *nearest = found;
     }
 
-    /// Visits each wall whose rectangle meets `bounds`, once, in the order of their numbers.
+    /// Visits each wall that meets `bounds`, once, in the order of their numbers; others whose rectangles meet `bounds` may be
+    /// visited too.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(WallId, &Segment)) {
-        if !self.bounds.is_some_and(|all| all.overlaps(&bounds)) {
+        let half = 0.5 * (bounds.max - bounds.min);
+        let is_clear = half.element_sum() < self.clearance(bounds.min + half);
+        if is_clear || !self.bounds.is_some_and(|all| all.overlaps(&bounds)) {
             return;
         }
         for id in self.candidates(&bounds) {

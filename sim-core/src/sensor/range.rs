@@ -1,3 +1,5 @@
+use glam::DVec2;
+
 use super::{Echo, Sonar, incidence};
 use crate::{
     RobotId,
@@ -122,6 +124,27 @@ impl RangeSensor {
         posture.world_from(&self.mount, self.link)
     }
 
+    /// Returns true for a level PSD on the body, which measures in the plane: see [`RangeSensor::read`].
+    pub fn is_level_psd(&self) -> bool {
+        matches!(self.model, RangeModel::Psd { .. }) && self.link.is_none() && self.mount.is_level()
+    }
+
+    /// Reading of a level PSD on the body of robot `by` with this centre, unit vector of the heading, and height.
+    pub(crate) fn read_level(
+        &self,
+        world: &World,
+        by: RobotId,
+        (centre, forward, lift): (DVec2, DVec2, f64),
+        at: Time,
+        noise: f64,
+    ) -> Reading {
+        let origin = centre + forward.rotate(self.mount.position.truncate());
+        let direction = forward.rotate(self.mount.forward().truncate());
+        let [_, range] = self.model.limits();
+        let ray = Ray::flat(origin, direction, range).at_height(self.mount.position.z + lift);
+        Reading::of_distance(world.cast(by, &ray, at).map(|hit| hit.distance), noise)
+    }
+
     /// Reading of the sensor of robot `by` in this posture at the instant `at`, with the paper's `noise` N: see
     /// [`RangeModel::read`].
     ///
@@ -131,12 +154,9 @@ impl RangeSensor {
     /// # Panics
     /// As [`link_pose`].
     pub fn read(&self, world: &World, by: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
-        if let (RangeModel::Psd { range }, None, true) = (self.model, self.link, self.mount.is_level()) {
-            let forward = posture.world_from_robot.heading.direction();
-            let origin = posture.world_from_robot.position + forward.rotate(self.mount.position.truncate());
-            let direction = forward.rotate(self.mount.forward().truncate());
-            let ray = Ray::flat(origin, direction, range).at_height(self.mount.position.z + posture.lift);
-            return Reading::of_distance(world.cast(by, &ray, at).map(|hit| hit.distance), noise);
+        let &Posture { world_from_robot: Pose { position, heading }, lift, .. } = posture;
+        if self.is_level_psd() {
+            return self.read_level(world, by, (position, heading.direction(), lift), at, noise);
         }
         self.model.read(world, by, &self.world_from_sensor(posture), at, noise)
     }

@@ -215,7 +215,7 @@ impl Environment {
                 }
             }
             if !has_walks {
-                section.iter_mut().for_each(|ending| ending.robot.journal.seal());
+                Journal::seal_all(section.iter_mut().map(|ending| &mut ending.robot.journal));
                 section.iter_mut().for_each(|ending| ending.ended.journal = ending.robot.journal.end_slot(interest));
             }
         });

@@ -237,6 +237,14 @@ impl RobiSpec {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
+    /// Name of range sensor `index`: PSDs come first, then the others; empty if there is no such sensor.
+    pub fn range_name(&self, index: usize) -> &str {
+        match self.psds.get(index) {
+            Some(psd) => &psd.name,
+            None => self.ranges.get(index - self.psds.len()).map_or("", |range| &range.name),
+        }
+    }
+
     /// All servos in the order in which programs number them: the steering servo, the servos of the companion file,
     /// then the camera's servos.
     ///

@@ -199,9 +199,19 @@ impl Objects {
         !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
-    /// Visits each object present at `at` whose published bounds meet a ray, once.
-    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
-        self.index.along_ray(origin, direction, range, |object| self.visit_if_present(object, at, &mut visit));
+    /// Visits each object present at `at` whose published bounds meet a ray, once. `visit` returns the distance up to
+    /// which objects are still of interest.
+    pub fn along_ray(
+        &self,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        at: Time,
+        mut visit: impl FnMut(ObjectId) -> f64,
+    ) {
+        self.index.along_ray(origin, direction, range, |object| {
+            if self.lifetime(object).contains(at) { visit(object) } else { range }
+        });
     }
 
     /// Visits each object present at `at` whose published bounds meet `bounds`, once, in ascending order.

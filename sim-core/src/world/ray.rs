@@ -256,6 +256,7 @@ impl RayCast<'_> {
                 let block = &indexed_space.space.thick_walls[place as usize];
                 let hit = block.figure.cast_hollow(&block.world_from_wall, ray.origin, ray.direction);
                 self.record_surface(hit, Thing::Wall(block.wall), indexed_space.wall_surface(block.wall));
+                self.reach()
             });
         }
     }
@@ -278,30 +279,33 @@ impl RayCast<'_> {
         indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
             let (pose, figure) = &indexed_space.space.fixed[place as usize];
             self.cast_figure(Thing::Fixed(place), pose, figure);
+            self.reach()
         });
     }
 
     fn cast_robots(&mut self) {
-        let (world, ray, at, reach) = (self.world, self.ray, self.at, self.reach());
-        let (origin, hits_figures) = (ray.origin.truncate(), self.hits_figures());
-        let mut look_at = |robot: RobotId| {
-            if robot == self.by {
-                return;
-            }
-            let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
-            if ray.unlimited != UnlimitedHeight::Nothing
-                && let Some(distance) = cast_disc(origin, ray.trace, track.centre(at), track.radius())
-                && track.lifetime.contains(at)
-            {
-                self.record(ray.along(distance), thing, || None);
-            }
-            if hits_figures && track.lifetime.contains(at) {
-                let (pose, figure) = world.robot_figure(robot, at);
-                self.cast_figure(thing, &pose, &figure);
-            }
-        };
-        world.resting.along_ray(origin, ray.trace, reach, &mut look_at);
-        world.moving.along_ray(origin, ray.trace, reach, &mut look_at);
+        let (world, origin, trace) = (self.world, self.ray.origin.truncate(), self.ray.trace);
+        world.resting.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
+        world.moving.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
+    }
+
+    /// Records the hit on a robot, and returns the distance up to which the trace is followed from then on.
+    fn cast_robot(&mut self, robot: RobotId) -> f64 {
+        let (world, ray, at) = (self.world, self.ray, self.at);
+        let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
+        if robot == self.by || !track.lifetime.contains(at) {
+            return self.reach();
+        }
+        if ray.unlimited != UnlimitedHeight::Nothing
+            && let Some(distance) = cast_disc(ray.origin.truncate(), ray.trace, track.centre(at), track.radius())
+        {
+            self.record(ray.along(distance), thing, || None);
+        }
+        if self.hits_figures() {
+            let (pose, figure) = world.robot_figure(robot, at);
+            self.cast_figure(thing, &pose, &figure);
+        }
+        self.reach()
     }
 
     fn cast_objects(&mut self, objects: &Objects) {
@@ -321,6 +325,7 @@ impl RayCast<'_> {
             } else if let Some(distance) = properties.cast(&pose, origin, ray.trace) {
                 self.record(ray.along(distance), thing, || None);
             }
+            self.reach()
         });
         let hits_meshes = self.hits_figures();
         let meshes = world.indexed_space.mesh_objects.iter().filter(|_| hits_meshes);

@@ -9,7 +9,7 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::run::Run;
+use super::run::{Member, Run};
 use super::signal::FlowBlock;
 use crate::program::site::Site;
 use crate::robios::call::Call;
@@ -19,6 +19,7 @@ use crate::robios::robot::Robot;
 /// Flow of a robot in its run, independent of the executor.
 pub(super) struct RobotFlow {
     pub run: Arc<Run>,
+    pub member: Arc<Member>,
     pub id: RobotId,
 }
 
@@ -27,22 +28,27 @@ impl Flow for RobotFlow {
         self.id
     }
 
+    #[inline]
     fn robot(&self) -> MutexGuard<'_, Robot> {
-        self.run.robot(self.id)
+        self.member.robot()
     }
 
+    #[inline]
     fn world(&self) -> &World {
         self.run.world_in_slot()
     }
 
+    #[inline]
     fn cost(&self, call: Call) -> Time {
         self.run.cost(call)
     }
 
+    #[inline]
     fn slot_start(&self) -> Time {
         self.run.slot_start()
     }
 
+    #[inline]
     fn slot_end(&self) -> Time {
         self.run.slot_end()
     }
@@ -51,18 +57,22 @@ impl Flow for RobotFlow {
         self.run.suspend(self.id, wake)
     }
 
+    #[inline]
     fn is_exiting(&self) -> bool {
-        self.run.is_exiting(self.id)
+        self.run.is_stopping() || self.member.is_removed()
     }
 
+    #[inline]
     fn is_verbose(&self) -> bool {
-        self.run.is_verbose(self.id)
+        self.run.is_verbose(&self.member)
     }
 
+    #[inline]
     fn enter(&self, call: Call) -> bool {
         enter(call)
     }
 
+    #[inline]
     fn leave(&self) {
         FlowBlock::current().leave_host();
     }
@@ -92,6 +102,7 @@ impl Flow for RobotFlow {
 const STACK_RESERVE: usize = 128 << 10;
 
 /// Marks the calling flow as inside `call`; false if its stack is too small to serve it.
+#[inline]
 fn enter(call: Call) -> bool {
     let block = FlowBlock::current();
     if let Some(number) = call.robios_number() {

@@ -34,7 +34,7 @@ pub struct Run {
     /// World, recorder and radio channel; written only between slots, while no robot runs.
     pub(crate) environment: RwLock<Environment>,
     /// All robots that were ever in the run, in the order of their ids.
-    members: boxcar::Vec<Member>,
+    members: boxcar::Vec<Arc<Member>>,
     /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
     pub(super) dispatcher: Mutex<Dispatcher>,
@@ -86,6 +86,18 @@ impl Member {
             worker: AtomicU32::new(0),
         }
     }
+
+    /// Locks the state of the robot.
+    #[inline]
+    pub fn robot(&self) -> MutexGuard<'_, Robot> {
+        self.robot.lock()
+    }
+
+    /// Returns true once the robot has been removed.
+    #[inline]
+    pub fn is_removed(&self) -> bool {
+        self.is_removed.load(Ordering::Acquire)
+    }
 }
 
 /// Time in which a stopped program must exit before its flow is abandoned.
@@ -107,7 +119,7 @@ impl Run {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             environment: RwLock::new(Environment::new(parts.world, parts.recorder).with_monitor(parts.monitor)),
-            members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
+            members: members.map(|(robot, program)| Arc::new(Member::new(robot, program))).collect(),
             spawner: Mutex::new(parts.spawner),
             returns: (0..Dispatcher::max_workers(&plan)).map(|_| ReturnQueue::default()).collect(),
             dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),
@@ -151,7 +163,7 @@ impl Run {
 
     /// Adds a spawned robot, which has the next id.
     pub(super) fn admit(&self, member: Member) {
-        self.members.push(member);
+        self.members.push(Arc::new(member));
     }
 
     /// Marks robot `id` as removed: its program must exit, and its calls return [`Stop`].
@@ -166,7 +178,7 @@ impl Run {
 
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
-        self.members[id.index()].robot.lock()
+        self.members[id.index()].robot()
     }
 
     /// The world as published at the start of the present slot. The guard must not be held while the run goes on.
@@ -175,6 +187,7 @@ impl Run {
     }
 
     /// As [`Run::world`], for a robot's flow that runs: without the lock, whose count all workers would change with each call.
+    #[inline]
     pub(super) fn world_in_slot(&self) -> &World {
         debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
         // SAFETY: the environment is written only between slots, while no robot runs: by the scheduler step, which the last flow at the
@@ -219,11 +232,13 @@ impl Run {
     }
 
     /// Start of the present slot.
+    #[inline]
     pub fn slot_start(&self) -> Time {
         Time(self.slot_start.load(Ordering::Acquire))
     }
 
     /// End of the present slot.
+    #[inline]
     pub fn slot_end(&self) -> Time {
         Time(self.slot_end.load(Ordering::Acquire))
     }
@@ -234,13 +249,15 @@ impl Run {
     }
 
     /// Virtual time that `call` takes.
+    #[inline]
     pub(crate) fn cost(&self, call: Call) -> Time {
         self.costs.of(call)
     }
 
-    /// Returns true if the calls of robot `id` are recorded.
-    pub(crate) fn is_verbose(&self, id: RobotId) -> bool {
-        self.is_verbose || self.has_verbose_robots.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
+    /// Returns true if the calls of the robot of `member` are recorded.
+    #[inline]
+    pub(super) fn is_verbose(&self, member: &Member) -> bool {
+        self.is_verbose || self.has_verbose_robots.load(Ordering::Relaxed) && member.robot().journal.is_verbose()
     }
 
     /// Turns the recording of the calls of robot `id` on or off, between two slots.
@@ -250,13 +267,14 @@ impl Run {
     }
 
     /// Returns true once all programs must exit.
-    fn is_stopping(&self) -> bool {
+    #[inline]
+    pub(super) fn is_stopping(&self) -> bool {
         self.is_stopping.load(Ordering::Acquire)
     }
 
     /// Returns true once robot `id` has been removed.
     pub fn is_removed(&self, id: RobotId) -> bool {
-        self.members[id.index()].is_removed.load(Ordering::Acquire)
+        self.members[id.index()].is_removed()
     }
 
     /// Returns true once the program of robot `id` must exit: all its calls return [`Stop`].
@@ -345,7 +363,8 @@ impl Run {
     /// Body of a robot's first flow, which runs `main`.
     fn run_main_flow(self: Arc<Self>, id: RobotId) -> Option<u32> {
         if let (false, Some(program)) = (self.is_exiting(id), self.program(id)) {
-            let caller = Caller::new(RobotFlow { run: Arc::clone(&self), id });
+            let member = Arc::clone(&self.members[id.index()]);
+            let caller = Caller::new(RobotFlow { run: Arc::clone(&self), member, id });
             let result = program.run(&caller);
             if result.is_ok() && !self.is_exiting(id) {
                 self.robot(id).hint_at_unfinished_tasks();

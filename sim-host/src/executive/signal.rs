@@ -145,6 +145,7 @@ impl FlowBlock {
     }
 
     /// The block of the flow that the calling thread runs; the reference must not leave that flow.
+    #[inline]
     pub fn current<'a>() -> &'a Self {
         // SAFETY: null, or the block lives as long as its flow, see `adopt_current_thread` and `set_current`.
         let Some(block) = (unsafe { CURRENT.get().as_ref() }) else { unreachable!("only flows of robots come here") };
@@ -172,6 +173,7 @@ impl FlowBlock {
     }
 
     /// Marks the thread as working for the program in the host, in the default floating-point environment.
+    #[inline]
     pub fn enter_host(&self) {
         self.in_host.store(true, Ordering::Relaxed);
         if let Some(environment) = float::set_default() {
@@ -181,6 +183,7 @@ impl FlowBlock {
     }
 
     /// Marks the flow as back in the program; breaks it if the watchdog's signal came meanwhile.
+    #[inline]
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);
         if environment != 0 {
@@ -248,6 +251,7 @@ impl FlowBlock {
     }
 
     /// Bytes of stack left below the caller's frame; `usize::MAX` where the bounds are unknown.
+    #[inline]
     pub fn stack_left(&self) -> usize {
         let here = 0u8;
         let low = self.stack[0].load(Ordering::Relaxed);

@@ -13,6 +13,7 @@ const CONTROL: u32 = 0xffc0;
 
 /// Sets the default environment; returns the previous one if it was different.
 #[cfg(target_arch = "x86_64")]
+#[inline]
 pub fn set_default() -> Option<u32> {
     let mut present = 0_u32;
     // SAFETY: stores the register MXCSR in a valid variable.

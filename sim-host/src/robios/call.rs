@@ -24,6 +24,7 @@ impl Call {
     }
 
     /// Number of the function among those of both RoBIOS generations; `None` for a service.
+    #[inline]
     pub fn robios_number(self) -> Option<u16> {
         match self {
             Self::Robios6(call) => Some(call as u16),

@@ -175,7 +175,13 @@ impl<F: Flow> Caller<F> {
     }
 
     /// Ends `call`: if the time slice of its task is over, the other ready tasks run first.
-    pub(super) fn take_turns(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
+    #[inline]
+    pub(super) fn take_turns(&self, robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
+        if robot.tasks.is_single() { Ok(()) } else { self.take_turns_among(robot, call) }
+    }
+
+    /// As [`Caller::take_turns`], for a robot that has other tasks.
+    fn take_turns_among(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
         // The program is printing from within its C library, whose streams no other task may use meanwhile.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
             return Ok(());
@@ -303,6 +309,7 @@ impl<F: Flow> Caller<F> {
     }
 
     /// Runs `body` as the host's work for the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
+    #[inline]
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         if !self.flow.enter(call) {
             return Err(self.overflow(call));
@@ -322,12 +329,18 @@ impl<F: Flow> Caller<F> {
     }
 
     /// Lets the virtual time that `call` costs pass.
+    #[inline]
     pub(super) fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
-        let robot = self.robot();
+        let mut robot = self.robot();
         if robot.ending.is_some() {
             return Err(Stop);
         }
         let end = robot.now + self.flow.cost(call);
+        // Most calls end within their slot, and nothing falls due before.
+        if end < self.flow.slot_end().min(robot.timers.next_due()).min(robot.devices.due()) {
+            robot.now = end;
+            return Ok(robot);
+        }
         self.pass_until(robot, end, true)
     }
 

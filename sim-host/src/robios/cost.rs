@@ -118,6 +118,7 @@ impl Costs {
     }
 
     /// Cost of a call; 1 us for a service of the language, enough that a loop which waits for a time ends.
+    #[inline]
     pub fn of(&self, call: impl Into<Call>) -> Time {
         call.into().robios_number().map_or(Time(1), |number| self.costs[usize::from(number)])
     }

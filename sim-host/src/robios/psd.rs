@@ -134,13 +134,13 @@ fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(u
 
 /// Records that a program reads a distance.
 pub(super) fn record_distance(robot: &mut Robot, index: usize, taken: Time, distance_m: Option<f64>) {
-    let device = robot.robios.table.name(HDT_PSD, index);
+    let device = robot.state.spec.range_name(index);
     robot.state.journal.record(robot.state.now, &Event::Distance { device, distance_m, measured_s: taken.seconds() });
 }
 
 /// Records that a program reads a signal.
 pub(super) fn record_signal(robot: &mut Robot, index: usize, taken: Time, signal: f64) {
-    let device = robot.robios.table.name(HDT_PSD, index);
+    let device = robot.state.spec.range_name(index);
     robot.state.journal.record(robot.state.now, &Event::Signal { device, signal, measured_s: taken.seconds() });
 }
 

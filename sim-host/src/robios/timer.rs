@@ -48,8 +48,9 @@ impl Timers {
     }
 
     /// Time of the next callback; [`Time::NEVER`] without timers, while they are held, and inside a callback.
+    #[inline]
     pub fn next_due(&self) -> Time {
-        if self.in_callback || self.are_held {
+        if self.list.is_empty() || self.in_callback || self.are_held {
             return Time::NEVER;
         }
         self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)

@@ -59,7 +59,7 @@ impl Motion {
 
     /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs and on dry land.
     pub fn lift(&mut self, at: Time) -> f64 {
-        self.stance(at).lift
+        if self.has_height() { self.stance(at).lift } else { 0.0 }
     }
 
     /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for one that floats; `None` on dry land.

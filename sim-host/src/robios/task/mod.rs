@@ -168,6 +168,12 @@ impl Tasks {
         self.list.iter()
     }
 
+    /// Returns true for a robot whose only task is `main`, without a scheduler of RoBIOS 6.
+    #[inline]
+    pub fn is_single(&self) -> bool {
+        self.list.len() == 1 && self.scheduler.is_none()
+    }
+
     /// Returns true if there are tasks besides the running one.
     pub fn has_others(&self) -> bool {
         self.list.len() > 1

@@ -1,0 +1,157 @@
+//! The canonical form of events, written without a serializer between: postcard, which decodes it.
+
+use serde::Serialize;
+
+use super::{ActionText, Numbers, Obstacle, Outcome};
+
+/// A type of event fields that writes its postcard form.
+pub trait Canonical {
+    /// Appends the value to `bytes`.
+    fn write(&self, bytes: &mut Vec<u8>);
+}
+
+/// Appends `value` seven bits at a time, the lowest first; all bytes but the last have the highest bit set.
+#[inline]
+fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
+    let mut text = [0; 10];
+    let mut len = 0;
+    loop {
+        text[len] = value as u8 & 0x7f;
+        value >>= 7;
+        if value == 0 {
+            break;
+        }
+        text[len] |= 0x80;
+        len += 1;
+    }
+    bytes.extend_from_slice(&text[..=len]);
+}
+
+impl Canonical for f64 {
+    #[inline]
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&self.to_le_bytes());
+    }
+}
+
+impl Canonical for i64 {
+    #[inline]
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_varint((self << 1 ^ self >> 63) as u64, bytes);
+    }
+}
+
+impl Canonical for i32 {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        i64::from(*self).write(bytes);
+    }
+}
+
+impl Canonical for u64 {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_varint(*self, bytes);
+    }
+}
+
+impl Canonical for u32 {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_varint(u64::from(*self), bytes);
+    }
+}
+
+impl Canonical for u8 {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.push(*self);
+    }
+}
+
+impl Canonical for &[u8] {
+    #[inline]
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_varint(self.len() as u64, bytes);
+        bytes.extend_from_slice(self);
+    }
+}
+
+impl Canonical for &str {
+    #[inline]
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.as_bytes().write(bytes);
+    }
+}
+
+impl<T: Canonical> Canonical for Option<T> {
+    #[inline]
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.push(u8::from(self.is_some()));
+        if let Some(value) = self {
+            value.write(bytes);
+        }
+    }
+}
+
+/// Rare types go through the serializer.
+macro_rules! by_postcard {
+    ($($type:ty)*) => {$(
+        impl Canonical for $type {
+            fn write(&self, bytes: &mut Vec<u8>) {
+                append(self, bytes);
+            }
+        }
+    )*};
+}
+by_postcard!(Outcome Obstacle ActionText<'_> Numbers<'_>);
+
+/// Appends the postcard form of `value` to `bytes`.
+fn append(value: &impl Serialize, bytes: &mut Vec<u8>) {
+    let form = postcard::to_stdvec(value).expect("memory is the only limit of a journal");
+    bytes.extend_from_slice(&form);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::event::Event;
+
+    /// Asserts that `value` is written as postcard writes it.
+    fn check(value: impl Canonical + Serialize) {
+        let mut bytes = vec![7];
+        value.write(&mut bytes);
+        assert_eq!(bytes[1..], postcard::to_stdvec(&value).unwrap());
+    }
+
+    #[test]
+    fn fields_are_written_as_postcard_writes_them() {
+        for number in [0, 1, 63, 64, 127, 128, 16_383, 16_384, i64::from(i32::MAX), i64::MAX] {
+            for signed in [number, -number, !number] {
+                check(signed);
+                check(signed as u64);
+                check(signed as i32);
+                check(signed as u32);
+                check(signed as u8);
+                check(Some(signed as i32));
+                check(signed as f64 / 3.0);
+                check(Some(signed as f64));
+            }
+        }
+        [f64::NAN, f64::INFINITY, -0.0].map(check);
+        ["", "PSD_FRONT", "Hügel"].map(check);
+        check([0_u8, 200, 255].as_slice());
+        check([1; 300].as_slice());
+        check(None::<f64>);
+        check(None::<u32>);
+        [Outcome::Finished, Outcome::Removed].map(check);
+        [Obstacle::Wall, Obstacle::Robot(300), Obstacle::Object(1)].map(check);
+        check(ActionText("{}"));
+        check(Numbers::new(&[1.5_f64.to_le_bytes()]));
+    }
+
+    #[test]
+    fn events_are_written_as_postcard_writes_them() {
+        check(Event::ProgramStarted { program: "a.c" });
+        check(Event::Beep {});
+        check(Event::Distance { device: "PSD_LEFT", distance_m: Some(0.25), measured_s: 0.06 });
+        check(Event::DriveSpeed { v_m_per_s: -0.0, omega_rad_per_s: f64::NAN });
+        check(Event::Contact { at_s: 1.0, with: Obstacle::Robot(1), x_m: 0.0, y_m: 2.0 });
+    }
+}

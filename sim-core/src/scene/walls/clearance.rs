@@ -1,0 +1,104 @@
+//! Lower bounds of the distance from places to the nearest wall, by cell: a ray that is shorter meets no wall.
+
+use glam::DVec2;
+
+use super::super::{
+    Bounds, Segment,
+    grid::{Grid, rounding_margin},
+};
+use super::for_each_cell;
+
+/// Number of cells beside the number of walls; one byte each.
+const CELLS: f64 = 4096.0;
+
+/// For each cell of a grid over the walls' bounds, the number of cells to the nearest cell with a wall.
+#[derive(Clone, Debug)]
+pub(super) struct Clearance {
+    grid: Grid,
+    /// Chebyshev distance, at most 255; 0 for a cell with a wall.
+    cells: Vec<u8>,
+}
+
+impl Clearance {
+    /// The clearance of `walls`, all within `bounds`.
+    pub fn new<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> Self {
+        let size = bounds.max - bounds.min;
+        let count = walls.len() as f64 + CELLS;
+        let rounding = rounding_margin(&bounds);
+        let cell = (size.x * size.y / count).sqrt().max((size.x + size.y) / count).max(1e6 * rounding).max(1e-9);
+        // As for the cells of rays: larger than all rounding.
+        let margin = (1e-6 * cell).max(rounding);
+        let grid = Grid::new(bounds.grown(2.0 * margin), cell);
+        let mut cells = vec![u8::MAX; grid.len()];
+        for wall in walls {
+            for_each_cell(&grid, margin, wall, |cell| cells[cell] = 0);
+        }
+        // Two passes give the Chebyshev distance: each over the neighbours that it has passed already.
+        let (columns, rows) = (grid.columns(), grid.rows());
+        for row in 0..rows {
+            for column in 0..columns {
+                let left = (column > 0).then(|| [column - 1, row]);
+                let below = |at: usize| (row > 0 && at < columns).then(|| [at, row - 1]);
+                let passed = [left, below(column.wrapping_sub(1)), below(column), below(column + 1)];
+                approach(&grid, &mut cells, [column, row], passed);
+            }
+        }
+        for row in (0..rows).rev() {
+            for column in (0..columns).rev() {
+                let right = (column + 1 < columns).then(|| [column + 1, row]);
+                let above = |at: usize| (row + 1 < rows && at < columns).then(|| [at, row + 1]);
+                let passed = [right, above(column.wrapping_sub(1)), above(column), above(column + 1)];
+                approach(&grid, &mut cells, [column, row], passed);
+            }
+        }
+        Self { grid, cells }
+    }
+
+    /// Lower bound of the distance from `point` to the nearest wall, m; 0 for a point outside the cells.
+    #[inline]
+    pub fn at(&self, point: DVec2) -> f64 {
+        if !self.grid.bounds().contains(point) {
+            return 0.0;
+        }
+        // All cells that are fewer steps away are empty.
+        let steps = self.cells[self.grid.index(self.grid.column(point.x), self.grid.row(point.y))];
+        f64::from(steps.saturating_sub(1)) * self.grid.cell()
+    }
+}
+
+/// Lowers the distance of a cell to one more than that of its neighbours.
+fn approach(grid: &Grid, cells: &mut [u8], [column, row]: [usize; 2], neighbours: [Option<[usize; 2]>; 4]) {
+    let nearest = neighbours.iter().flatten().map(|[column, row]| cells[grid.index(*column, *row)]).min();
+    let cell = &mut cells[grid.index(column, row)];
+    *cell = (*cell).min(nearest.unwrap_or(u8::MAX).saturating_add(1));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_wall_is_nearer_than_the_bound_says() {
+        let ends = [[0.0, 0.0, 9.0, 0.0], [9.0, 0.0, 9.0, 7.0], [2.0, 5.0, 3.0, 6.0], [0.0, 7.0, 0.0, 7.0]];
+        let walls = ends.map(|[ax, ay, bx, by]| Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by)));
+        let bounds = walls.iter().fold(Bounds::EMPTY, |all, wall| all.union(wall.bounds()));
+        let clearance = Clearance::new(bounds, walls.iter());
+        let mut greatest = 0.0_f64;
+        for step in 0..10_000 {
+            let point = DVec2::new(f64::from(step % 100) * 0.1 - 0.5, f64::from(step / 100) * 0.08 - 0.5);
+            let nearest = walls.iter().map(|wall| wall.distance(point)).fold(f64::INFINITY, f64::min);
+            let bound = clearance.at(point);
+            assert!(bound <= nearest, "{bound} m at {point}, where a wall is {nearest} m away");
+            greatest = greatest.max(bound);
+        }
+        assert!(greatest > 2.0, "{greatest} m: there is a place 3 m from all walls");
+    }
+
+    #[test]
+    fn a_line_of_walls_needs_few_cells() {
+        let wall = Segment::new(DVec2::ZERO, DVec2::new(1e6, 0.0));
+        let clearance = Clearance::new(wall.bounds(), [wall].iter());
+        assert!(clearance.cells.len() < 10_000, "{} cells", clearance.cells.len());
+        assert_eq!(clearance.at(DVec2::new(5.0, 1.0)), 0.0, "outside");
+    }
+}
