@@ -20,6 +20,7 @@ pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};
 pub(super) use scene::section;
 pub use scene::{print_scene, scene_schema};
+pub(crate) use text::document;
 pub use sim::print_sim;
 pub use world::print_world;
 

@@ -11,6 +11,7 @@ pub mod damage;
 pub mod dispatcher;
 pub mod fault;
 pub mod fiber;
+pub mod fork;
 mod flow;
 mod guard;
 pub mod interrupt;
