@@ -148,8 +148,7 @@ pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) 
     };
     let is_toml = path::extension(path) == "toml";
     let Overrides { seed, dialect, maze_cell, settings } = overrides;
-    let (mut sim, diagnostics) =
-        if is_toml { read_scene_with(path, &text, settings) } else { read_sim(path, &text) };
+    let (mut sim, diagnostics) = if is_toml { read_scene_with(path, &text, settings) } else { read_sim(path, &text) };
     loader.diagnostics.extend(diagnostics);
     if !is_toml && !settings.is_empty() {
         loader.diagnostics.push(set::not_toml(path));

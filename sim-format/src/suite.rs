@@ -276,8 +276,7 @@ impl SuiteSpec {
 
 /// Returns true for a TOML file that is a suite: its name ends in `.suite.toml`, or it has `suite` at its top level.
 pub fn is_suite(file: &str, text: &str) -> bool {
-    file.to_lowercase().ends_with(SUITE_EXTENSION)
-        || path::extension(file) == "toml" && has_top_key(text, &["suite"])
+    file.to_lowercase().ends_with(SUITE_EXTENSION) || path::extension(file) == "toml" && has_top_key(text, &["suite"])
 }
 
 /// Reads a suite, but not the scenes that it names (see [`load_suite`]).
@@ -318,7 +317,9 @@ pub struct LoadedSuite {
 pub fn load_suite(file: &str, files: &dyn Files) -> LoadedSuite {
     let bytes = match files.read(file) {
         Ok(bytes) => bytes,
-        Err(_) => return LoadedSuite { loaded: load_scene_with(file, Overrides::default(), files), ..Default::default() },
+        Err(_) => {
+            return LoadedSuite { loaded: load_scene_with(file, Overrides::default(), files), ..Default::default() };
+        }
     };
     let (suite, mut diagnostics) = read_suite(file, &super::decode(&bytes).0);
     let mut inputs = vec![InputFile { path: file.to_owned(), bytes }];

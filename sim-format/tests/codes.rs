@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use sim_core::build::MeshSource;
 use sim_format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, suite::load_suite, load_world,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene,
+    load_world, suite::load_suite,
 };
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or

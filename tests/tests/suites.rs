@@ -49,7 +49,8 @@ fn the_examples_of_the_page_pass() {
 /// The suite of the page with a program that turns too far and touches the walls with some seeds.
 fn failing() -> Scratch {
     let scratch = of_page();
-    let suite = scratch.read("0.suite.toml").replace("within_mm = 100", "within_mm = 4").replace("\"mild\"", "\"harsh\"");
+    let suite =
+        scratch.read("0.suite.toml").replace("within_mm = 100", "within_mm = 4").replace("\"mild\"", "\"harsh\"");
     scratch.write("0.suite.toml", &suite.replace("1..3", "1..8"));
     scratch
 }
@@ -81,11 +82,21 @@ fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
 fn a_failure_tells_what_where_and_how_to_see_it() {
     let scratch = failing();
     let ran = test(&scratch, &["0.suite.toml", "-k", "harsh and seed=1", "--junit", "j.xml", "--html", "pages"], 1);
-    for part in ["FAILED  comes home", "0/3", "X: (", "to see it: eyesim view room.scene.toml", "--noise=harsh", "FAILED 0.suite.toml::noise=harsh,seed=1 - comes home: "] {
+    for part in [
+        "FAILED  comes home",
+        "0/3",
+        "X: (",
+        "to see it: eyesim view room.scene.toml",
+        "--noise=harsh",
+        "FAILED 0.suite.toml::noise=harsh,seed=1 - comes home: ",
+    ] {
         assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
     }
     let junit = scratch.read("j.xml");
-    assert!(junit.contains("tests=\"1\"") && junit.contains("failures=\"1\"") && junit.contains("noise=harsh,seed=1"), "{junit}");
+    assert!(
+        junit.contains("tests=\"1\"") && junit.contains("failures=\"1\"") && junit.contains("noise=harsh,seed=1"),
+        "{junit}"
+    );
     let page = scratch.read("pages/index.html");
     for part in ["<table class=\"map\">", "<svg", "comes home", "<details"] {
         assert!(page.contains(part), "{part}");
@@ -101,7 +112,8 @@ fn programs_that_break_hang_or_do_not_compile_are_rows() {
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml") + "\n[limits]\nslot_processor_s = 0.5\n";
     scratch.write("0.suite.toml", &suite.replace("\"none\", \"mild\"", "\"mild\""));
-    let program = |body: &str| format!("#include \"eyebot.h\"\n#include <stdlib.h>\nint main() {{ {body} return 0; }}\n");
+    let program =
+        |body: &str| format!("#include \"eyebot.h\"\n#include <stdlib.h>\nint main() {{ {body} return 0; }}\n");
     let cases = [
         ("VWStraight(1000, 200) VWWait();", "E", "cannot be compiled"),
         ("for (volatile int i = 0;; i++);", "F", "processor time"),

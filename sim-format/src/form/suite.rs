@@ -39,8 +39,11 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     keys.form("CommonForm", "What all cases of a suite have in common.");
     keys.key("scene", "The scene, from the suite's folder; left out only if the matrix has scenes.")
         .maybe(TEXT, &mut suite.scene);
-    keys.key("programs", "Programs of robots in place of the scene's: `1=solve.c`, or `solve.c` for those without one.")
-        .list(PROGRAMS, &mut suite.programs);
+    keys.key(
+        "programs",
+        "Programs of robots in place of the scene's: `1=solve.c`, or `solve.c` for those without one.",
+    )
+    .list(PROGRAMS, &mut suite.programs);
     keys.key("until_s", "Simulated seconds at which a case ends; those of the scene if left out.")
         .maybe(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
@@ -49,8 +52,11 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     suite.linger = Time::from_seconds_ceil(linger);
     keys.key("keys", "Keys and touches: `2.5:KEY1`, `3:TOUCH(60,40)`, for robot 2 `2:2.5:KEY1`.")
         .list(TEXTS, &mut suite.keys);
-    keys.key("arguments", "Arguments of programs: `--kp {kp}`, for robot 1 `1:--kp {kp}`; `{kp}` is a parameter of the matrix.")
-        .list(TEXTS, &mut suite.arguments);
+    keys.key(
+        "arguments",
+        "Arguments of programs: `--kp {kp}`, for robot 1 `1:--kp {kp}`; `{kp}` is a parameter of the matrix.",
+    )
+    .list(TEXTS, &mut suite.arguments);
     keys.key("stdin", "File with the standard input of the programs.").maybe(TEXT, &mut suite.stdin);
     keys.key("pass_rate", "Share of seeds that must pass, 0 to 1; 1 if left out.")
         .optional(Bounded(Quantity::number("pass_rate", 0.0, 1.0)), &mut suite.pass_rate);
@@ -78,7 +84,10 @@ impl Form for LimitSpec {
 
 impl Form for Matrix {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("MatrixForm", "Lists of values; the cases are their combinations, those of the last list follow each other.");
+        keys.form(
+            "MatrixForm",
+            "Lists of values; the cases are their combinations, those of the last list follow each other.",
+        );
         keys.span(&mut self.span);
         keys.key("scene", "Scenes, in place of that of the suite.").list(TEXTS, &mut self.scene);
         keys.key("world", "Files of worlds, in place of the scene's.").list(TEXTS, &mut self.world);

@@ -20,8 +20,8 @@ pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};
 pub(super) use scene::section;
 pub use scene::{print_scene, scene_schema};
-pub(crate) use text::document;
 pub use sim::print_sim;
+pub(crate) use text::document;
 pub use world::print_world;
 
 /// Properties that only our own form can represent.

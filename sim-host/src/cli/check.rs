@@ -206,7 +206,8 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 }
 
 fn unknown_kind(name: &str) -> Diagnostic {
-    let expected = "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
+    let expected =
+        "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
     on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
 }
 

@@ -81,7 +81,8 @@ pub struct TestArgs {
     pub quiet: bool,
 }
 
-const AFTER_HELP: &str = "Exit codes: 0 all suites passed, 1 one failed, 2 usage or file errors, 5 no case is selected, 130 interrupted.";
+const AFTER_HELP: &str =
+    "Exit codes: 0 all suites passed, 1 one failed, 2 usage or file errors, 5 no case is selected, 130 interrupted.";
 
 /// A suite with the results of its cases.
 pub struct SuiteRun {
@@ -129,17 +130,12 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     }
     let inputs: Vec<String> =
         runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone())).collect();
-    check_outputs(
-        &given(&[("--junit", &args.junit), ("--report", &args.report)]),
-        inputs.iter().map(String::as_str),
-    )?;
+    check_outputs(&given(&[("--junit", &args.junit), ("--report", &args.report)]), inputs.iter().map(String::as_str))?;
     let last_failed = LastFailed::of_user();
     let selected: Vec<Vec<usize>> = select(&runs, selection.as_ref(), args.lf.then_some(&last_failed));
     let count: usize = selected.iter().map(Vec::len).sum();
-    let jobs = args.jobs.map_or_else(
-        || std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-        NonZeroUsize::get,
-    );
+    let jobs =
+        args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get);
     let all = runs.iter().map(|run| run.cases.len()).sum();
     let mut console = Console::new(args.verbose, args.quiet);
     console.collected(&paths, count, all, jobs);

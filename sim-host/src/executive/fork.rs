@@ -135,11 +135,16 @@ pub fn readable(streams: &[&UnixStream], timeout: Duration) -> io::Result<Vec<us
 /// The kernel refuses.
 pub fn limit_memory(more: u64) -> io::Result<()> {
     let status = fs::read_to_string("/proc/self/status")?;
-    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmData:")?.split_whitespace().next()?.parse().ok());
+    let kilobytes =
+        status.lines().find_map(|line| line.strip_prefix("VmData:")?.split_whitespace().next()?.parse().ok());
     let limit = kilobytes.unwrap_or(0_u64) * 1024 + more;
     let limits = libc::rlimit { rlim_cur: limit, rlim_max: limit };
     // SAFETY: a valid pointer.
-    if unsafe { libc::setrlimit(libc::RLIMIT_DATA, &raw const limits) } < 0 { Err(io::Error::last_os_error()) } else { Ok(()) }
+    if unsafe { libc::setrlimit(libc::RLIMIT_DATA, &raw const limits) } < 0 {
+        Err(io::Error::last_os_error())
+    } else {
+        Ok(())
+    }
 }
 
 /// Processor time that this process has used, in seconds.

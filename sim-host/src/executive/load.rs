@@ -62,8 +62,7 @@ pub fn load_programs(
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-        let begun =
-            program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), loader, debugger));
+        let begun = program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), loader, debugger));
         loading.push(begun.transpose().map_err(|error| of_robot(robot, error))?);
     }
     let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {

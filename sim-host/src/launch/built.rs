@@ -101,7 +101,8 @@ impl BuiltScene {
         };
         let mut spawner = Spawner::new(Arc::clone(&scene), &programs, robot_options);
         let (world, robots) = spawner.start()?;
-        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count(), loader)?;
+        let loaded =
+            load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count(), loader)?;
         Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs: loaded })
     }
 }

@@ -84,7 +84,8 @@ impl Session {
     fn build(&mut self, suite: &Suite, case: &Case) -> Result<BuiltScene, Failure> {
         let mut scene = Scene::open(&case.scene, case.options.clone())?;
         let mut mistakes = check_of_suite(&suite.spec, scene.spec());
-        let of_suite = SceneSpec { file: suite.spec.file.clone(), checks: suite.spec.checks.clone(), ..SceneSpec::default() };
+        let of_suite =
+            SceneSpec { file: suite.spec.file.clone(), checks: suite.spec.checks.clone(), ..SceneSpec::default() };
         mistakes.extend(check::unknown_calls(&of_suite));
         let own = scene.diagnostics().iter().chain(&mistakes);
         if let Some(first) = own.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
@@ -119,14 +120,17 @@ struct Failure {
 impl Failure {
     fn of(text: impl ToString) -> Self {
         let text = text.to_string();
-        let mut lines = text.lines();
-        let message = lines.next().unwrap_or_default().to_owned();
-        let details = if lines.next().is_some() { text.clone() } else { String::new() };
+        let is_long = text.lines().nth(1).is_some();
+        // Compilers tell first where they look.
+        let first = text.lines().find(|line| is_long && line.contains(" error: ")).or(text.lines().next());
+        let message = first.unwrap_or_default().trim().to_owned();
+        let details = if is_long { text } else { String::new() };
         Self { message, details, is_of_programs: false }
     }
 
     fn result(self, suite: &Suite, case: &Case) -> CaseResult {
-        let row = Row { outcome: RowOutcome::Error, message: self.message, details: self.details, ..row_of(suite, case) };
+        let row =
+            Row { outcome: RowOutcome::Error, message: self.message, details: self.details, ..row_of(suite, case) };
         CaseResult { row, real_time_s: 0.0, traces: Vec::new(), output: Vec::new() }
     }
 }
@@ -277,7 +281,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         at_s: at.filter(|_| outcome != RowOutcome::Passed),
         x_m: place.map(|place| place.0),
         y_m: place.map(|place| place.1),
-        points: report.points,
+        points: if failed_robot.is_some() || limit.is_some() { 0.0 } else { report.points },
         max_points: report.max_points,
         checks: report.checks.clone(),
         robots: robots.collect(),
@@ -337,4 +341,3 @@ impl Sink for Output {
         Ok(())
     }
 }
-

@@ -196,9 +196,8 @@ impl<'s> Pool<'s> {
     ) -> ControlFlow<()> {
         let limits = &self.suite.spec.limits;
         let most = PATIENCE * (limits.processor + limits.slot_processor) + 10.0;
-        while let Some(place) = workers
-            .iter()
-            .position(|worker| !worker.given.is_empty() && worker.since.elapsed().as_secs_f64() > most)
+        while let Some(place) =
+            workers.iter().position(|worker| !worker.given.is_empty() && worker.since.elapsed().as_secs_f64() > most)
         {
             let mut worker = workers.remove(place);
             worker.process.kill();

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::Suite;
 use super::case::{Case, PrepareError, Session};
 use super::row::{CaseResult, Row};
-use super::Suite;
 
 /// Programs of a suite's cases, built.
 pub struct Preparation {

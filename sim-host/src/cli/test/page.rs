@@ -68,8 +68,7 @@ fn suite(html: &mut String, run: &SuiteRun) {
 
 /// Table of a variant: a row for each check, a column for each case; and the paths of its failures.
 fn heat_map(html: &mut String, run: &SuiteRun, variant: &Variant) {
-    let results: Vec<&CaseResult> =
-        run.results.values().filter(|result| result.row.variant == variant.name).collect();
+    let results: Vec<&CaseResult> = run.results.values().filter(|result| result.row.variant == variant.name).collect();
     let verdict = if variant.passed { "passed" } else { "failed" };
     let name = if variant.name == "run" { "all cases" } else { &variant.name };
     _ = write!(
@@ -119,7 +118,8 @@ fn cell(html: &mut String, row: &Row, class: &str, sign: &str, title: &str) {
 
 /// Picture of the world with the paths of the cases that failed.
 fn trials(run: &SuiteRun, results: &[&CaseResult]) -> Option<String> {
-    let failed: Vec<&&CaseResult> = results.iter().filter(|result| !result.traces.is_empty()).take(MOST_PATHS).collect();
+    let failed: Vec<&&CaseResult> =
+        results.iter().filter(|result| !result.traces.is_empty()).take(MOST_PATHS).collect();
     let first = failed.first()?;
     let case = run.cases.iter().find(|case| case.name == first.row.case)?;
     let scene = Scene::open(&case.scene, case.options.clone()).ok()?;
@@ -134,7 +134,10 @@ fn trials(run: &SuiteRun, results: &[&CaseResult]) -> Option<String> {
     let drawing = draw_trials(scene.spec(), &trials);
     let svg = String::from_utf8(PictureKind::Svg.render(&drawing, Some((720, 480))).ok()?).ok()?;
     let begin = svg.find("<svg")?;
-    Some(format!("<figure>{}<figcaption>Paths of the failures; crosses: where they failed.</figcaption></figure>\n", &svg[begin..]))
+    Some(format!(
+        "<figure>{}<figcaption>Paths of the failures; crosses: where they failed.</figcaption></figure>\n",
+        &svg[begin..]
+    ))
 }
 
 fn failure(html: &mut String, result: &CaseResult) {

@@ -17,7 +17,8 @@ pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
     }
     let Ok(scene) = Scene::open(&case.scene, case.options.clone()) else { return Vec::new() };
     let (mut low, mut high) = scene.spec().world.bounds();
-    let paths = || result.traces.iter().flat_map(|trace| &trace.lines).map(|line| line.iter().map(|at| DVec2::from(*at)));
+    let paths =
+        || result.traces.iter().flat_map(|trace| &trace.lines).map(|line| line.iter().map(|at| DVec2::from(*at)));
     for point in paths().flatten() {
         (low, high) = (low.min(point), high.max(point));
     }

@@ -88,7 +88,8 @@ impl Console {
         }
         self.rule("eyesim test", '=', Style::new().bold());
         let suites = if paths.len() == 1 { String::new() } else { format!(" of {} suites", paths.len()) };
-        let deselected = if count < all { format!(" / {} deselected / {count} selected", all - count) } else { String::new() };
+        let deselected =
+            if count < all { format!(" / {} deselected / {count} selected", all - count) } else { String::new() };
         let cases = if all == 1 { "case" } else { "cases" };
         self.line(&format!("collected {all} {cases}{suites}{deselected}, {jobs} at a time"));
         self.line("");
@@ -156,40 +157,35 @@ impl Console {
 
     /// Tells the first failures in detail: what, where, how to see it.
     pub fn failures(&mut self, runs: &[SuiteRun]) {
-        let failures = || runs.iter().flat_map(|run| run.failures().map(move |result| (run, result)));
-        let count = failures().count();
-        if count == 0 {
+        let failures = distinct(runs);
+        if failures.is_empty() {
             return;
         }
         self.line("");
         self.rule("FAILURES", '=', Style::new());
-        let mut told: Vec<&str> = Vec::new();
-        for (run, result) in failures().take(MOST_DETAILED) {
-            let row = &result.row;
-            let name = if runs.len() > 1 { format!("{}::{}", run.name(), row.case) } else { row.case.clone() };
-            self.rule(&name, '_', Style::new().red().bold());
-            self.failure(run, result, &told);
-            told.push(&row.details);
+        for failure in failures.iter().take(MOST_DETAILED) {
+            let name = failure.name();
+            let name =
+                if runs.len() > 1 { &name } else { name.split_once("::").map_or(name.as_str(), |(_, case)| case) };
+            self.rule(name, '_', Style::new().red().bold());
+            self.failure(failure.run, failure.result);
         }
-        if count > MOST_DETAILED {
+        if failures.len() > MOST_DETAILED {
             self.line("");
-            self.line(&format!("... and {} more: -k selects cases, --html and --report have all", count - MOST_DETAILED));
+            let more = failures.len() - MOST_DETAILED;
+            self.line(&format!("... and {more} more: -k selects cases, --html and --report have all"));
         }
     }
 
-    fn failure(&mut self, run: &SuiteRun, result: &CaseResult, told: &[&str]) {
+    fn failure(&mut self, run: &SuiteRun, result: &CaseResult) {
         let row = &result.row;
         if row.checks.is_empty() || row.robots.iter().any(|robot| robot.outcome.is_failure()) {
             self.styled(&format!("E   {}", row.message), Style::new().red());
         }
-        if !row.details.is_empty() && told.contains(&row.details.as_str()) {
-            self.line("    (details as above)");
-        } else {
-            let lines: Vec<&str> = row.details.lines().collect();
-            lines.iter().take(MOST_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
-            if lines.len() > MOST_OUTPUT {
-                self.line(&format!("    ... {} more lines", lines.len() - MOST_OUTPUT));
-            }
+        let lines: Vec<&str> = row.details.lines().collect();
+        lines.iter().take(MOST_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
+        if lines.len() > MOST_OUTPUT {
+            self.line(&format!("    ... {} more lines", lines.len() - MOST_OUTPUT));
         }
         let width = row.checks.iter().map(|check| check.name.chars().count()).max().unwrap_or_default();
         for check in &row.checks {
@@ -217,20 +213,20 @@ impl Console {
 
     /// Prints rates over seeds, a line for each failure, and the last line.
     pub fn summary(&mut self, runs: &[SuiteRun], elapsed: Duration, is_interrupted: bool) {
-        let failures = || runs.iter().flat_map(|run| run.failures().map(move |result| (run, result)));
-        let count = failures().count();
+        let count = runs.iter().flat_map(SuiteRun::failures).count();
         if !self.is_quiet || count > 0 {
             self.rates(runs);
         }
         if count > 0 {
             self.rule("short test summary info", '=', Style::new());
-            for (run, result) in failures().take(MOST_LISTED) {
-                let row = &result.row;
+            let failures = distinct(runs);
+            for failure in failures.iter().take(MOST_LISTED) {
+                let row = &failure.result.row;
                 let word = if row.outcome == RowOutcome::Error { "ERROR" } else { "FAILED" };
-                self.line(&format!("{word} {}::{} - {}", run.name(), row.case, row.message));
+                self.line(&format!("{word} {} - {}", failure.name(), row.message));
             }
-            if count > MOST_LISTED {
-                self.line(&format!("... and {} more", count - MOST_LISTED));
+            if failures.len() > MOST_LISTED {
+                self.line(&format!("... and {} more", failures.len() - MOST_LISTED));
             }
         }
         if is_interrupted {
@@ -284,6 +280,44 @@ impl Console {
             self.line(&format!("          {name}: {}", of_seeds(rate)));
         }
     }
+}
+
+/// A failure, and the number of further cases with the same error.
+struct Failure<'r> {
+    run: &'r SuiteRun,
+    result: &'r CaseResult,
+    others: usize,
+}
+
+impl Failure<'_> {
+    /// `a.suite.toml::seed=3`, with the number of others.
+    fn name(&self) -> String {
+        let others = match self.others {
+            0 => String::new(),
+            1 => " and 1 other case".to_owned(),
+            count => format!(" and {count} other cases"),
+        };
+        format!("{}::{}{others}", self.run.name(), self.result.row.case)
+    }
+}
+
+/// The failures; cases that could not be run for one reason count as one.
+fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
+    let mut failures: Vec<Failure<'_>> = Vec::new();
+    for run in runs {
+        let begin = failures.len();
+        for result in run.failures() {
+            let is_same = |other: &&mut Failure<'_>| {
+                let [a, b] = [&other.result.row, &result.row];
+                b.outcome == RowOutcome::Error && a.message == b.message && a.details == b.details
+            };
+            match failures[begin..].iter_mut().find(is_same) {
+                Some(failure) => failure.others += 1,
+                None => failures.push(Failure { run, result, others: 0 }),
+            }
+        }
+    }
+    failures
 }
 
 /// `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
