@@ -27,7 +27,9 @@ mod place;
 pub mod print;
 mod robi;
 mod scene;
+mod set;
 mod sim;
+pub mod suite;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -48,7 +50,9 @@ pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
 pub use noise::{NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
 pub use robi::read_robi;
+use scene::read_scene_with;
 pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
+pub use set::{Setting, SettingError};
 pub use sim::read_sim;
 pub use world::read_world;
 

@@ -7,13 +7,14 @@ use glam::DVec2;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::set::Setting;
 use super::spec::{
     CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec,
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
     CellRules, MeshReader, NoiseRef, Span, checks, clearance, line, path, place, read_companion, read_costs,
-    read_esobj, read_maze_with, read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
+    read_esobj, read_maze_with, read_noise, read_robi, read_scene_with, read_sim, read_world, set, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -128,25 +129,30 @@ pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
 
 /// Values that override those of a scene and change how its files are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Overrides {
+pub struct Overrides<'a> {
     /// Seed of the run, on which random layouts depend.
     pub seed: Option<u64>,
     /// EyeSim whose conventions the scene follows.
     pub dialect: Option<Dialect>,
     /// Side of the cells of the scene's maze file, in metres; positive.
     pub maze_cell: Option<f64>,
+    /// Values of a scene in TOML, in place of those in its text.
+    pub settings: &'a [Setting],
 }
 
 /// Loads a scene as [`load_scene`], with values that override the scene's own.
-pub fn load_scene_with(path: &str, overrides: Overrides, files: &dyn Files) -> Loaded {
+pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
         return loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() });
     };
     let is_toml = path::extension(path) == "toml";
-    let (mut sim, diagnostics) = if is_toml { read_scene(path, &text) } else { read_sim(path, &text) };
+    let Overrides { seed, dialect, maze_cell, settings } = overrides;
+    let (mut sim, diagnostics) = if is_toml { read_scene_with(path, &text, settings) } else { read_sim(path, &text) };
     loader.diagnostics.extend(diagnostics);
-    let Overrides { seed, dialect, maze_cell } = overrides;
+    if !is_toml && !settings.is_empty() {
+        loader.diagnostics.push(set::not_toml(path));
+    }
     sim.run.seed = seed.or(sim.run.seed);
     sim.run.dialect = dialect.or(sim.run.dialect);
     sim.world.iter_mut().for_each(|line| line.cell = maze_cell.or(line.cell));

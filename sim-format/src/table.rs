@@ -7,9 +7,12 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::Span;
 use super::code::Code;
-use super::diagnostic::Sink;
+use super::diagnostic::{Severity, Sink};
 use super::line::{self, Quantity};
 use super::spec::PathRef;
+
+/// Place of keys that the text does not have: settings have added them ([`super::set`]).
+pub(super) const SET: Range<usize> = usize::MAX..usize::MAX;
 
 /// Reader of a TOML text, with its diagnostics.
 pub(super) struct Reader {
@@ -71,8 +74,11 @@ impl Reader {
 }
 
 impl Reader {
-    /// Span of the bytes `range` in the file.
+    /// Span of the bytes `range` in the file; that of the whole file for [`SET`].
     pub(super) fn span(&self, range: Range<usize>) -> Span {
+        if range == SET {
+            return Span::default();
+        }
         let mut start = range.start.min(self.text.len());
         while !self.text.is_char_boundary(start) {
             start -= 1;
@@ -419,7 +425,10 @@ impl Reader {
             let whole = known().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
             let nearest = line::nearest(name, known()).or(whole);
             let suggestion = nearest.map(|key| format!("write `{key}`"));
-            self.sink.warn(Code::TomlKey, self.span(key.span()), message, expected).suggestion = suggestion;
+            // Nobody sets a key for the future, or for another program.
+            let severity = if key.span() == SET { Severity::Error } else { Severity::Warning };
+            let span = self.span(key.span());
+            self.sink.report(severity, Code::TomlKey, span, message, expected).suggestion = suggestion;
         }
     }
 }

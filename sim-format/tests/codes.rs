@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use sim_core::build::MeshSource;
 use sim_format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, load_world,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene,
+    load_world, suite::load_suite,
 };
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
@@ -32,7 +33,8 @@ const WITHOUT_EXAMPLE: [Code; 17] = [
 ];
 
 /// Files that examples may refer to.
-const FOLDER: [(&str, &str); 6] = [
+const FOLDER: [(&str, &str); 7] = [
+    ("room.scene.toml", "[world]\nfile = \"field.wld\"\n\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"),
     ("wedge.obj", "mtllib wedge.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"),
     ("wedge.mtl", "newmtl red\nKd 1 0 0\n"),
     ("cross.maz", " _____\n|U _  |\n|_____|\n"),
@@ -78,6 +80,7 @@ impl Example {
         files.0.insert(name.clone(), self.text.clone());
         match self.kind.as_str() {
             "sim" | "scene.toml" => load_scene(&name, &files).diagnostics,
+            "suite.toml" => load_suite(&name, &files).loaded.diagnostics,
             "wld" => load_world(&name, &files).diagnostics,
             "maz" => load_maze(&name, &files).diagnostics,
             "esObj" => load_object(&name, &files).1.diagnostics,

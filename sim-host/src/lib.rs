@@ -35,5 +35,6 @@ pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
+pub mod suite;
 #[cfg(feature = "window")]
 pub mod window;

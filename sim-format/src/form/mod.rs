@@ -14,6 +14,7 @@ pub(crate) mod robot;
 pub(crate) mod scene;
 pub(crate) mod sensor;
 pub(crate) mod shape;
+pub(crate) mod suite;
 pub(crate) mod terrain;
 pub(crate) mod world;
 

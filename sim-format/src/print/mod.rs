@@ -21,6 +21,7 @@ pub use robi::{print_companion, print_robi};
 pub(super) use scene::section;
 pub use scene::{companion_schema, noise_schema, print_scene, scene_schema};
 pub use sim::print_sim;
+pub(crate) use text::document;
 pub use world::print_world;
 
 /// Properties that only our own form can represent.

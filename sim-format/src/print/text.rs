@@ -10,7 +10,7 @@ use super::number::written;
 const WIDTH: usize = 110;
 
 /// Text of a document: a section per table and per table of an array, with nested values on single lines.
-pub(super) fn document(root: &Table) -> String {
+pub(crate) fn document(root: &Table) -> String {
     let mut out = String::new();
     for (key, value) in root {
         match value {

@@ -12,6 +12,7 @@ use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::form::Form;
 use super::form::place::MAX_ROBOTS;
+use super::set::Setting;
 use super::spec::{CostTable, RobotLine, SceneForm, SimSpec, StartRef};
 use super::table::{Reader, Section, has_top_key};
 use super::{Span, path};
@@ -42,7 +43,13 @@ pub(super) fn has_marks(text: &str) -> bool {
 ///
 /// Unknown keys give a warning; a value of the wrong type or out of range is an error.
 pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
-    let (mut reader, root) = Reader::parse(file, text);
+    read_scene_with(file, text, &[])
+}
+
+/// Reads a scene as [`read_scene`], with `settings` in place of values of its text.
+pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting]) -> (SimSpec, Vec<Diagnostic>) {
+    let (mut reader, mut root) = Reader::parse(file, text);
+    reader.set(&mut root, settings);
     let mut sim = SimSpec { file: file.to_owned(), form: SceneForm::Toml, ..SimSpec::default() };
     reader.table(Section::root(&root), |keys| sim.keys(keys));
     (sim, reader.sink.finish())

@@ -9,6 +9,8 @@ use sim_core::build::MeshSource;
 use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
 use sim_format::{CellRules, Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 
+use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
+
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen};
 use super::run::{parse_dialect, parse_maze_cell};
@@ -25,7 +27,7 @@ const EXIT_MISTAKES: u8 = 2;
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim and .scene.toml (with all that they name), .robi (with its .toml), .wld, .maz, .esObj, .noise.toml;
+    /// Files to check: .sim and .scene.toml (with all that they name), .suite.toml (with its scene), .robi (with its .toml), .wld, .maz, .esObj, .noise.toml;
     /// of a folder all such files
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -98,7 +100,7 @@ impl Checked {
 }
 
 /// Checks the files `names` with all that they name.
-pub fn check(names: &[String], overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
+pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
     // Several files may name one file, which may also be one of `names` itself.
     let mut said: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
@@ -112,7 +114,7 @@ pub fn check(names: &[String], overrides: Overrides, files: &dyn Files, find_pro
     checked
 }
 
-fn check_one(name: &str, overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
+fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_lowercase().as_str() {
         "sim" => check_sim(name, overrides, files, find_program),
@@ -126,6 +128,7 @@ fn check_one(name: &str, overrides: Overrides, files: &dyn Files, find_program: 
             with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
         }
         "robi" => check_robi(name, files),
+        "toml" if is_suite_file(name, files) => check_suite(name, files),
         "toml" if is_scene(name, files) => check_sim(name, overrides, files, find_program),
         "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
         "toml" => check_robi(&format!("{stem}.robi"), files),
@@ -139,6 +142,20 @@ pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
     sim_format::is_scene(name, &text)
 }
 
+/// Returns true if the file is a suite.
+pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
+    let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
+    is_suite(name, &text)
+}
+
+/// A suite and the scene of its first case.
+fn check_suite(name: &str, files: &dyn Files) -> Loaded {
+    let LoadedSuite { suite, mut loaded } = load_suite(name, files);
+    let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
+    loaded.diagnostics.extend(unknown_calls(&scene).collect::<Vec<_>>());
+    loaded
+}
+
 /// Returns true if the file is a noise profile.
 pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
@@ -148,7 +165,7 @@ pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
 /// Extensions of files checked in a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
-fn check_sim(name: &str, overrides: Overrides, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
+fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
     let mut loaded = with_looks(sim_format::load_scene_with(name, overrides, files), files, |_| ());
     // Only a warning, since EyeSim reads the file and places the robot nevertheless.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
@@ -190,7 +207,8 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 }
 
 fn unknown_kind(name: &str) -> Diagnostic {
-    let expected = "a name that ends in .sim, .scene.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
+    let expected =
+        "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
     let is_program =
         Language::of(Path::new(name)).is_some() || [".py", ".rs", ".so"].iter().any(|it| name.ends_with(it));
     let message = match is_program {
@@ -216,7 +234,8 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
         let mut take = |found: &Path| {
             let name = files.name(found);
             let is_toml = found.extension().is_some_and(|it| it == "toml");
-            if is_known(found) || is_toml && (is_scene(&name, files) || is_noise(&name, files)) {
+            let is_ours = || is_scene(&name, files) || is_noise(&name, files) || is_suite_file(&name, files);
+            if is_known(found) || is_toml && is_ours() {
                 names.push(name);
             }
         };
@@ -236,7 +255,7 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
 
 /// Visits all files below `folder`, in the order of their names. Hidden folders, and folders behind links (which may form
 /// cycles), are left out.
-fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
+pub(super) fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let listed = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
@@ -268,6 +287,7 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
 fn is_known(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.ends_with(sim_format::SCENE_EXTENSION)
+        || name.ends_with(SUITE_EXTENSION)
         || name.ends_with(sim_format::NOISE_EXTENSION)
         || path
             .extension()

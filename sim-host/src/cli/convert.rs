@@ -1,12 +1,13 @@
-//! `eyesim convert`: converts a file into another form; `eyesim schema`: the JSON schema of scenes for editors.
+//! `eyesim convert`: converts a file into another form; `eyesim schema`: the JSON schemas of scenes and suites for editors.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_format::print::scene_schema;
+use sim_format::suite::suite_schema;
 use sim_format::{Converted, convert_with, has_errors};
 
 use super::EXIT_USAGE;
@@ -76,11 +77,32 @@ fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the JSON schema of scenes.
+/// Arguments of `eyesim schema`.
+#[derive(Args)]
+pub struct SchemaArgs {
+    /// Kind of the file
+    #[arg(value_enum, default_value_t)]
+    pub of: SchemaOf,
+}
+
+/// A kind of file in TOML with a schema.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum SchemaOf {
+    /// Scenes, NAME.scene.toml
+    #[default]
+    Scene,
+    /// Suites, NAME.suite.toml
+    Suite,
+}
+
+/// Prints the JSON schema of scenes or of suites.
 ///
 /// # Errors
 /// If standard output cannot be written to.
-pub fn schema() -> anyhow::Result<ExitCode> {
-    diagnostic::print(&scene_schema())?;
+pub fn schema(args: &SchemaArgs) -> anyhow::Result<ExitCode> {
+    diagnostic::print(&match args.of {
+        SchemaOf::Scene => scene_schema(),
+        SchemaOf::Suite => suite_schema(),
+    })?;
     Ok(ExitCode::SUCCESS)
 }

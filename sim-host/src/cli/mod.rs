@@ -35,6 +35,7 @@ pub mod replay;
 pub mod run;
 mod shot;
 pub mod table;
+pub mod test;
 #[cfg(feature = "window")]
 mod view;
 
@@ -65,6 +66,8 @@ const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot prog
 enum Command {
     /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
     Run(Box<run::RunArgs>),
+    /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
+    Test(test::TestArgs),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
     #[cfg(feature = "window")]
     View(Box<view::ViewArgs>),
@@ -89,8 +92,8 @@ enum Command {
     Shot(Box<shot::ShotArgs>),
     /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),
-    /// Print the JSON schema of scenes in TOML, from which editors complete
-    Schema,
+    /// Print the JSON schema of scenes or suites in TOML, from which editors complete
+    Schema(convert::SchemaArgs),
     /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
     #[cfg(feature = "accuracy")]
     Accuracy(accuracy::AccuracyArgs),
@@ -118,6 +121,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::Test(args) => test::run(&args),
         #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),
         #[cfg(feature = "window")]
@@ -130,7 +134,7 @@ pub fn main() -> ExitCode {
         Command::Plot(args) => plot::run(&args),
         Command::Shot(args) => shot::run(*args),
         Command::Convert(args) => convert::run(&args),
-        Command::Schema => convert::schema(),
+        Command::Schema(args) => convert::schema(&args),
         #[cfg(feature = "accuracy")]
         Command::Accuracy(args) => accuracy::run(&args),
         #[cfg(not(feature = "accuracy"))]

@@ -21,6 +21,9 @@ pub struct NewArgs {
     /// RoBIOS generation of the program [default: 6 for C and Rust, 7 for C++ and Python]
     #[arg(long, value_name = "GENERATION", value_parser = clap::value_parser!(u32).range(6..=7))]
     pub api: Option<u32>,
+    /// Write a suite as well: cases with noise and seeds, and checks, for `eyesim test`
+    #[arg(long)]
+    pub suite: bool,
     /// Folder in which the program's folder is made
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub path: PathBuf,
@@ -51,8 +54,16 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     let eyesim = eyesim.display().to_string();
     let generation = generation(args.lang, args.api)?;
     let project = Project { name: &args.name, lang: args.lang, generation, eyesim: &eyesim };
-    write_folder(&folder, &project.files(api.as_deref()))?;
+    let mut files = project.files(api.as_deref());
+    if args.suite {
+        let text = include_str!("new/suite.toml").replace("@NAME@", &args.name);
+        files.push((format!("{}.suite.toml", args.name), text));
+    }
+    write_folder(&folder, &files)?;
     println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);
+    if args.suite {
+        println!("and judge it with\n\n    eyesim test {}\n", folder.display());
+    }
     if args.lang == Language::Rust && api.is_none() {
         println!(
             "The source of eyesim is not where this eyesim was built: set the path of `robios-api` in `{}` first.",
@@ -293,7 +304,7 @@ mod tests {
     use super::*;
 
     fn new(name: &str, lang: Language, path: &Path) -> Result<(), String> {
-        run(&NewArgs { name: name.into(), lang, api: None, path: path.into() })
+        run(&NewArgs { name: name.into(), lang, api: None, suite: false, path: path.into() })
             .map(drop)
             .map_err(|error| error.to_string())
     }

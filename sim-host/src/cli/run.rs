@@ -16,6 +16,7 @@ use clap::{Args, FromArgMatches as _};
 use sim_core::spec::{ContactKind, Dialect, SceneSpec};
 use sim_core::time::Time;
 use sim_core::unit;
+use sim_format::Setting;
 
 use super::cc::parse_api;
 use super::output::{StandardStreams, say};
@@ -29,6 +30,7 @@ use crate::executive::subreaper::Subreaper;
 use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
+use crate::program::words::quoted;
 use crate::record::Report;
 use sim_core::record::Outcome;
 
@@ -101,6 +103,9 @@ pub struct RunArgs {
     /// Side of the cells of the scene's maze file in millimetres, in place of what the file says
     #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
     pub maze_cell: Option<f64>,
+    /// Value of a scene in TOML in place of the one in its text: `robot[0].x_mm=500`, `scene.noise="real"`
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = Setting::parse)]
+    pub settings: Vec<Setting>,
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
@@ -182,6 +187,7 @@ impl RunArgs {
             api: self.api,
             dialect: self.dialect,
             maze_cell: self.maze_cell,
+            settings: self.settings.clone(),
             keys: self.keys.clone(),
             stdin: self.stdin.clone(),
             arguments: self.args.clone(),
@@ -337,16 +343,6 @@ fn view_command(report: &Report) -> Option<String> {
         }
     }
     Some(format!("{line} --at {:.1}", (at - 1.0).max(0.0)))
-}
-
-/// A word as a shell reads it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "_-./=:,+%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
 }
 
 fn exit_code(finished: &Finished) -> ExitCode {

@@ -44,7 +44,7 @@ pub enum ProgramLoadError {
 }
 
 /// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process, or in its
-/// own process. Robots on one of the `workers` may share a copy.
+/// own process. Robots on one of the `workers` may share a copy, those of runs one after the other with the same `loader`, too.
 ///
 /// # Errors
 /// The first program that cannot be loaded, or all of them if the kernel has no room.
@@ -54,17 +54,16 @@ pub fn load_programs(
     exec: Exec,
     debug: Option<&DebugTarget>,
     workers: usize,
+    loader: &mut Loader,
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
-    let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
     loader.set_deal(deal(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == Place::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-        let begun =
-            program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), &mut loader, debugger));
+        let begun = program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), loader, debugger));
         loading.push(begun.transpose().map_err(|error| of_robot(robot, error))?);
     }
     let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {

@@ -12,6 +12,7 @@ pub mod dispatcher;
 pub mod fault;
 pub mod fiber;
 mod flow;
+pub mod fork;
 mod guard;
 pub mod interrupt;
 pub mod intervene;

@@ -8,9 +8,10 @@ use sim_core::spec::SceneSpec;
 use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
-use crate::executive::load::{load_programs, place_of};
+use crate::executive::load::{ProgramLoadError, load_programs, place_of};
 use crate::executive::program::Place;
 use crate::executive::spawn::{RobotOptions, Spawner};
+use crate::program::load::Loader;
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::record::report::Input;
@@ -49,6 +50,11 @@ impl BuiltScene {
         lines
     }
 
+    /// Returns true if all programs run on fibers, where eyesim handles their faults.
+    pub fn is_on_fibers(&self) -> bool {
+        self.programs.iter().all(|program| place_of(program, self.options.exec).0 == Place::Fiber)
+    }
+
     /// Returns true if at least one robot has a program.
     pub fn has_programs(&self) -> bool {
         self.programs.iter().next().is_some()
@@ -60,6 +66,16 @@ impl BuiltScene {
     /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Frames`] for
     /// a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
+        let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
+        self.load_with(&mut loader)
+    }
+
+    /// Creates the robots and loads their programs as [`BuiltScene::load`] does, with the libraries that `loader` has mapped for earlier
+    /// runs, which are over.
+    ///
+    /// # Errors
+    /// As [`BuiltScene::load`].
+    pub fn load_with(self, loader: &mut Loader) -> Result<Ready, Error> {
         let Self { options, settings, scene, scenery, inputs, programs } = self;
         let frames = |folder: &PathBuf| {
             let frames = Frames::create(folder, scene.robots.len());
@@ -85,7 +101,8 @@ impl BuiltScene {
         };
         let mut spawner = Spawner::new(Arc::clone(&scene), &programs, robot_options);
         let (world, robots) = spawner.start()?;
-        let loaded = load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count())?;
+        let loaded =
+            load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count(), loader)?;
         Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs: loaded })
     }
 }

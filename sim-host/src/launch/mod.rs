@@ -20,7 +20,7 @@ pub use finished::Finished;
 pub use option_error::{CostsRefusal, OptionError, UnknownRobot};
 pub use options::{DEFAULT_UNTIL, Options};
 pub use ready::{Observers, Ready, Running};
-pub use scene::{NotAScene, Scene};
+pub use scene::{NotAScene, ProgramCache, Scene};
 
 use std::path::PathBuf;
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use sim_core::spec::{ContactKind, Dialect};
 use sim_core::time::Time;
-use sim_format::Overrides;
+use sim_format::{Overrides, Setting};
 
 use super::settings::ProgramOption;
 use crate::executive::load::DebugTarget;
@@ -44,6 +44,8 @@ pub struct Options {
     pub dialect: Option<Dialect>,
     /// Side of the cells of the scene's maze in metres, in place of what its file says.
     pub maze_cell: Option<f64>,
+    /// Values of a scene in TOML, by the path of their keys.
+    pub settings: Vec<Setting>,
     /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
     pub keys: Vec<String>,
     /// File with the standard input of the programs, of which each robot reads a copy; `-`: this process's standard input, read to its
@@ -81,8 +83,9 @@ impl Options {
     }
 
     /// Values that override those of the scene when its files are read.
-    pub fn overrides(&self) -> Overrides {
-        Overrides { seed: self.seed, dialect: self.dialect, maze_cell: self.maze_cell }
+    pub fn overrides(&self) -> Overrides<'_> {
+        let Self { seed, dialect, maze_cell, settings, .. } = self;
+        Overrides { seed: *seed, dialect: *dialect, maze_cell: *maze_cell, settings }
     }
 }
 
@@ -101,6 +104,7 @@ impl Default for Options {
             api: None,
             dialect: None,
             maze_cell: None,
+            settings: Vec::new(),
             keys: Vec::new(),
             stdin: None,
             arguments: Vec::new(),

@@ -85,6 +85,11 @@ impl Ready {
         &self.inputs
     }
 
+    /// Arguments of `eyesim run` that repeat the run.
+    pub fn words(&self) -> Vec<String> {
+        words(&self.scene.file, &self.options, &self.settings)
+    }
+
     /// First line of the trace, with the command line that repeats the run.
     pub fn trace_header(&self) -> TraceHeader {
         let robot = |robot: &RobotSpec| TraceRobot {
@@ -96,7 +101,7 @@ impl Ready {
             seed: self.settings.seed,
             slot_us: self.settings.slot.0,
             robots: self.scene.robots.iter().map(robot).collect(),
-            run: words(&self.scene.file, &self.options, &self.settings),
+            run: self.words(),
             inputs: self.inputs.clone(),
         }
     }
@@ -184,6 +189,7 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     options.api.iter().for_each(|api| add("api", &api.number()));
     options.dialect.iter().for_each(|dialect| add("dialect", &dialect.word()));
     options.maze_cell.iter().for_each(|cell| add("maze-cell", &unit::mm_from_metres(*cell)));
+    options.settings.iter().for_each(|setting| add("set", setting));
     options.keys.iter().for_each(|keys| add("keys", keys));
     options.stdin.iter().for_each(|path| add("stdin", &slashed(path)));
     options.arguments.iter().for_each(|arguments| add("args", arguments));

@@ -1,10 +1,10 @@
 //! A scene and the contents of its files, before its programs are built.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use sim_core::spec::{CostsRef, Dialect, SceneSpec};
+use sim_core::spec::{CostsRef, Dialect, RobotSpec, SceneSpec};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
 use super::built::BuiltScene;
@@ -13,8 +13,8 @@ use super::settings::{Settings, assign_noise};
 use super::{Error, OptionError, Options, Rejected, check};
 use crate::files::{DiskFiles, read_regular};
 use crate::program::find::SearchPath;
-use crate::program::scene::Programs;
-use crate::program::{Builder, Cache, Kits, Tools};
+use crate::program::scene::{Programs, wanted_of};
+use crate::program::{Builder, Cache, GenerationHint, Kits, Tools};
 use crate::record::report::Input;
 use crate::scenery::LazyScenery;
 
@@ -128,12 +128,29 @@ impl Scene {
     /// # Errors
     /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Option`] for an option
     /// that does not fit the scene; [`Error::Programs`] for programs that cannot be built.
-    pub fn build(mut self, builder: &Builder) -> Result<BuiltScene, Error> {
+    pub fn build(self, builder: &Builder) -> Result<BuiltScene, Error> {
+        self.build_with(builder, &mut ProgramCache::default())
+    }
+
+    /// Finds its programs as [`Scene::build`] does, and builds those that are not in `cache`.
+    ///
+    /// # Errors
+    /// As [`Scene::build`].
+    pub fn build_with(mut self, builder: &Builder, cache: &mut ProgramCache) -> Result<BuiltScene, Error> {
         let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
         if self.is_rejected() {
             return Err(reject(self.loaded.diagnostics, self.loaded.inputs));
         }
         let settings = self.settings()?;
+        let of_options = || settings.costs_input.iter().chain(&settings.stdin_input);
+        let key = ProgramCache::key(&self.loaded.scene);
+        if let Some((programs, sources)) = cache.known.get(&key) {
+            let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
+            let read = read_files(inputs.iter().chain(of_options()), sources);
+            let scene = Arc::new(scene);
+            let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
+            return Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs: programs.clone() });
+        }
         let search = check::search_path(&self.files).map_err(folder("working folder"))?;
         let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
         let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
@@ -142,8 +159,9 @@ impl Scene {
         }
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
         let programs = Programs::build(&scene, &search, builder)?;
-        let of_options = settings.costs_input.iter().chain(&settings.stdin_input);
-        let read = read_files(inputs.iter().chain(of_options), &programs);
+        let sources = source_inputs(&programs);
+        let read = read_files(inputs.iter().chain(of_options()), &sources);
+        cache.known.insert(key, (programs.clone(), sources));
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
         Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
@@ -208,10 +226,34 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
 }
 
 /// Every file that determines the run, each once, in the order in which the files are read.
-fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, programs: &Programs) -> Vec<Input> {
+fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, sources: &[Input]) -> Vec<Input> {
     let mut inputs: Vec<Input> = files.map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
+    inputs.extend(sources.iter().cloned());
+    inputs
+}
+
+/// The files of programs, each once.
+fn source_inputs(programs: &Programs) -> Vec<Input> {
     let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
     // A source that was deleted after its compilation cannot be hashed any more.
-    inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))));
-    inputs
+    paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))).collect()
+}
+
+/// Programs of scenes that have been built, for further runs with the same ones: they are neither searched nor built again.
+#[derive(Default)]
+pub struct ProgramCache {
+    known: BTreeMap<CacheKey, (Programs, Vec<Input>)>,
+}
+
+/// Folder of a scene, and for each robot its program, the line that names it, generation and dialect.
+type CacheKey = (String, Vec<(String, bool, GenerationHint)>);
+
+impl ProgramCache {
+    fn key(scene: &SceneSpec) -> CacheKey {
+        let of_robot = |robot: &RobotSpec| {
+            let is_of_file = robot.program.as_ref().is_some_and(|program| program.span.line > 0);
+            (robot.program_name().to_owned(), is_of_file, wanted_of(robot))
+        };
+        (scene.folder.clone(), scene.robots.iter().map(of_robot).collect())
+    }
 }

@@ -123,6 +123,21 @@ impl ProgramOption {
         }
         Ok(Self { selector, program: program.to_owned() })
     }
+
+    /// Reference to the program, as in a sim file.
+    pub fn program(&self) -> &str {
+        &self.program
+    }
+
+    /// The option with another program for the same robots.
+    pub fn with_program(&self, program: &str) -> Self {
+        Self { program: program.to_owned(), ..self.clone() }
+    }
+
+    /// Returns true if both options name robots in the same words.
+    pub fn has_robots_of(&self, other: &Self) -> bool {
+        self.selector == other.selector
+    }
 }
 
 impl std::fmt::Display for ProgramOption {

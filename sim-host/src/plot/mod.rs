@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use crate::record::report::write_atomically;
 
 pub use drawing::Drawing;
-pub use run::{RunObject, RunPicture, RunRobot, draw_paths, draw_run};
+pub use run::{RunObject, RunPicture, RunRobot, draw_paths, draw_run, draw_trials};
 pub use scene::{draw_ground, draw_object_type, draw_robi, draw_scene};
 
 /// Error when making a picture.

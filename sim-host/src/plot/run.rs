@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::pose::Pose;
-use sim_core::spec::{MarkerSpec, ObjectType, RobiSpec, WorldSpec};
+use sim_core::spec::{MarkerSpec, ObjectType, RobiSpec, SceneSpec, WorldSpec};
 
 use super::colour::{self, INK, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};
@@ -100,6 +100,26 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     for (index, robot) in robots.iter().enumerate() {
         let line = Line { width: 3.0, ..line(index) };
         drawing.add_legend(Symbol::Line(line), format!("r{} {}", robot.id, robot.robi.name));
+    }
+    drawing
+}
+
+/// Draws the world of a scene with the paths of several runs, each in a colour, and the places that matter in them.
+pub fn draw_trials(scene: &SceneSpec, trials: &[(Vec<Vec<DVec2>>, Option<DVec2>)]) -> Drawing {
+    let mut drawing = Drawing::new(scene.file.as_str());
+    ground::draw_world(&mut drawing, &scene.world, None);
+    ground::draw_markers(&mut drawing, &scene.markers);
+    for (index, (lines, place)) in trials.iter().enumerate() {
+        let line = Line { paint: Paint::translucent(colour::robot(index), 0.7), width: 1.5 };
+        draw_trails(&mut drawing, lines, line);
+        if let Some(start) = lines.first().and_then(|line| line.first()) {
+            let ring = Form::Disc { centre: *start, radius: 0.0, least: 4.0 };
+            drawing.push(Shape::outlined(ring, line));
+        }
+        if let Some(place) = place {
+            drawing.include(*place);
+            drawing.push(Shape::outlined(Form::Cross(*place), Line::solid(INK, 1.5)));
+        }
     }
     drawing
 }

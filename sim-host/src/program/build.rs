@@ -148,6 +148,11 @@ impl Builder {
         Self { observer: Some(observer), ..self }
     }
 
+    /// Removes the observer, with the threads that it may have.
+    pub fn remove_observer(&mut self) {
+        self.observer = None;
+    }
+
     /// Builds a library from `source`, or returns the existing one if it is up to date.
     ///
     /// # Errors

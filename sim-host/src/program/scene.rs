@@ -19,6 +19,7 @@ pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
 }
 
 /// The programs of a scene, built.
+#[derive(Clone)]
 pub struct Programs {
     /// In the order of the robots; robots with the same program share it, and a robot without a program has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,

@@ -52,7 +52,7 @@ pub struct Report {
 }
 
 /// Result of a check.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CheckReport {
     /// Its name, or its kind.
     pub name: String,

@@ -8,7 +8,7 @@ use std::str::FromStr as _;
 use lsp_types::{Position, Uri};
 use sim_format::{Files as _, path};
 
-use super::super::check::{is_noise, is_scene};
+use super::super::check::{is_noise, is_scene, is_suite_file};
 use crate::files::DiskFiles;
 
 /// Unit of the columns that an editor counts.
@@ -82,6 +82,7 @@ impl Documents {
                 "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" => true,
                 "toml" => {
                     is_scene(name, &self.files)
+                        || is_suite_file(name, &self.files)
                         || is_noise(name, &self.files)
                         || self.files.read(&format!("{stem}.robi")).is_ok()
                 }

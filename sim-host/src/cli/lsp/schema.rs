@@ -2,7 +2,7 @@
 
 use lsp_types::{CompletionItem, CompletionItemKind};
 use serde_json::Value as Json;
-use sim_format::{Files, print};
+use sim_format::{Files, print, suite};
 
 use super::documents::Document;
 use super::toml_place::{Outline, Place, Table};
@@ -135,10 +135,12 @@ fn variant_of(form: &Json) -> Option<(&str, &str)> {
 struct Schema(Json);
 
 impl Schema {
-    /// Schema of a scene, a noise profile or a companion.
+    /// Schema of a scene, a suite, a noise profile or a companion.
     fn of(document: &Document) -> Option<Self> {
         let text = if sim_format::is_scene(&document.name, &document.text) {
             print::scene_schema()
+        } else if suite::is_suite(&document.name, &document.text) {
+            suite::suite_schema()
         } else if sim_format::is_noise(&document.name, &document.text) {
             print::noise_schema()
         } else {
@@ -280,6 +282,7 @@ mod tests {
             "{of_contacts:?}"
         );
         assert_eq!(labels(SCENE, "[world]\nfile = \"|\"\n"), ["a.wld", "drive.c"]);
+        assert!(labels("/lab/x.suite.toml", "[matrix]\n|").iter().any(|key| key == "seed"));
         assert!(labels("/lab/x.noise.toml", "|").iter().any(|key| key == "base"));
         assert!(labels("/lab/S4.toml", "[[leg]]\n|").iter().any(|key| key == "thigh_mm"));
     }

@@ -1,0 +1,237 @@
+//! Settings: values of a scene in TOML that replace those of its text, by the path of their keys.
+//!
+//! A path such as `robot[0].x_mm` names keys with dots between them, and entries of arrays from 0.
+
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use super::Span;
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity};
+use super::table::{Reader, SET};
+
+/// A value of a scene in TOML in place of the one in its text.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Setting {
+    path: String,
+    value: String,
+}
+
+/// Text that is no setting.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SettingError {
+    /// It is not of the form `PATH=VALUE`.
+    #[error("`{0}` is no setting: expected `PATH=VALUE`, such as `robot[0].x_mm=500`")]
+    Form(String),
+    /// The path cannot be read.
+    #[error("`{0}` is no path: expected names of keys and indices of arrays, such as `robot[0].x_mm`")]
+    Path(String),
+    /// The value cannot be read.
+    #[error("`{value}` is no value of TOML: {error}; a text stands between quotes")]
+    Value {
+        /// The value.
+        value: String,
+        /// What is wrong with it.
+        error: String,
+    },
+}
+
+impl Setting {
+    /// The setting of `path`, as `robot[0].x_mm`, to `value`, as in TOML.
+    ///
+    /// # Errors
+    /// Path or value cannot be read.
+    pub fn new(path: &str, value: &str) -> Result<Self, SettingError> {
+        steps(path).ok_or_else(|| SettingError::Path(path.to_owned()))?;
+        let of = |error: toml::de::Error| error.message().trim().replace('\n', " ");
+        DeValue::parse(value).map_err(|error| SettingError::Value { value: value.to_owned(), error: of(error) })?;
+        Ok(Self { path: path.to_owned(), value: value.to_owned() })
+    }
+
+    /// Parses `PATH=VALUE`.
+    ///
+    /// # Errors
+    /// [`SettingError`].
+    pub fn parse(text: &str) -> Result<Self, SettingError> {
+        let (path, value) = text.split_once('=').ok_or_else(|| SettingError::Form(text.to_owned()))?;
+        Self::new(path.trim(), value.trim())
+    }
+}
+
+impl std::fmt::Display for Setting {
+    /// In the syntax of the command line.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}", self.path, self.value)
+    }
+}
+
+/// Step of a path: into a table, or into an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step<'p> {
+    Key(&'p str),
+    Index(usize),
+}
+
+/// Steps of a path, of which the first is a key.
+fn steps(path: &str) -> Option<Vec<Step<'_>>> {
+    let mut steps = Vec::new();
+    for part in path.split('.') {
+        let mut pieces = part.split('[');
+        let name = pieces.next().filter(|name| !name.is_empty())?;
+        let is_plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+        steps.push(is_plain.then_some(Step::Key(name))?);
+        for index in pieces {
+            steps.push(Step::Index(index.strip_suffix(']')?.parse().ok()?));
+        }
+    }
+    Some(steps)
+}
+
+impl Reader {
+    /// Puts the values of `settings` into the table of the whole text.
+    pub(super) fn set<'t>(&mut self, root: &mut DeTable<'t>, settings: &'t [Setting]) {
+        for setting in settings {
+            let value = DeValue::parse(&setting.value).map(Spanned::into_inner).ok();
+            let steps = steps(&setting.path);
+            // Settings have been parsed when they were made.
+            let (Some(value), Some(steps)) = (value, steps) else { continue };
+            if let Some((Step::Key(first), rest)) = steps.split_first()
+                && let Err(message) = set_in(root, first, rest, value)
+            {
+                let message = format!("`{setting}`: {message}");
+                self.sink.error(Code::SetPath, Span::default(), message, "the path of a value of the scene");
+            }
+        }
+    }
+}
+
+fn set_in<'t>(table: &mut DeTable<'t>, key: &'t str, rest: &[Step<'t>], value: DeValue<'t>) -> Result<(), String> {
+    let place = table.iter_mut().find(|(known, _)| known.get_ref() == key).map(|(_, value)| value);
+    match (place, rest) {
+        (Some(place), _) => set_at(place, key, rest, value),
+        (None, []) => {
+            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, unplaced(value)));
+            Ok(())
+        }
+        (None, [Step::Key(next), rest @ ..]) => {
+            let mut inner = DeTable::new();
+            set_in(&mut inner, next, rest, value)?;
+            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, DeValue::Table(inner)));
+            Ok(())
+        }
+        (None, [Step::Index(_), ..]) => Err(format!("there is no `{key}`")),
+    }
+}
+
+fn set_at<'t>(
+    place: &mut Spanned<DeValue<'t>>,
+    name: &str,
+    rest: &[Step<'t>],
+    value: DeValue<'t>,
+) -> Result<(), String> {
+    let kind = place.get_ref().type_str();
+    match (rest, place.get_mut()) {
+        ([], old) => {
+            *old = unplaced(value);
+            Ok(())
+        }
+        ([Step::Key(key), rest @ ..], DeValue::Table(table)) => set_in(table, key, rest, value),
+        ([Step::Index(index), rest @ ..], DeValue::Array(items)) => {
+            let count = items.len();
+            let item = items.get_mut(*index);
+            let item = item.ok_or_else(|| format!("`{name}` has {count} entries, counted from 0"))?;
+            set_at(item, &format!("{name}[{index}]"), rest, value)
+        }
+        ([Step::Key(key), ..], _) => Err(format!("`{name}` is of type {kind} and has no `{key}`")),
+        ([Step::Index(_), ..], _) => Err(format!("`{name}` is of type {kind} and has no entries")),
+    }
+}
+
+/// The value, whose parts have no places in the file.
+fn unplaced(value: DeValue<'_>) -> DeValue<'_> {
+    match value {
+        DeValue::Array(items) => {
+            let mut array = DeArray::new();
+            items.iter().cloned().for_each(|item| array.push(Spanned::new(SET, unplaced(item.into_inner()))));
+            DeValue::Array(array)
+        }
+        DeValue::Table(table) => {
+            let mut set = DeTable::new();
+            for (key, value) in table {
+                set.insert(Spanned::new(SET, key.into_inner()), Spanned::new(SET, unplaced(value.into_inner())));
+            }
+            DeValue::Table(set)
+        }
+        other => other,
+    }
+}
+
+/// Settings for a scene that is no TOML.
+pub(super) fn not_toml(file: &str) -> Diagnostic {
+    let message = "settings by path are for scenes in TOML".to_owned();
+    Diagnostic {
+        severity: Severity::Error,
+        code: Code::SetPath,
+        file: file.to_owned(),
+        span: Span::default(),
+        message,
+        expected: "a scene in TOML: `eyesim convert` makes one of a sim file".to_owned(),
+        suggestion: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_keys_and_indices() {
+        assert_eq!(steps("a.b[2].c"), Some(vec![Step::Key("a"), Step::Key("b"), Step::Index(2), Step::Key("c")]));
+        for wrong in ["", ".", "a.", "[1]", "a[x]", "a[1", "a b", "a[-1]"] {
+            assert_eq!(steps(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn texts_that_are_no_settings_are_refused() {
+        let error = |text: &str| Setting::parse(text).expect_err(text).to_string();
+        assert!(error("robot").contains("expected `PATH=VALUE`"));
+        assert!(error("robot[=1").contains("is no path"));
+        assert!(error("a=real").contains("a text stands between quotes"));
+        assert_eq!(Setting::parse("a.b = [1, 2]").expect("a setting").to_string(), "a.b=[1, 2]");
+    }
+
+    /// The table after `settings`, as a value of TOML, and the messages.
+    fn after(text: &str, settings: &[&str]) -> (String, Vec<String>) {
+        let settings: Vec<Setting> = settings.iter().map(|text| Setting::parse(text).expect("a setting")).collect();
+        let (mut reader, mut root) = Reader::parse("a.toml", text);
+        reader.set(&mut root, &settings);
+        let messages = reader.sink.finish().into_iter().map(|diagnostic| diagnostic.message).collect();
+        (format!("{root:?}").replace("Cow", ""), messages)
+    }
+
+    #[test]
+    fn values_are_replaced_and_added() {
+        let text = "a = 1\n[[robot]]\nx = 2\n";
+        let (root, messages) = after(text, &["a='b'", "robot[0].x=7", "robot[0].y=[8]", "c.d=9"]);
+        assert!(messages.is_empty(), "{messages:?}");
+        for part in ["\"b\"", "\"7\"", "\"8\"", "\"9\"", "\"y\"", "\"d\""] {
+            assert!(root.contains(part), "{part} in {root}");
+        }
+        assert!(!root.contains("\"2\""), "{root}");
+    }
+
+    #[test]
+    fn paths_that_lead_nowhere_are_told() {
+        let (_, messages) = after("a = 1\nb = [1]\n", &["a.x=1", "b[1]=2", "c[0]=3", "a[0]=4"]);
+        assert_eq!(
+            messages,
+            [
+                "`a.x=1`: `a` is of type integer and has no `x`",
+                "`b[1]=2`: `b` has 1 entries, counted from 0",
+                "`c[0]=3`: there is no `c`",
+                "`a[0]=4`: `a` is of type integer and has no entries",
+            ]
+        );
+    }
+}

@@ -1,0 +1,413 @@
+//! Suites: a scene, programs and checks, and a matrix of seeds, worlds, noise and parameters; each combination is a case.
+//!
+//! This module reads a suite and lists its cases; it runs nothing.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use sim_core::spec::CheckSpec;
+use sim_core::time::Time;
+
+use super::code::Code;
+use super::diagnostic::Diagnostic;
+use super::form::{Definitions, Form, print, schema};
+use super::path;
+use super::print::document;
+use super::set::Setting;
+use super::spec::PathRef;
+use super::table::{Reader, Section, has_top_key};
+use super::{Files, InputFile, Loaded, Overrides, Span, load_scene_with};
+
+/// Suffix of file names that identifies a suite without reading its content.
+pub const SUITE_EXTENSION: &str = ".suite.toml";
+
+/// Greatest number of cases of a suite. Our choice: an hour of work at a hundred cases a second.
+pub const MAX_CASES: u64 = 400_000;
+
+/// A suite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SuiteSpec {
+    /// Path of its file.
+    pub file: String,
+    /// Folder of its file.
+    pub folder: String,
+    /// The scene of its cases, unless the matrix names scenes.
+    pub scene: Option<PathRef>,
+    /// Programs of robots, as options `--program` of the command line.
+    pub programs: Vec<PathRef>,
+    /// End of each case.
+    pub until: Option<Time>,
+    /// Time that a case goes on after its last program has ended.
+    pub linger: Time,
+    /// Keys and touches, as options `--keys` of the command line.
+    pub keys: Vec<String>,
+    /// Arguments of programs, as options `--args` of the command line; `{NAME}` stands for a parameter of the matrix.
+    pub arguments: Vec<String>,
+    /// File with the standard input of the programs.
+    pub stdin: Option<PathRef>,
+    /// Share of seeds that must pass, 0 to 1.
+    pub pass_rate: f64,
+    /// Values that tell the cases apart.
+    pub matrix: Matrix,
+    /// Limits of each case.
+    pub limits: LimitSpec,
+    /// Checks besides those of the scene.
+    pub checks: Vec<CheckSpec>,
+}
+
+impl Default for SuiteSpec {
+    fn default() -> Self {
+        Self {
+            file: String::new(),
+            folder: String::new(),
+            scene: None,
+            programs: Vec::new(),
+            until: None,
+            linger: Time::ZERO,
+            keys: Vec::new(),
+            arguments: Vec::new(),
+            stdin: None,
+            pass_rate: 1.0,
+            matrix: Matrix::default(),
+            limits: LimitSpec::default(),
+            checks: Vec::new(),
+        }
+    }
+}
+
+/// Limits of each case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitSpec {
+    /// Processor time that a program may use within one slot, s.
+    pub slot_processor: f64,
+    /// Processor time of a whole case, s.
+    pub processor: f64,
+    /// Memory of the process in which a case runs, in bytes; none if unlimited.
+    pub memory: Option<u64>,
+    /// Bytes that each program may print.
+    pub output: u64,
+}
+
+impl Default for LimitSpec {
+    fn default() -> Self {
+        Self { slot_processor: 10.0, processor: 60.0, memory: None, output: 10_000_000 }
+    }
+}
+
+/// Lists of values; the cases are their combinations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Matrix {
+    /// Scenes, in place of that of the suite.
+    pub scene: Vec<String>,
+    /// Files of worlds, in place of the scene's.
+    pub world: Vec<String>,
+    /// Values of the scene by the path of their keys.
+    pub set: Vec<Values>,
+    /// Values for `{NAME}` in the arguments of programs.
+    pub parameter: Vec<Values>,
+    /// Noise profiles.
+    pub noise: Vec<String>,
+    /// Lengths of slots, ms, as written.
+    pub slot: Vec<String>,
+    /// Seeds.
+    pub seed: Vec<u64>,
+    /// Axes that advance together.
+    pub zip: Vec<Vec<String>>,
+    /// Combinations that are left out, each with labels of axes by their names.
+    pub exclude: Vec<BTreeMap<String, String>>,
+    /// Its place in the file.
+    pub span: Span,
+}
+
+/// Values of a named axis, as in TOML.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// Name of the axis.
+    pub name: String,
+    /// The values.
+    pub values: Vec<String>,
+    /// Its place in the file.
+    pub span: Span,
+}
+
+/// Quantity that an axis of the matrix changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisKind {
+    /// The scene.
+    Scene,
+    /// File of the world.
+    World,
+    /// Value of the scene by its path.
+    Set,
+    /// Parameter of the arguments.
+    Parameter,
+    /// Noise profile.
+    Noise,
+    /// Length of slots.
+    Slot,
+    /// Seed.
+    Seed,
+}
+
+/// Axis of the matrix.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it changes.
+    pub kind: AxisKind,
+    /// Its name: that of the key; the path or name of a value of the scene or a parameter.
+    pub name: String,
+    /// Its values, as the command line expects them.
+    pub values: Vec<String>,
+}
+
+impl Axis {
+    /// The value `index` as names of cases show it: without quotes.
+    pub fn label(&self, index: usize) -> &str {
+        label(&self.values[index])
+    }
+}
+
+/// A value of TOML without its quotes.
+fn label(value: &str) -> &str {
+    let inner = |quote| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
+    inner('"').or_else(|| inner('\'')).unwrap_or(value)
+}
+
+impl Matrix {
+    /// The axes with values, from the one that changes least often to the one that changes most often, seeds.
+    pub fn axes(&self) -> Vec<Axis> {
+        let axis =
+            |kind, name: &str, values: &[String]| Axis { kind, name: name.to_owned(), values: values.to_owned() };
+        let named =
+            |kind, lists: &[Values]| lists.iter().map(|it| axis(kind, &it.name, &it.values)).collect::<Vec<_>>();
+        let seeds: Vec<String> = self.seed.iter().map(u64::to_string).collect();
+        let mut axes = vec![axis(AxisKind::Scene, "scene", &self.scene), axis(AxisKind::World, "world", &self.world)];
+        axes.extend(named(AxisKind::Set, &self.set));
+        axes.extend(named(AxisKind::Parameter, &self.parameter));
+        axes.push(axis(AxisKind::Noise, "noise", &self.noise));
+        axes.push(axis(AxisKind::Slot, "slot_ms", &self.slot));
+        axes.push(axis(AxisKind::Seed, "seed", &seeds));
+        axes.retain(|axis| !axis.values.is_empty());
+        axes
+    }
+
+    /// Number of combinations before any is excluded.
+    pub fn count(&self) -> u64 {
+        let lengths = self.wheels(&self.axes()).into_iter().map(|(_, length)| length as u64);
+        lengths.fold(1, u64::saturating_mul)
+    }
+
+    /// Groups of axes that advance together, by their indices, with their lengths.
+    fn wheels(&self, axes: &[Axis]) -> Vec<(Vec<usize>, usize)> {
+        let mut wheels: Vec<(Vec<usize>, usize)> = Vec::new();
+        for (index, axis) in axes.iter().enumerate() {
+            let zip = self.zip.iter().find(|names| names.contains(&axis.name));
+            let with = zip.and_then(|names| {
+                wheels.iter().position(|(members, _)| members.iter().any(|&member| names.contains(&axes[member].name)))
+            });
+            match with {
+                Some(wheel) => wheels[wheel].0.push(index),
+                None => wheels.push((vec![index], axis.values.len())),
+            }
+        }
+        wheels
+    }
+
+    /// The cases: an index into the values of each of [`Matrix::axes`]. At most [`MAX_CASES`].
+    pub fn cases(&self) -> Vec<Vec<usize>> {
+        let axes = self.axes();
+        let wheels = self.wheels(&axes);
+        let total = self.count().min(MAX_CASES);
+        let case = |number: u64| {
+            let (mut indices, mut rest) = (vec![0; axes.len()], number);
+            for (members, length) in wheels.iter().rev() {
+                let index = (rest % *length as u64) as usize;
+                rest /= *length as u64;
+                members.iter().for_each(|&member| indices[member] = index);
+            }
+            indices
+        };
+        let is_excluded = |indices: &Vec<usize>| {
+            let label_of = |name: &String| {
+                let place = axes.iter().position(|axis| axis.name == *name)?;
+                Some(axes[place].label(indices[place]))
+            };
+            self.exclude.iter().any(|left_out| left_out.iter().all(|(name, value)| label_of(name) == Some(value)))
+        };
+        (0..total).map(case).filter(|indices| !is_excluded(indices)).collect()
+    }
+}
+
+impl SuiteSpec {
+    /// Values of the scene for a case with these indices into `axes`.
+    pub fn settings(axes: &[Axis], indices: &[usize]) -> Vec<Setting> {
+        let setting = |(axis, &index): (&Axis, &usize)| {
+            let value = &axis.values[index];
+            match axis.kind {
+                // The reader has refused paths and values that are invalid.
+                AxisKind::Set => Setting::new(&axis.name, value).ok(),
+                AxisKind::World => {
+                    let file = toml::Value::from(value.as_str());
+                    Setting::new("world", &format!("{{ file = {file} }}")).ok()
+                }
+                _ => None,
+            }
+        };
+        axes.iter().zip(indices).filter_map(setting).collect()
+    }
+
+    /// Arguments of the programs for a case with these indices into `axes`.
+    pub fn arguments(&self, axes: &[Axis], indices: &[usize]) -> Vec<String> {
+        let mut arguments = self.arguments.clone();
+        for (axis, &index) in axes.iter().zip(indices).filter(|(axis, _)| axis.kind == AxisKind::Parameter) {
+            let name = format!("{{{}}}", axis.name);
+            arguments.iter_mut().for_each(|text| *text = text.replace(&name, axis.label(index)));
+        }
+        arguments
+    }
+
+    /// Path of the scene of a case with these indices into `axes`, from the suite's folder.
+    pub fn scene_of(&self, axes: &[Axis], indices: &[usize]) -> String {
+        let of_matrix = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
+        let own = || self.scene.as_ref().map_or("", |scene| &scene.text);
+        let text = of_matrix.map_or_else(own, |(axis, &index)| &axis.values[index]);
+        if text.starts_with('/') { text.to_owned() } else { path::join(&self.folder, text) }
+    }
+}
+
+/// Returns true for a TOML file that is a suite: its name ends in `.suite.toml`, or it has `suite` at its top level.
+pub fn is_suite(file: &str, text: &str) -> bool {
+    file.to_lowercase().ends_with(SUITE_EXTENSION) || path::extension(file) == "toml" && has_top_key(text, &["suite"])
+}
+
+/// Reads a suite, but not the scenes that it names (see [`load_suite`]).
+pub fn read_suite(file: &str, text: &str) -> (SuiteSpec, Vec<Diagnostic>) {
+    let (mut reader, root) = Reader::parse(file, text);
+    let folder = path::folder_of(file).to_owned();
+    let mut suite = SuiteSpec { file: file.to_owned(), folder, ..SuiteSpec::default() };
+    reader.table(Section::root(&root), |keys| suite.keys(keys));
+    reader.settle(&suite);
+    (suite, reader.sink.finish())
+}
+
+/// Text of a suite.
+pub fn print_suite(suite: &SuiteSpec) -> String {
+    document(&print(suite))
+}
+
+/// JSON schema of suites, for completion in editors.
+pub fn suite_schema() -> String {
+    let mut definitions = Definitions::default();
+    let mut schema = schema(&mut definitions, |keys| SuiteSpec::default().keys(keys));
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = "eyesim suite".into();
+    schema["$defs"] = definitions.into();
+    serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
+}
+
+/// A suite that was read, with its scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadedSuite {
+    /// The suite; complete if there are no errors.
+    pub suite: SuiteSpec,
+    /// The scene of its first case, with all mistakes and files, those of the suite first.
+    pub loaded: Loaded,
+}
+
+/// Reads a suite and the scene of its first case.
+pub fn load_suite(file: &str, files: &dyn Files) -> LoadedSuite {
+    let bytes = match files.read(file) {
+        Ok(bytes) => bytes,
+        Err(_) => {
+            return LoadedSuite { loaded: load_scene_with(file, Overrides::default(), files), ..Default::default() };
+        }
+    };
+    let (suite, mut diagnostics) = read_suite(file, &super::decode(&bytes).0);
+    let mut inputs = vec![InputFile { path: file.to_owned(), bytes }];
+    if super::has_errors(&diagnostics) {
+        return LoadedSuite { suite, loaded: Loaded { diagnostics, inputs, ..Loaded::default() } };
+    }
+    let axes = suite.matrix.axes();
+    let first = suite.matrix.cases().into_iter().next().unwrap_or_else(|| vec![0; axes.len()]);
+    let settings = SuiteSpec::settings(&axes, &first);
+    let overrides = Overrides { settings: &settings, ..Overrides::default() };
+    let mut loaded = load_scene_with(&suite.scene_of(&axes, &first), overrides, files);
+    diagnostics.append(&mut loaded.diagnostics);
+    diagnostics.extend(check_of_suite(&suite, &loaded.scene));
+    inputs.append(&mut loaded.inputs);
+    LoadedSuite { suite, loaded: Loaded { diagnostics, inputs, ..loaded } }
+}
+
+/// Mistakes in the checks of a suite for this scene.
+pub fn check_of_suite(suite: &SuiteSpec, scene: &super::SceneSpec) -> Vec<Diagnostic> {
+    let scene = super::SceneSpec { file: suite.file.clone(), checks: suite.checks.clone(), ..scene.clone() };
+    super::checks::check(&scene)
+}
+
+impl Reader {
+    /// Reports mistakes that involve several keys of a suite.
+    fn settle(&mut self, suite: &SuiteSpec) {
+        let matrix = &suite.matrix;
+        if suite.scene.is_none() && matrix.scene.is_empty() && self.sink.is_empty() {
+            let message = "the suite names no scene";
+            self.sink.error(Code::TomlMissing, Span::default(), message, "`scene = \"NAME.scene.toml\"` in `[suite]`");
+        }
+        let axes = matrix.axes();
+        let mut names = BTreeSet::new();
+        for axis in &axes {
+            if !names.insert(axis.name.as_str()) {
+                let message = format!("two axes are named `{}`", axis.name);
+                self.sink.error(Code::SuiteAxis, matrix.span, message, "each name once");
+            }
+        }
+        let known = || names.iter().copied().collect::<Vec<_>>().join(", ");
+        let of_zip = matrix.zip.iter().flatten();
+        for name in of_zip.chain(matrix.exclude.iter().flat_map(BTreeMap::keys)) {
+            if !names.contains(name.as_str()) {
+                let message = format!("the matrix has no values of `{name}`");
+                self.sink.error(Code::SuiteAxis, matrix.span, message, format!("one of {}", known()));
+            }
+        }
+        let mut zipped = BTreeSet::new();
+        for zip in &matrix.zip {
+            let lengths: Vec<usize> =
+                axes.iter().filter(|axis| zip.contains(&axis.name)).map(|axis| axis.values.len()).collect();
+            if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
+                let message = format!("`zip` of {} joins lists of different lengths: {lengths:?}", zip.join(", "));
+                self.sink.error(Code::SuiteAxis, matrix.span, message, "as many values in each");
+            }
+            if let Some(twice) = zip.iter().find(|name| !zipped.insert(name.as_str())) {
+                let message = format!("`{twice}` is in `zip` twice");
+                self.sink.error(Code::SuiteAxis, matrix.span, message, "each name once");
+            }
+        }
+        self.settle_parameters(suite);
+        if matrix.count() > MAX_CASES {
+            let message = format!("the matrix has {} cases", matrix.count());
+            self.sink.error(Code::SuiteCases, matrix.span, message, format!("at most {MAX_CASES}"));
+        } else if self.sink.is_empty() && matrix.cases().is_empty() {
+            self.sink.error(Code::SuiteCases, matrix.span, "`exclude` leaves no case", "at least one case");
+        }
+    }
+
+    /// Reports parameters that no argument uses, and places for unknown ones.
+    fn settle_parameters(&mut self, suite: &SuiteSpec) {
+        let parameters = &suite.matrix.parameter;
+        for parameter in parameters {
+            let place = format!("{{{}}}", parameter.name);
+            if !suite.arguments.iter().any(|text| text.contains(&place)) {
+                let message = format!("no argument of a program has the parameter `{place}`");
+                let expected = format!("`arguments = [\"--{} {place}\"]` in `[suite]`", parameter.name);
+                self.sink.error(Code::SuiteParameter, parameter.span, message, expected);
+            }
+        }
+        for text in &suite.arguments {
+            let names = text.split('{').skip(1).filter_map(|rest| Some(rest.split_once('}')?.0));
+            let is_unknown = |name: &&str| parameters.iter().all(|parameter| parameter.name != **name);
+            for name in names.filter(is_unknown) {
+                let message = format!("the arguments have a place for `{name}`, which is no parameter of the matrix");
+                let expected = format!("`[matrix.parameter]` with `{name} = [...]`");
+                self.sink.error(Code::SuiteParameter, Span::default(), message, expected);
+            }
+        }
+    }
+}

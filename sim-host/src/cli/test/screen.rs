@@ -1,0 +1,339 @@
+//! What `eyesim test` prints: progress, failures, a short summary, in the manner of pytest.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use console::Term;
+use owo_colors::{OwoColorize as _, Style};
+
+use super::{SuiteRun, picture};
+use crate::cli::diagnostic::{Colour, Screen};
+use crate::record::log::Printable;
+use crate::suite::summary::{Rate, Variant};
+use crate::suite::{CaseResult, Row, RowOutcome};
+
+/// Most failures with details.
+const MOST_DETAILED: usize = 10;
+/// Most lines of the short summary.
+const MOST_LISTED: usize = 60;
+/// Most variants in the table.
+const MOST_VARIANTS: usize = 40;
+/// Most lines of a compiler's output, and of what programs print.
+const MOST_OUTPUT: usize = 30;
+/// Width of lines, in columns.
+const WIDTH: usize = 80;
+/// Time between two updates of the line of progress.
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// Standard output of `eyesim test`.
+pub(super) struct Console {
+    is_verbose: bool,
+    is_quiet: bool,
+    has_colour: bool,
+    width: usize,
+    suite: String,
+    column: usize,
+    count: usize,
+    done: usize,
+    last_flush: Instant,
+    text: String,
+}
+
+impl Console {
+    /// Lines for each case if `is_verbose`; no progress if `is_quiet`.
+    pub fn new(is_verbose: bool, is_quiet: bool) -> Self {
+        let is_terminal = std::io::stdout().is_terminal();
+        let width = if is_terminal { usize::from(Term::stdout().size().1).clamp(40, 120) } else { WIDTH };
+        Self {
+            is_verbose,
+            is_quiet,
+            has_colour: Screen::of_stdout(Colour::Auto).has_colour,
+            width,
+            suite: String::new(),
+            column: 0,
+            count: 0,
+            done: 0,
+            last_flush: Instant::now(),
+            text: String::new(),
+        }
+    }
+
+    /// Prints a line. Control characters of programs are shown as escapes.
+    pub fn line(&mut self, line: &str) {
+        self.text.push_str(&format!("{}\n", Printable(line)));
+        self.flush();
+    }
+
+    /// Prints a line in a style.
+    fn styled(&mut self, line: &str, style: Style) {
+        let line = Printable(line).to_string();
+        let line = if self.has_colour { line.style(style).to_string() } else { line };
+        self.text.push_str(&line);
+        self.text.push('\n');
+        self.flush();
+    }
+
+    /// A heading across the whole width.
+    fn rule(&mut self, title: &str, sign: char, style: Style) {
+        let left = self.width.saturating_sub(title.chars().count() + 2);
+        let side = |count: usize| sign.to_string().repeat(count.max(3));
+        self.styled(&format!("{} {title} {}", side(left / 2), side(left - left / 2)), style);
+    }
+
+    /// Tells what has been found.
+    pub fn collected(&mut self, paths: &[PathBuf], count: usize, all: usize, jobs: usize) {
+        if self.is_quiet {
+            return;
+        }
+        self.rule("eyesim test", '=', Style::new().bold());
+        let suites = if paths.len() == 1 { String::new() } else { format!(" of {} suites", paths.len()) };
+        let deselected =
+            if count < all { format!(" / {} deselected / {count} selected", all - count) } else { String::new() };
+        let cases = if all == 1 { "case" } else { "cases" };
+        self.line(&format!("collected {all} {cases}{suites}{deselected}, {jobs} at a time"));
+        self.line("");
+    }
+
+    /// Begins the progress of a suite.
+    pub fn begin(&mut self, suite: &str, count: usize) {
+        (self.suite, self.count, self.done, self.column) = (suite.to_owned(), count, 0, 0);
+        if !self.is_quiet && !self.is_verbose {
+            self.text.push_str(&format!("{} ", Printable(suite)));
+            self.column = suite.chars().count() + 1;
+            self.flush();
+        }
+    }
+
+    /// Shows that a case is done.
+    pub fn done(&mut self, row: &Row) {
+        self.done += 1;
+        if self.is_quiet {
+            return;
+        }
+        let (letter, word, style) = match row.outcome {
+            RowOutcome::Passed => (".", "PASSED", Style::new().green()),
+            RowOutcome::Failed => ("F", "FAILED", Style::new().red()),
+            RowOutcome::Error => ("E", "ERROR", Style::new().red()),
+            RowOutcome::Interrupted => ("!", "INTERRUPTED", Style::new().yellow()),
+        };
+        let paint = |text: &str| if self.has_colour { text.style(style).to_string() } else { text.to_owned() };
+        if self.is_verbose {
+            let name = format!("{}::{}", self.suite, row.case);
+            self.text.push_str(&format!("{} {} {}\n", Printable(&name), paint(word), self.percent()));
+        } else {
+            self.text.push_str(&paint(letter));
+            self.column += 1;
+            if self.column >= self.width.saturating_sub(8) {
+                self.text.push_str(&format!(" {}\n", self.percent()));
+                self.column = 0;
+            }
+        }
+        if self.last_flush.elapsed() >= PERIOD {
+            self.flush();
+        }
+    }
+
+    /// Ends the progress of a suite.
+    pub fn end(&mut self) {
+        if !self.is_quiet && !self.is_verbose && self.column > 0 {
+            let blank = " ".repeat(self.width.saturating_sub(self.column + 7));
+            self.text.push_str(&format!("{blank} {}\n", self.percent()));
+        }
+        self.flush();
+    }
+
+    fn percent(&self) -> String {
+        format!("[{:3}%]", 100 * self.done / self.count.max(1))
+    }
+
+    fn flush(&mut self) {
+        self.last_flush = Instant::now();
+        let mut out = std::io::stdout().lock();
+        // A closed pipe (`| head`) is no error.
+        _ = out.write_all(self.text.as_bytes()).and_then(|()| out.flush());
+        self.text.clear();
+    }
+
+    /// Tells the first failures in detail: what, where, how to see it.
+    pub fn failures(&mut self, runs: &[SuiteRun]) {
+        let failures = distinct(runs);
+        if failures.is_empty() {
+            return;
+        }
+        self.line("");
+        self.rule("FAILURES", '=', Style::new());
+        for failure in failures.iter().take(MOST_DETAILED) {
+            let name = failure.name();
+            let name =
+                if runs.len() > 1 { &name } else { name.split_once("::").map_or(name.as_str(), |(_, case)| case) };
+            self.rule(name, '_', Style::new().red().bold());
+            self.failure(failure.run, failure.result);
+        }
+        if failures.len() > MOST_DETAILED {
+            self.line("");
+            let more = failures.len() - MOST_DETAILED;
+            self.line(&format!("... and {more} more: -k selects cases, --html and --report have all"));
+        }
+    }
+
+    fn failure(&mut self, run: &SuiteRun, result: &CaseResult) {
+        let row = &result.row;
+        if row.checks.is_empty() || row.robots.iter().any(|robot| robot.outcome.is_failure()) {
+            self.styled(&format!("E   {}", row.message), Style::new().red());
+        }
+        let lines: Vec<&str> = row.details.lines().collect();
+        lines.iter().take(MOST_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
+        if lines.len() > MOST_OUTPUT {
+            self.line(&format!("    ... {} more lines", lines.len() - MOST_OUTPUT));
+        }
+        let width = row.checks.iter().map(|check| check.name.chars().count()).max().unwrap_or_default();
+        for check in &row.checks {
+            let (verdict, style) = if check.passed { ("passed", Style::new()) } else { ("FAILED", Style::new().red()) };
+            let points = format!("{}/{}", number(check.points), number(check.max_points));
+            self.styled(&format!("{verdict}  {:width$}  {points:>5}  {}", check.name, check.message), style);
+        }
+        let case = run.cases.iter().find(|case| case.name == row.case);
+        let picture = case.map(|case| picture::lines(case, result)).unwrap_or_default();
+        if !picture.is_empty() {
+            let at = row.at_s.map(|at| format!(" at {at:.3} s")).unwrap_or_default();
+            let place = row.x_m.zip(row.y_m).map(|(x, y)| format!(", X: ({:.0}, {:.0}) mm{at}", 1e3 * x, 1e3 * y));
+            self.line(&format!("  o: start{}", place.unwrap_or_default()));
+            picture.iter().for_each(|line| self.line(&format!("  {line}")));
+        }
+        if !result.output.is_empty() {
+            self.line("  the programs' last lines:");
+            let skipped = result.output.len().saturating_sub(8);
+            result.output.iter().skip(skipped).for_each(|line| self.line(&format!("    {line}")));
+        }
+        if let Some(command) = row.view_command() {
+            self.styled(&format!("to see it: {command}"), Style::new().bold());
+        }
+    }
+
+    /// Prints rates over seeds, a line for each failure, and the last line.
+    pub fn summary(&mut self, runs: &[SuiteRun], elapsed: Duration, is_interrupted: bool) {
+        let count = runs.iter().flat_map(SuiteRun::failures).count();
+        if !self.is_quiet || count > 0 {
+            self.rates(runs);
+        }
+        if count > 0 {
+            self.rule("short test summary info", '=', Style::new());
+            let failures = distinct(runs);
+            for failure in failures.iter().take(MOST_LISTED) {
+                let row = &failure.result.row;
+                let word = if row.outcome == RowOutcome::Error { "ERROR" } else { "FAILED" };
+                self.line(&format!("{word} {} - {}", failure.name(), row.message));
+            }
+            if failures.len() > MOST_LISTED {
+                self.line(&format!("... and {} more", failures.len() - MOST_LISTED));
+            }
+        }
+        if is_interrupted {
+            self.rule("interrupted: the cases above have run", '!', Style::new().yellow());
+        }
+        let of = |outcome| {
+            let rows = runs.iter().flat_map(|run| run.results.values());
+            rows.filter(|result| result.row.outcome == outcome).count()
+        };
+        let counts = [
+            (of(RowOutcome::Failed), "failed"),
+            (of(RowOutcome::Passed), "passed"),
+            (of(RowOutcome::Error), "errors"),
+            (of(RowOutcome::Interrupted), "interrupted"),
+        ];
+        let parts: Vec<String> =
+            counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
+        let parts = if parts.is_empty() { "no cases ran".to_owned() } else { parts.join(", ") };
+        let points: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.points).sum();
+        let max: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.max_points).sum();
+        let points = if max > 0.0 { format!(", {} of {} points", number(points), number(max)) } else { String::new() };
+        let is_failed = runs.iter().any(SuiteRun::is_failed);
+        let tolerated = if count > 0 && !is_failed && !is_interrupted { ", enough pass" } else { "" };
+        let style = if is_failed { Style::new().red().bold() } else { Style::new().green().bold() };
+        self.rule(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
+    }
+
+    /// Prints, for suites with several cases in a variant, which share of them meets each check.
+    fn rates(&mut self, runs: &[SuiteRun]) {
+        for run in runs.iter().filter(|run| run.variants.iter().any(|variant| variant.rate.count > 1)) {
+            self.line("");
+            let needed = run.suite.spec.pass_rate;
+            self.line(&format!("{}: {} of the seeds must pass", run.name(), percent(needed)));
+            for variant in run.variants.iter().take(MOST_VARIANTS) {
+                self.variant(variant, run.variants.len() == 1);
+            }
+            if run.variants.len() > MOST_VARIANTS {
+                self.line(&format!("... and {} more variants", run.variants.len() - MOST_VARIANTS));
+            }
+        }
+    }
+
+    fn variant(&mut self, variant: &Variant, has_checks: bool) {
+        let (verdict, style) =
+            if variant.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red()) };
+        let points = format!("{}/{} points", number(variant.points), number(variant.max_points));
+        let name = if variant.name == "run" { "all checks" } else { &variant.name };
+        self.styled(&format!("{verdict}  {name}: {}, {points}", of_seeds(&variant.rate)), style);
+        let mixed = variant.checks.iter().filter(|(_, rate)| has_checks || rate.passed < rate.count);
+        for (name, rate) in mixed {
+            self.line(&format!("          {name}: {}", of_seeds(rate)));
+        }
+    }
+}
+
+/// A failure, and the number of further cases with the same error.
+struct Failure<'r> {
+    run: &'r SuiteRun,
+    result: &'r CaseResult,
+    others: usize,
+}
+
+impl Failure<'_> {
+    /// `a.suite.toml::seed=3`, with the number of others.
+    fn name(&self) -> String {
+        let others = match self.others {
+            0 => String::new(),
+            1 => " and 1 other case".to_owned(),
+            count => format!(" and {count} other cases"),
+        };
+        format!("{}::{}{others}", self.run.name(), self.result.row.case)
+    }
+}
+
+/// The failures; cases that could not be run for one reason count as one.
+fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
+    let mut failures: Vec<Failure<'_>> = Vec::new();
+    for run in runs {
+        let begin = failures.len();
+        for result in run.failures() {
+            let is_same = |other: &&mut Failure<'_>| {
+                let [a, b] = [&other.result.row, &result.row];
+                b.outcome == RowOutcome::Error && a.message == b.message && a.details == b.details
+            };
+            match failures[begin..].iter_mut().find(is_same) {
+                Some(failure) => failure.others += 1,
+                None => failures.push(Failure { run, result, others: 0 }),
+            }
+        }
+    }
+    failures
+}
+
+/// `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
+pub(super) fn of_seeds(rate: &Rate) -> String {
+    let Rate { passed, count, low, high } = rate;
+    let interval = format!("95 % interval {:.0} to {:.0} %", 100.0 * low, 100.0 * high);
+    format!("{passed} of {count} ({}, {interval})", percent(rate.share()))
+}
+
+/// `90 %`.
+pub(super) fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// A number with at most two digits after the point.
+pub(super) fn number(number: f64) -> String {
+    let text = format!("{number:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

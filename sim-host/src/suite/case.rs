@@ -1,0 +1,343 @@
+//! A case of a suite, and its run in this process.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+use sim_core::build;
+use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record};
+use sim_core::spec::{CheckSpec, SceneSpec};
+use sim_core::time::Time;
+use sim_format::suite::check_of_suite;
+use sim_format::{Diagnostic, Severity};
+
+use super::Suite;
+use super::row::{CaseResult, ROW_SCHEMA, Row, RowOutcome, RowRobot, Trace};
+use crate::executive::dispatcher::End;
+use crate::executive::fork::processor_seconds;
+use crate::executive::interrupt::Interrupt;
+use crate::executive::scheduler;
+use crate::executive::subreaper::Subreaper;
+use crate::files::slashed;
+use crate::launch::{BuiltScene, Error, Finished, Observers, Options, ProgramCache, Rejected, Scene, check};
+use crate::program::Builder;
+use crate::program::load::Loader;
+use crate::record::report::Input;
+use crate::record::trail::BodyTrails;
+use crate::record::{RecordError, Sink, Trails};
+
+/// A case: everything that determines its row, besides the contents of files.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its settings, as `noise=real,seed=3`.
+    pub name: String,
+    /// Name without the seed.
+    pub variant: String,
+    /// Path of the scene.
+    pub scene: PathBuf,
+    /// Options of the run.
+    pub options: Options,
+    /// Settings of the matrix.
+    pub settings: Vec<(String, String)>,
+}
+
+/// State that the cases of one process share: programs that are built, libraries that are mapped.
+pub struct Session {
+    builder: Builder,
+    programs: ProgramCache,
+    loader: Option<Loader>,
+    subreaper: Option<Subreaper>,
+    /// Ends the case that is running.
+    pub interrupt: Interrupt,
+}
+
+impl Session {
+    /// A session that builds programs with `builder`.
+    pub fn new(builder: Builder, interrupt: Interrupt) -> Self {
+        Self { builder, programs: ProgramCache::default(), loader: None, subreaper: None, interrupt }
+    }
+
+    /// Builds the programs of a case. Returns true if they may run in a process with others: all are on fibers.
+    ///
+    /// # Errors
+    /// [`PrepareError`].
+    pub fn prepare(&mut self, suite: &Suite, case: &Case) -> Result<bool, PrepareError> {
+        match self.build(suite, case) {
+            Ok(built) => Ok(built.is_on_fibers()),
+            Err(Failure { is_of_programs: false, .. }) => Err(PrepareError::Scene),
+            Err(failure) => Err(PrepareError::Programs(Box::new(failure.result(suite, case)))),
+        }
+    }
+
+    /// Ends the observation of compilers.
+    pub(super) fn end_building(&mut self) {
+        self.builder.remove_observer();
+    }
+
+    /// Forgets the libraries that are mapped, and removes their files.
+    pub fn unload(&mut self) {
+        self.loader = None;
+    }
+
+    fn build(&mut self, suite: &Suite, case: &Case) -> Result<BuiltScene, Failure> {
+        let mut scene = Scene::open(&case.scene, case.options.clone())?;
+        let mut mistakes = check_of_suite(&suite.spec, scene.spec());
+        let of_suite =
+            SceneSpec { file: suite.spec.file.clone(), checks: suite.spec.checks.clone(), ..SceneSpec::default() };
+        mistakes.extend(check::unknown_calls(&of_suite));
+        let own = scene.diagnostics().iter().chain(&mistakes);
+        if let Some(first) = own.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
+            let details = own.map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
+            return Err(Failure { message: first.to_string(), details, is_of_programs: false });
+        }
+        if scene.spec().robots.is_empty() {
+            return Err(Failure::of("the scene has no robots"));
+        }
+        scene.spec_mut().checks.extend(suite.spec.checks.iter().cloned());
+        let built = scene.build_with(&self.builder, &mut self.programs)?;
+        Ok(built)
+    }
+}
+
+/// Reasons why the programs of a case are not built.
+#[derive(Debug)]
+pub enum PrepareError {
+    /// Its scene has mistakes, perhaps with its seed alone.
+    Scene,
+    /// A program cannot be built; the result of the case.
+    Programs(Box<CaseResult>),
+}
+
+/// Reason why a case cannot be run.
+struct Failure {
+    message: String,
+    details: String,
+    is_of_programs: bool,
+}
+
+impl Failure {
+    fn of(text: impl ToString) -> Self {
+        let text = text.to_string();
+        let is_long = text.lines().nth(1).is_some();
+        // Compilers tell first where they look.
+        let first = text.lines().find(|line| is_long && line.contains(" error: ")).or(text.lines().next());
+        let message = first.unwrap_or_default().trim().to_owned();
+        let details = if is_long { text } else { String::new() };
+        Self { message, details, is_of_programs: false }
+    }
+
+    fn result(self, suite: &Suite, case: &Case) -> CaseResult {
+        let row =
+            Row { outcome: RowOutcome::Error, message: self.message, details: self.details, ..row_of(suite, case) };
+        CaseResult { row, real_time_s: 0.0, traces: Vec::new(), output: Vec::new() }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match &error {
+            Error::Rejected(Rejected { diagnostics, .. }) => {
+                let details = diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
+                let first = diagnostics.iter().max_by_key(|diagnostic| diagnostic.severity);
+                let message = first.map_or_else(|| error.to_string(), Diagnostic::to_string);
+                Self { message, details, is_of_programs: false }
+            }
+            Error::Programs(_) => Self { is_of_programs: true, ..Self::of(error) },
+            _ => Self::of(error),
+        }
+    }
+}
+
+/// Row of a case that has not been run.
+pub(super) fn row_of(suite: &Suite, case: &Case) -> Row {
+    let points: f64 = suite.spec.checks.iter().map(|check| check.points).sum();
+    Row {
+        schema: ROW_SCHEMA,
+        key: String::new(),
+        suite: suite.spec.file.clone(),
+        case: case.name.clone(),
+        variant: case.variant.clone(),
+        scene: slashed(&case.scene),
+        seed: case.options.seed.unwrap_or_default(),
+        settings: case.settings.clone(),
+        outcome: RowOutcome::Error,
+        message: String::new(),
+        details: String::new(),
+        at_s: None,
+        x_m: None,
+        y_m: None,
+        points: 0.0,
+        max_points: points,
+        checks: Vec::new(),
+        robots: Vec::new(),
+        sim_time_s: 0.0,
+        digest: None,
+        words: Vec::new(),
+    }
+}
+
+/// Result of a case that could not be run to its end, for this reason.
+pub(super) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
+    Failure::of(message).result(suite, case)
+}
+
+/// Runs a case in this process.
+pub fn run_case(suite: &Suite, case: &Case, session: &mut Session) -> CaseResult {
+    let start = Instant::now();
+    match attempt(suite, case, session) {
+        Ok(result) => CaseResult { real_time_s: start.elapsed().as_secs_f64(), ..result },
+        Err(failure) => failure.result(suite, case),
+    }
+}
+
+/// Interval at which the processor time of a case is compared with its limit.
+const STRETCH: Duration = Duration::from_millis(100);
+
+fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResult, Failure> {
+    let built = session.build(suite, case)?;
+    let key = key_of(suite, case, built.inputs());
+    if !built.is_on_fibers() && session.subreaper.is_none() {
+        session.subreaper = Some(Subreaper::start());
+    }
+    let loader = match session.loader.take() {
+        Some(loader) => loader,
+        None => Loader::new().map_err(Failure::of)?,
+    };
+    let ready = built.load_with(session.loader.insert(loader))?;
+    let words = ready.words();
+    let scene = Arc::clone(ready.scene());
+    let starts: Vec<_> = scene.robots.iter().map(|robot| robot.start).collect();
+    let objects: Vec<_> = build::movable(&scene).map(|object| object.pose).collect();
+    let trails = Arc::new(Mutex::new(Trails::new(&starts, &objects)));
+    let output = Arc::new(Mutex::new(Output::default()));
+    let sinks = vec![Box::new(Arc::clone(&trails)) as Box<dyn Sink>, Box::new(Arc::clone(&output)) as Box<dyn Sink>];
+    let observers = Observers { sinks, interrupt: session.interrupt.clone(), ..Observers::default() };
+    let begin = processor_seconds();
+    let mut running = ready.start(observers)?;
+    let mut is_over_limit = false;
+    while running.scheduler.advance_within(Time::NEVER, STRETCH) == scheduler::Progress::Paused
+        && running.scheduler.boundary().next_within_limit().is_some()
+    {
+        if processor_seconds() - begin > suite.spec.limits.processor {
+            is_over_limit = true;
+            running.scheduler.interrupt();
+            break;
+        }
+    }
+    let finished = running.finish();
+    session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
+    let limit = is_over_limit.then_some(suite.spec.limits.processor);
+    let row = Row { key, words, ..judge(suite, case, &finished, limit) };
+    let is_shown = row.outcome != RowOutcome::Passed;
+    let trace = |(index, trail): (usize, &BodyTrails)| {
+        let points = |line: Vec<glam::DVec2>| line.into_iter().map(|point| point.to_array()).collect();
+        Trace { robot: index as u32 + 1, lines: trail.lines().into_iter().map(points).collect() }
+    };
+    let traces = if is_shown { trails.lock().trails().iter().enumerate().map(trace).collect() } else { Vec::new() };
+    let output = if is_shown { output.lock().lines.iter().cloned().collect() } else { Vec::new() };
+    Ok(CaseResult { row, real_time_s: 0.0, traces, output })
+}
+
+/// Verdict on a run that is over; `limit` is the limit of processor time that ended it.
+fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) -> Row {
+    let Finished { ended, report, settings, .. } = finished;
+    let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
+    let failed_check = report.checks.iter().find(|check| !check.passed);
+    let of_robot = failed_robot.map(|robot| {
+        let reason = robot.reason.as_deref().unwrap_or(robot.outcome.name());
+        format!("r{} (`{}`) {reason}", robot.id, robot.program)
+    });
+    let of_check = failed_check.map(|check| format!("{}: {}", check.name, check.message));
+    let (outcome, message) = match &ended.end {
+        _ if let Some(limit) = limit => {
+            (RowOutcome::Failed, format!("the case has used {limit} s of processor time (`processor_s` of `[limits]`)"))
+        }
+        End::Interrupted => (RowOutcome::Interrupted, "interrupted".to_owned()),
+        End::Record(error) => (RowOutcome::Error, error.to_string()),
+        _ => match (of_robot, of_check) {
+            (Some(message), _) | (None, Some(message)) => (RowOutcome::Failed, message),
+            (None, None) => (RowOutcome::Passed, String::new()),
+        },
+    };
+    // How far a program got that was stopped for its processor time depends on the machine.
+    let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
+    let at = failed_check.and_then(|check| check.at_s);
+    let at = at.or(failed_robot.filter(|_| !is_timed_out).map(|robot| robot.virtual_time_s));
+    let place = failed_check.and_then(|check| check.x_m.zip(check.y_m));
+    let place = place.or(failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m)));
+    let place = place.filter(|_| outcome != RowOutcome::Passed && !is_timed_out);
+    let robots = report.robots.iter().map(|robot| RowRobot {
+        id: robot.id,
+        program: robot.program.clone(),
+        outcome: robot.outcome,
+        reason: robot.reason.clone(),
+    });
+    Row {
+        outcome,
+        message,
+        seed: settings.seed,
+        at_s: at.filter(|_| outcome != RowOutcome::Passed),
+        x_m: place.map(|place| place.0),
+        y_m: place.map(|place| place.1),
+        points: if failed_robot.is_some() || limit.is_some() { 0.0 } else { report.points },
+        max_points: report.max_points,
+        checks: report.checks.clone(),
+        robots: robots.collect(),
+        sim_time_s: if limit.is_some() { 0.0 } else { report.sim_time_s },
+        digest: (!is_timed_out).then(|| report.digest.to_string()),
+        ..row_of(suite, case)
+    }
+}
+
+/// Hash of everything that determines the row of a case.
+fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
+    let Options { seed, slot, until, linger, keys, arguments, noise, settings, programs, .. } = &case.options;
+    let checks: Vec<&CheckSpec> = suite.spec.checks.iter().collect();
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |text: String| {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
+    };
+    add(format!("eyesim {} {ROW_SCHEMA}", env!("CARGO_PKG_VERSION")));
+    add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
+    settings.iter().for_each(|setting| add(setting.to_string()));
+    programs.iter().for_each(|program| add(program.to_string()));
+    add(format!("{checks:?} {:?}", suite.spec.limits));
+    inputs.iter().for_each(|input| add(input.sha256.clone()));
+    hasher.finalize().to_hex()[..32].to_owned()
+}
+
+/// Sink that keeps the end of what programs print.
+#[derive(Default)]
+struct Output {
+    lines: VecDeque<String>,
+}
+
+/// Most lines kept.
+const MAX_LINES: usize = 40;
+/// Most characters kept of a line.
+const MAX_LINE: usize = 400;
+
+impl Sink for Output {
+    fn interest(&self) -> KindSet {
+        KindSet::of(&[Kind::Stdout, Kind::Stderr])
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        if let Event::Stdout { text } | Event::Stderr { text } = &record.event {
+            for line in text.lines() {
+                if self.lines.len() == MAX_LINES {
+                    self.lines.pop_front();
+                }
+                self.lines.push_back(format!("{}: {}", record.robot, line.chars().take(MAX_LINE).collect::<String>()));
+            }
+        }
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}

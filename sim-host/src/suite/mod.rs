@@ -1,0 +1,131 @@
+//! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
+//!
+//! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its [`Row`];
+//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds.
+
+mod case;
+mod pool;
+mod prepare;
+mod row;
+mod select;
+pub mod summary;
+
+pub use case::{Case, PrepareError, Session, run_case};
+pub use pool::{Pool, PoolError, PoolOptions};
+pub use prepare::Preparation;
+pub use row::{CaseResult, ROW_SCHEMA, Row, RowOutcome, RowRobot, Trace};
+pub use select::{Selection, SelectionError};
+
+use std::path::{Path, PathBuf};
+
+use sim_core::time::Time;
+use sim_format::suite::{Axis, AxisKind, LoadedSuite, SuiteSpec, load_suite};
+use sim_format::{Diagnostic, InputFile};
+
+use crate::executive::program::Exec;
+use crate::files::{DiskFiles, slashed};
+use crate::launch::Options;
+use crate::launch::settings::ProgramOption;
+
+/// A suite that has been read.
+pub struct Suite {
+    /// The suite.
+    pub spec: SuiteSpec,
+    /// Mistakes in it and in the scene of its first case.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The files of the suite and of that scene.
+    pub inputs: Vec<InputFile>,
+    axes: Vec<Axis>,
+    /// Programs that replace those of the suite.
+    programs: Vec<ProgramOption>,
+}
+
+impl Suite {
+    /// Reads the suite at `path`; `programs` take precedence over those that it names.
+    pub fn open(path: &Path, programs: Vec<ProgramOption>) -> Self {
+        let mut files = DiskFiles::of_environment();
+        let LoadedSuite { suite: spec, loaded } = load_suite(&files.name(path), &files);
+        let axes = spec.matrix.axes();
+        Self { spec, diagnostics: loaded.diagnostics, inputs: loaded.inputs, axes, programs }
+    }
+
+    /// The axes of the matrix.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// All cases, in the order of the matrix: those of a variant follow each other.
+    ///
+    /// # Errors
+    /// A program of the suite cannot be read as an option `--program`.
+    pub fn cases(&self) -> Result<Vec<Case>, String> {
+        let of_suite = self.spec.programs.iter().map(|program| self.program(&program.text));
+        let mut programs: Vec<ProgramOption> = of_suite.collect::<Result<_, _>>()?;
+        for program in &self.programs {
+            programs.retain(|other| !other.has_robots_of(program));
+            programs.push(program.clone());
+        }
+        let case = |indices: Vec<usize>| {
+            let settings: Vec<(String, String)> = self.settings_of(&indices);
+            let of_variant: Vec<&(String, String)> = settings.iter().filter(|(name, _)| name != "seed").collect();
+            let variant = name_of(of_variant.iter().copied());
+            Case {
+                name: name_of(settings.iter()),
+                variant,
+                scene: PathBuf::from(self.spec.scene_of(&self.axes, &indices)),
+                options: self.options(&indices, &programs),
+                settings,
+            }
+        };
+        Ok(self.spec.matrix.cases().into_iter().map(case).collect())
+    }
+
+    fn settings_of(&self, indices: &[usize]) -> Vec<(String, String)> {
+        let setting = |(axis, &index): (&Axis, &usize)| (axis.name.clone(), axis.label(index).to_owned());
+        self.axes.iter().zip(indices).map(setting).collect()
+    }
+
+    /// The program option of the suite, with the path of a file from the suite's folder.
+    fn program(&self, text: &str) -> Result<ProgramOption, String> {
+        let option = ProgramOption::parse(text)?;
+        let place = Path::new(&self.spec.folder).join(option.program());
+        Ok(if place.exists() { option.with_program(&slashed(&place)) } else { option })
+    }
+
+    fn options(&self, indices: &[usize], programs: &[ProgramOption]) -> Options {
+        let spec = &self.spec;
+        let value = |kind| {
+            let found = self.axes.iter().zip(indices).find(|(axis, _)| axis.kind == kind);
+            found.map(|(axis, &index)| axis.values[index].as_str())
+        };
+        let in_folder = |name: &str| {
+            let place = Path::new(&spec.folder).join(name);
+            if place.exists() { slashed(&place) } else { name.to_owned() }
+        };
+        Options {
+            seed: value(AxisKind::Seed).and_then(|seed| seed.parse().ok()),
+            slot: value(AxisKind::Slot)
+                .and_then(|slot| slot.parse::<f64>().ok())
+                .map(|milliseconds| Time((milliseconds * 1e3).round() as i64)),
+            until: spec.until,
+            linger: spec.linger,
+            workers: std::num::NonZeroUsize::new(1),
+            exec: Exec::Auto,
+            timeout: spec.limits.slot_processor,
+            programs: programs.to_vec(),
+            keys: spec.keys.clone(),
+            arguments: spec.arguments(&self.axes, indices),
+            stdin: spec.stdin.as_ref().map(|file| PathBuf::from(in_folder(&file.text))),
+            noise: value(AxisKind::Noise).map(in_folder),
+            settings: SuiteSpec::settings(&self.axes, indices),
+            output_limit: spec.limits.output,
+            ..Options::default()
+        }
+    }
+}
+
+/// Name of a case or variant: `noise=real,seed=3`; `run` without settings.
+fn name_of<'s>(settings: impl Iterator<Item = &'s (String, String)>) -> String {
+    let parts: Vec<String> = settings.map(|(name, value)| format!("{name}={value}")).collect();
+    if parts.is_empty() { "run".to_owned() } else { parts.join(",") }
+}

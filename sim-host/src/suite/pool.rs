@@ -1,0 +1,277 @@
+//! Pool of workers that run cases: copies of this process, many cases in each where no program can harm its process, else one.
+
+use std::collections::VecDeque;
+use std::io::{self, Read as _, Write as _};
+use std::ops::ControlFlow;
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+use super::case::{Case, Session, lost_case, run_case};
+use super::row::{CaseResult, RowOutcome};
+use super::{Preparation, Suite};
+use crate::executive::fork::{ForkedWorker, limit_memory, readable};
+
+/// Options of a pool.
+#[derive(Clone, Copy, Debug)]
+pub struct PoolOptions {
+    /// Number of cases that run at one time.
+    pub workers: usize,
+    /// Every case runs in a process of its own.
+    pub isolate: bool,
+}
+
+/// Reasons why cases cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum PoolError {
+    /// The system gives no process.
+    #[error("cannot start a process for cases: {0}")]
+    Start(io::Error),
+    /// The system does not tell which workers have answered.
+    #[error("cannot wait for cases: {0}")]
+    Wait(io::Error),
+}
+
+/// Runs cases in copies of this process, which must have one thread.
+pub struct Pool<'s> {
+    suite: &'s Suite,
+    cases: &'s [Case],
+    preparation: Preparation,
+    options: PoolOptions,
+}
+
+/// A worker with the cases that it has been given.
+struct Worker {
+    process: ForkedWorker,
+    /// Indices of cases, the one that runs first.
+    given: VecDeque<usize>,
+    /// The worker ends after its first case.
+    is_single: bool,
+    /// Start of the case that runs.
+    since: Instant,
+}
+
+/// Cases given to a worker that runs many: one runs, one waits, so that the worker never does.
+const AHEAD: usize = 2;
+
+/// Interval at which interrupts are noticed at the latest.
+const POLL: Duration = Duration::from_millis(100);
+
+/// Time in which workers must end after an interrupt.
+const END_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Real seconds of a case for each second of processor time that it may use, after which its worker is killed: a last resort, far beyond
+/// what a loaded machine needs.
+const PATIENCE: f64 = 20.0;
+
+impl<'s> Pool<'s> {
+    /// A pool for `cases`, whose programs `preparation` has built.
+    pub fn new(suite: &'s Suite, cases: &'s [Case], preparation: Preparation, options: PoolOptions) -> Self {
+        Self { suite, cases, preparation, options }
+    }
+
+    /// Runs the cases with these indices; `done` gets each result, in the order in which they end, and may stop the pool.
+    ///
+    /// # Errors
+    /// [`PoolError`].
+    pub fn run(
+        &mut self,
+        indices: &[usize],
+        done: &mut dyn FnMut(usize, CaseResult) -> ControlFlow<()>,
+    ) -> Result<(), PoolError> {
+        let mut waiting: VecDeque<usize> = VecDeque::new();
+        for &index in indices {
+            match self.preparation.failure(self.suite, &self.cases[index]) {
+                Some(result) => {
+                    if done(index, result).is_break() {
+                        return Ok(());
+                    }
+                }
+                None => waiting.push_back(index),
+            }
+        }
+        let mut alone = VecDeque::new();
+        if self.options.isolate || self.suite.spec.limits.memory.is_some() {
+            alone.append(&mut waiting);
+        }
+        waiting.retain(|&index| {
+            let may_share = self.preparation.may_share(&self.cases[index]);
+            if !may_share {
+                alone.push_back(index);
+            }
+            may_share
+        });
+        let mut workers: Vec<Worker> = Vec::new();
+        // Cases that have ended a worker that ran others as well.
+        let mut suspects: Vec<usize> = Vec::new();
+        while !self.preparation.session.interrupt.is_set() {
+            self.employ(&mut workers, &mut waiting, &mut alone)?;
+            if workers.is_empty() {
+                break;
+            }
+            let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
+            let ready = readable(&streams, POLL).map_err(PoolError::Wait)?;
+            for place in ready.into_iter().rev() {
+                let answer = receive(&mut workers[place].process.stream);
+                let first = workers[place].given.pop_front();
+                let (result, is_over) = match (answer, first) {
+                    (Ok((result, is_last)), Some(first)) => (Some((first, result)), is_last),
+                    (Err(_), Some(first)) => {
+                        let how = workers[place].process.wait();
+                        if workers[place].is_single || suspects.contains(&first) {
+                            let message = format!("the process of the case ended without a result: {how}");
+                            (Some((first, lost_case(self.suite, &self.cases[first], &message))), true)
+                        } else {
+                            suspects.push(first);
+                            alone.push_front(first);
+                            (None, true)
+                        }
+                    }
+                    _ => (None, true),
+                };
+                workers[place].since = Instant::now();
+                if is_over {
+                    let worker = workers.remove(place);
+                    worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
+                    let mut process = worker.process;
+                    _ = process.stream.shutdown(std::net::Shutdown::Both);
+                    process.wait();
+                }
+                if let Some((index, result)) = result
+                    && (result.row.outcome != RowOutcome::Interrupted || !self.preparation.session.interrupt.is_set())
+                    && done(index, result).is_break()
+                {
+                    return Ok(());
+                }
+            }
+            if self.end_unresponsive(&mut workers, &mut waiting, done).is_break() {
+                return Ok(());
+            }
+        }
+        dismiss(workers);
+        Ok(())
+    }
+
+    /// Starts workers as far as there are cases and places for them, and gives cases to those that have too few.
+    fn employ(
+        &mut self,
+        workers: &mut Vec<Worker>,
+        waiting: &mut VecDeque<usize>,
+        alone: &mut VecDeque<usize>,
+    ) -> Result<(), PoolError> {
+        // A worker that has none goes first, so that the last cases are spread over all workers.
+        for ahead in 1..=AHEAD {
+            for worker in workers.iter_mut().filter(|worker| !worker.is_single && worker.given.len() < ahead) {
+                give(worker, waiting);
+            }
+        }
+        while workers.len() < self.options.workers {
+            let is_single = !alone.is_empty();
+            let queue = if is_single { &mut *alone } else { &mut *waiting };
+            if queue.is_empty() {
+                break;
+            }
+            let (suite, cases) = (self.suite, self.cases);
+            let session = &mut self.preparation.session;
+            let serve = |stream| serve(suite, cases, session, stream, is_single);
+            let process = ForkedWorker::start(serve).map_err(PoolError::Start)?;
+            let mut worker = Worker { process, given: VecDeque::new(), is_single, since: Instant::now() };
+            give(&mut worker, queue);
+            workers.push(worker);
+        }
+        // A worker without a case is not needed any more: it removes its files and ends.
+        for worker in workers.extract_if(.., |worker| worker.given.is_empty()) {
+            let mut process = worker.process;
+            _ = process.stream.shutdown(std::net::Shutdown::Write);
+            process.wait();
+        }
+        Ok(())
+    }
+
+    /// Kills workers whose cases have taken far more time than their limits allow.
+    fn end_unresponsive(
+        &self,
+        workers: &mut Vec<Worker>,
+        waiting: &mut VecDeque<usize>,
+        done: &mut dyn FnMut(usize, CaseResult) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let limits = &self.suite.spec.limits;
+        let most = PATIENCE * (limits.processor + limits.slot_processor) + 10.0;
+        while let Some(place) =
+            workers.iter().position(|worker| !worker.given.is_empty() && worker.since.elapsed().as_secs_f64() > most)
+        {
+            let mut worker = workers.remove(place);
+            worker.process.kill();
+            worker.process.wait();
+            let first = worker.given.pop_front();
+            worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
+            if let Some(index) = first {
+                let message = format!("the case did not end within {most:.0} s of real time; its process was killed");
+                done(index, lost_case(self.suite, &self.cases[index], &message))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Gives the worker the next case; returns false if there is none.
+fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
+    let Some(index) = queue.pop_front() else { return false };
+    if worker.given.is_empty() {
+        worker.since = Instant::now();
+    }
+    worker.given.push_back(index);
+    // A worker that has ended is noticed when its answer is read.
+    _ = worker.process.stream.write_all(&(index as u32).to_le_bytes());
+    true
+}
+
+/// Lets workers end after an interrupt, which they have got as well.
+fn dismiss(mut workers: Vec<Worker>) {
+    let start = Instant::now();
+    workers.iter().for_each(|worker| _ = worker.process.stream.shutdown(std::net::Shutdown::Write));
+    while !workers.is_empty() && start.elapsed() < END_TIMEOUT {
+        let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
+        let Ok(ready) = readable(&streams, POLL) else { break };
+        for place in ready.into_iter().rev() {
+            if receive(&mut workers[place].process.stream).is_err() {
+                workers.remove(place);
+            }
+        }
+    }
+}
+
+/// Reads a result and the mark of a worker's last one.
+fn receive(stream: &mut UnixStream) -> io::Result<(CaseResult, bool)> {
+    let mut head = [0; 5];
+    stream.read_exact(&mut head)?;
+    let [is_last, length @ ..] = head;
+    let mut bytes = vec![0; u32::from_le_bytes(length) as usize];
+    stream.read_exact(&mut bytes)?;
+    Ok((serde_json::from_slice(&bytes)?, is_last != 0))
+}
+
+/// Runs the cases that the pool asks for until it closes the connection; a single one if `is_single`.
+fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixStream, is_single: bool) {
+    if let Some(bytes) = suite.spec.limits.memory
+        && let Err(error) = limit_memory(bytes)
+    {
+        eprintln!("error: the memory of a case cannot be limited: {error}");
+    }
+    let mut request = [0; 4];
+    while stream.read_exact(&mut request).is_ok() {
+        let Some(case) = cases.get(u32::from_le_bytes(request) as usize) else { break };
+        let result = run_case(suite, case, session);
+        // A program that failed may have harmed this process.
+        let is_last = is_single || session.interrupt.is_set() || result.has_failed_program();
+        let sent = serde_json::to_vec(&result).map_err(io::Error::from).and_then(|bytes| {
+            let mut message = vec![u8::from(is_last)];
+            message.extend((bytes.len() as u32).to_le_bytes());
+            message.extend(bytes);
+            stream.write_all(&message)
+        });
+        if sent.is_err() || is_last {
+            break;
+        }
+    }
+    session.unload();
+}

@@ -1,0 +1,63 @@
+//! Preparation of a suite: its programs are built once, before the first case.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::Suite;
+use super::case::{Case, PrepareError, Session};
+use super::row::{CaseResult, Row};
+
+/// Programs of a suite's cases, built.
+pub struct Preparation {
+    /// The session with the programs, copied into each worker.
+    pub session: Session,
+    known: BTreeMap<Key, Prepared>,
+}
+
+/// Scene, and settings on which its programs may depend.
+type Key = (PathBuf, Vec<String>);
+
+enum Prepared {
+    /// The programs may run in a process with others, or not.
+    Built(bool),
+    /// Nothing is known: the scene cannot be read with the seed of the case that was tried.
+    Unknown,
+    /// A program cannot be built.
+    Failed(Box<CaseResult>),
+}
+
+impl Preparation {
+    /// Builds the programs of `cases`.
+    pub fn of<'c>(suite: &Suite, cases: impl Iterator<Item = &'c Case>, mut session: Session) -> Self {
+        let mut known = BTreeMap::new();
+        for case in cases {
+            known.entry(key(case)).or_insert_with(|| match session.prepare(suite, case) {
+                Ok(may_share) => Prepared::Built(may_share),
+                Err(PrepareError::Scene) => Prepared::Unknown,
+                Err(PrepareError::Programs(result)) => Prepared::Failed(result),
+            });
+        }
+        session.end_building();
+        Self { session, known }
+    }
+
+    /// Returns true if the case may run in a process with others.
+    pub fn may_share(&self, case: &Case) -> bool {
+        matches!(self.known.get(&key(case)), Some(Prepared::Built(true)))
+    }
+
+    /// The result of a case whose programs cannot be built.
+    pub fn failure(&self, suite: &Suite, case: &Case) -> Option<CaseResult> {
+        let Some(Prepared::Failed(result)) = self.known.get(&key(case)) else { return None };
+        let Row { message, details, .. } = result.row.clone();
+        let row = Row { message, details, ..super::case::row_of(suite, case) };
+        Some(CaseResult { row, ..(**result).clone() })
+    }
+}
+
+fn key(case: &Case) -> Key {
+    let settings = case.options.settings.iter().map(ToString::to_string);
+    // A value of a scene may be a whole table of robots.
+    let of_programs = settings.filter(|setting| setting.contains("program") || setting.starts_with("robot="));
+    (case.scene.clone(), of_programs.collect())
+}

@@ -1,0 +1,136 @@
+//! Selection of cases by an expression over their names, as in pytest: `real and not seed=3`.
+
+/// An expression of words with `and`, `or`, `not` and parentheses; a word holds for names that contain it, in any case of letters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection(Term);
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Term {
+    Word(String),
+    Not(Box<Term>),
+    And(Box<Term>, Box<Term>),
+    Or(Box<Term>, Box<Term>),
+}
+
+/// Text that is no such expression.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}`: {what}; expected words with `and`, `or`, `not` and parentheses, such as `real and not seed=3`")]
+pub struct SelectionError {
+    text: String,
+    what: String,
+}
+
+impl Selection {
+    /// Parses an expression.
+    ///
+    /// # Errors
+    /// [`SelectionError`].
+    pub fn parse(text: &str) -> Result<Self, SelectionError> {
+        let spaced = text.replace('(', " ( ").replace(')', " ) ");
+        let mut words: Vec<&str> = spaced.split_whitespace().rev().collect();
+        let error = |what: String| SelectionError { text: text.to_owned(), what };
+        let term = any(&mut words).map_err(error)?;
+        match words.pop() {
+            None => Ok(Self(term)),
+            Some(word) => Err(error(format!("`{word}` has no place"))),
+        }
+    }
+
+    /// Returns true for a name that the expression selects.
+    pub fn holds_for(&self, name: &str) -> bool {
+        self.0.holds_for(&name.to_lowercase())
+    }
+}
+
+impl Term {
+    fn holds_for(&self, name: &str) -> bool {
+        match self {
+            Self::Word(word) => is_part(name, word),
+            Self::Not(term) => !term.holds_for(name),
+            Self::And(a, b) => a.holds_for(name) && b.holds_for(name),
+            Self::Or(a, b) => a.holds_for(name) || b.holds_for(name),
+        }
+    }
+}
+
+/// Returns true if `name` contains `word`; a number at the end of the word is the whole number: `seed=1` is no part of `seed=12`.
+fn is_part(name: &str, word: &str) -> bool {
+    let is_digit = |c: char| c.is_ascii_digit() || c == '.';
+    name.match_indices(word).any(|(at, found)| {
+        let rest = &name[at + found.len()..];
+        !(word.ends_with(is_digit) && rest.starts_with(is_digit))
+    })
+}
+
+fn any(words: &mut Vec<&str>) -> Result<Term, String> {
+    let mut term = all(words)?;
+    while words.last() == Some(&"or") {
+        words.pop();
+        term = Term::Or(Box::new(term), Box::new(all(words)?));
+    }
+    Ok(term)
+}
+
+fn all(words: &mut Vec<&str>) -> Result<Term, String> {
+    let mut term = one(words)?;
+    while words.last() == Some(&"and") {
+        words.pop();
+        term = Term::And(Box::new(term), Box::new(one(words)?));
+    }
+    Ok(term)
+}
+
+fn one(words: &mut Vec<&str>) -> Result<Term, String> {
+    // Each level of parentheses is one of the stack.
+    const MOST: usize = 200;
+    if words.len() > MOST {
+        return Err(format!("more than {MOST} words"));
+    }
+    match words.pop() {
+        Some("not") => Ok(Term::Not(Box::new(one(words)?))),
+        Some("(") => {
+            let term = any(words)?;
+            match words.pop() {
+                Some(")") => Ok(term),
+                _ => Err("a `(` is not closed".to_owned()),
+            }
+        }
+        Some(word @ ("and" | "or" | ")")) => Err(format!("`{word}` has no word before it")),
+        Some(word) => Ok(Term::Word(word.to_lowercase())),
+        None => Err("a word is missing at the end".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, selected: &[&str]) {
+        let names = ["noise=none,seed=1", "noise=real,seed=1", "noise=real,seed=12"];
+        let selection = Selection::parse(text).expect("an expression");
+        let found: Vec<&str> = names.into_iter().filter(|name| selection.holds_for(name)).collect();
+        assert_eq!(found, selected, "{text}");
+    }
+
+    #[test]
+    fn words_are_joined() {
+        check("real", &["noise=real,seed=1", "noise=real,seed=12"]);
+        check("REAL and not seed=12", &["noise=real,seed=1"]);
+        check("none or seed=12", &["noise=none,seed=1", "noise=real,seed=12"]);
+        check("not (none or seed=12)", &["noise=real,seed=1"]);
+        check("seed=1", &["noise=none,seed=1", "noise=real,seed=1"]);
+        check("not not none", &["noise=none,seed=1"]);
+    }
+
+    #[test]
+    fn mistakes_are_told() {
+        for (text, what) in
+            [("", "missing"), ("a and", "missing"), ("(a", "not closed"), ("a b", "`b` has no place"), ("or a", "`or`")]
+        {
+            let error = Selection::parse(text).expect_err(text).to_string();
+            assert!(error.contains(what), "{error}");
+        }
+        assert!(Selection::parse(&"(".repeat(10_000)).is_err());
+    }
+}

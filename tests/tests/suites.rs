@@ -1,0 +1,211 @@
+//! Suites: the examples of the page, rows that depend on nothing but the case, verdicts, messages, output files.
+
+use serde_json::Value;
+use tests::{Ran, Scratch, root};
+
+/// Blocks of a page with this language.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    page.split(&fence).skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block).collect()
+}
+
+/// The files of docs/suites.md: the scene, its program, and the suites `0.suite.toml`, `1.suite.toml`.
+fn of_page() -> Scratch {
+    let page = std::fs::read_to_string(root().join("docs/suites.md")).expect("the page");
+    let scratch = Scratch::new();
+    scratch.write("square.c", blocks(&page, "c")[0]);
+    scratch.write("room.scene.toml", blocks(&page, "scene.toml")[0]);
+    for (index, suite) in blocks(&page, "suite.toml").into_iter().enumerate() {
+        scratch.write(&format!("{index}.suite.toml"), suite);
+    }
+    scratch
+}
+
+/// Runs `eyesim test` and expects an exit code.
+fn test(scratch: &Scratch, args: &[&str], code: i32) -> Ran {
+    let ran = scratch.eyesim(&[&["test"], args].concat());
+    assert_eq!(ran.code, Some(code), "{args:?}: {ran:#?}");
+    ran
+}
+
+fn rows(scratch: &Scratch, report: &str) -> Vec<Value> {
+    let report: Value = serde_json::from_str(&scratch.read(report)).expect("a report");
+    report["suites"][0]["rows"].as_array().expect("rows").clone()
+}
+
+#[test]
+fn the_examples_of_the_page_pass() {
+    let scratch = of_page();
+    let ran = test(&scratch, &["0.suite.toml", "--report", "r.json"], 0);
+    assert!(ran.stdout.contains("6 passed, 8 of 8 points"), "{ran:#?}");
+    let ran = test(&scratch, &["1.suite.toml", "-v"], 0);
+    assert_eq!(ran.stdout.matches("PASSED").count(), 3, "{ran:#?}");
+    assert!(ran.stdout.contains("::robot[0].x_mm=500,side=1000,seed=2 PASSED"), "{ran:#?}");
+    let ran = test(&scratch, &[], 0);
+    assert!(ran.stdout.contains("collected 9 cases of 2 suites"), "{ran:#?}");
+    assert!(scratch.eyesim(&["check", "0.suite.toml", "1.suite.toml", "--strict"]).code == Some(0));
+}
+
+/// The suite of the page with a program that turns too far and touches the walls with some seeds.
+fn failing() -> Scratch {
+    let scratch = of_page();
+    let suite =
+        scratch.read("0.suite.toml").replace("within_mm = 100", "within_mm = 4").replace("\"mild\"", "\"harsh\"");
+    scratch.write("0.suite.toml", &suite.replace("1..3", "1..8"));
+    scratch
+}
+
+#[test]
+fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
+    let scratch = failing();
+    let run = |name: &str, args: &[&str]| {
+        test(&scratch, &[&["0.suite.toml", "--report", name], args].concat(), 1);
+        scratch.read(name)
+    };
+    let first = run("a.json", &["-j", "1"]);
+    assert_eq!(run("b.json", &["-j", "2"]), first);
+    assert_eq!(run("c.json", &["-j", "2", "--isolate"]), first);
+    assert_eq!(run("d.json", &["-j", "5", "-q"]), first);
+    let rows = rows(&scratch, "a.json");
+    assert_eq!(rows.len(), 16);
+    let keys: std::collections::BTreeSet<&str> = rows.iter().map(|row| row["key"].as_str().expect("a key")).collect();
+    assert_eq!(keys.len(), 16, "a key for each case");
+    // A row is that of the run alone.
+    let words: Vec<&str> =
+        rows[9]["words"].as_array().expect("words").iter().map(|word| word.as_str().expect("a word")).collect();
+    scratch.eyesim(&[&["run", "--report", "run.json"], &words[..]].concat());
+    let report: Value = serde_json::from_str(&scratch.read("run.json")).expect("a report");
+    assert_eq!(report["digest"], rows[9]["digest"]);
+}
+
+#[test]
+fn a_failure_tells_what_where_and_how_to_see_it() {
+    let scratch = failing();
+    let ran = test(&scratch, &["0.suite.toml", "-k", "harsh and seed=1", "--junit", "j.xml", "--html", "pages"], 1);
+    for part in [
+        "FAILED  comes home",
+        "0/3",
+        "X: (",
+        "to see it: eyesim view room.scene.toml",
+        "--noise=harsh",
+        "FAILED 0.suite.toml::noise=harsh,seed=1 - comes home: ",
+    ] {
+        assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
+    }
+    let junit = scratch.read("j.xml");
+    assert!(
+        junit.contains("tests=\"1\"") && junit.contains("failures=\"1\"") && junit.contains("noise=harsh,seed=1"),
+        "{junit}"
+    );
+    let page = scratch.read("pages/index.html");
+    for part in ["<table class=\"map\">", "<svg", "comes home", "<details"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("http:") || page.matches("http:").count() == page.matches("http://www.w3.org").count());
+    // Only the failures, then all again once there are none.
+    let ran = test(&scratch, &["0.suite.toml", "--lf"], 1);
+    assert!(ran.stdout.contains("collected 16 cases / 15 deselected / 1 selected"), "{ran:#?}");
+}
+
+#[test]
+fn programs_that_break_hang_or_do_not_compile_are_rows() {
+    let scratch = of_page();
+    let suite = scratch.read("0.suite.toml") + "\n[limits]\nslot_processor_s = 0.5\n";
+    scratch.write("0.suite.toml", &suite.replace("\"none\", \"mild\"", "\"mild\""));
+    let program =
+        |body: &str| format!("#include \"eyebot.h\"\n#include <stdlib.h>\nint main() {{ {body} return 0; }}\n");
+    let cases = [
+        ("VWStraight(1000, 200) VWWait();", "E", "cannot be compiled"),
+        ("for (volatile int i = 0;; i++);", "F", "processor time"),
+        ("int *p = 0; *p = 1;", "F", "SIGSEGV"),
+        ("abort();", "F", "abort"),
+        ("KEYWait(KEY4);", "F", "KEY4"),
+    ];
+    for (body, letter, _) in cases {
+        scratch.write("mine.c", &program(body));
+        let ran = test(&scratch, &["0.suite.toml", "--program", "1=mine.c", "--report", "r.json"], 1);
+        assert!(ran.stdout.contains(&format!("0.suite.toml {}", letter.repeat(3))), "{body}: {ran:#?}");
+        let rows = rows(&scratch, "r.json");
+        assert_eq!(rows.len(), 3);
+        assert!(rows.iter().all(|row| !row["message"].as_str().expect("a message").is_empty()), "{rows:#?}");
+        if letter == "E" {
+            assert!(rows[2]["details"].as_str().expect("details").contains("mine.c:"), "{rows:#?}");
+        }
+    }
+}
+
+#[test]
+fn wrong_suites_are_told() {
+    let scratch = of_page();
+    let base = scratch.read("0.suite.toml");
+    let cases = [
+        ("seed = \"1..3\"", "seed = \"1..1000000000\"", "suite-cases"),
+        ("seed = \"1..3\"", "seed = \"1..300000\"\nslot_ms = [20, 50]", "suite-cases"),
+        ("seed = \"1..3\"", "seed = true", "toml-type"),
+        ("seed = \"1..3\"", "seed = [1, 1]", "toml-conflict"),
+        ("seed = \"1..3\"", "seed = 1\nexclude = [{ seed = 1 }]", "suite-cases"),
+        ("seed = \"1..3\"", "seed = 1\nzip = [[\"noise\", \"world\"]]", "suite-axis"),
+        ("until_s = 60", "arguments = [\"{kp}\"]", "suite-parameter"),
+        ("scene = \"room.scene.toml\"", "scene = \"hall.scene.toml\"", "file-missing"),
+        ("scene = \"room.scene.toml\"\n", "", "toml-missing"),
+        ("at_mm = [500, 500]", "at_mm = [500, 500]\nrobot = 7", "check-body"),
+        ("seed = \"1..3\"", "seed = 1\nset = { \"robot[4].x_mm\" = [1] }", "set-path"),
+        ("seed = \"1..3\"", "seed = 1\nset = { \"robot[0].xmm\" = [1] }", "toml-key"),
+        ("[suite]", "[suit]", "toml-missing"),
+    ];
+    for (old, new, code) in cases {
+        assert!(base.contains(old), "{old}");
+        scratch.write("w.suite.toml", &base.replace(old, new));
+        let ran = test(&scratch, &["w.suite.toml"], 2);
+        assert!(ran.stderr.contains(code), "{new}: {ran:#?}");
+        assert!(scratch.eyesim(&["explain", code]).code == Some(0));
+    }
+    scratch.write("w.suite.toml", "");
+    test(&scratch, &["w.suite.toml"], 2);
+    test(&scratch, &["room.scene.toml"], 2);
+    test(&scratch, &["nowhere.suite.toml"], 2);
+    test(&scratch, &["0.suite.toml", "-k", "seed=99"], 5);
+    let ran = test(&scratch, &["0.suite.toml", "-k", "(a"], 2);
+    assert!(ran.stderr.contains("not closed"), "{ran:#?}");
+    scratch.write("w.suite.toml", &base.replace("until_s", "untils"));
+    let ran = test(&scratch, &["w.suite.toml", "--collect-only"], 0);
+    assert!(ran.stderr.contains("toml-key"), "an unknown key is a warning: {ran:#?}");
+    assert!(scratch.eyesim(&["run", "room.scene.toml", "--set", "robot[0].y_mm=oops"]).stderr.contains("is no value"));
+}
+
+#[test]
+fn a_pipe_as_scene_and_a_full_disk_are_told() {
+    let scratch = of_page();
+    let pipe = scratch.path().join("pipe.scene.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    let suite = scratch.read("0.suite.toml");
+    scratch.write("p.suite.toml", &suite.replace("room.scene.toml", "pipe.scene.toml"));
+    let ran = test(&scratch, &["p.suite.toml"], 2);
+    assert!(ran.stderr.contains("not a file"), "{ran:#?}");
+    let ran = test(&scratch, &["0.suite.toml", "--report", "/dev/full"], 2);
+    assert!(ran.stderr.contains("--report") && ran.stdout.contains("6 passed"), "{ran:#?}");
+}
+
+#[test]
+fn ctrl_c_tells_what_has_run() {
+    let scratch = of_page();
+    let suite = scratch.read("0.suite.toml").replace("until_s = 60", "until_s = 100000").replace("1..3", "1..100000");
+    scratch.write("0.suite.toml", &suite.replace("1:KEY1", "100000:KEY1"));
+    let mut command = scratch.command(&["test", "0.suite.toml", "--report", "r.json"]);
+    let child = command.stdout(std::process::Stdio::piped()).spawn().expect("eyesim starts");
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill").success());
+    let ran = Ran::from(child.wait_with_output().expect("an end"));
+    assert_eq!(ran.code, Some(130), "{ran:#?}");
+    assert!(ran.stdout.contains("interrupted"), "{ran:#?}");
+    assert!(scratch.read("r.json").contains("\"rows\""));
+}
+
+#[test]
+fn a_new_project_has_a_suite_that_passes() {
+    let scratch = Scratch::new();
+    assert_eq!(scratch.eyesim(&["new", "walls", "--suite", "--api", "7"]).code, Some(0));
+    let ran = test(&scratch, &["walls"], 0);
+    assert!(ran.stdout.contains("10 passed"), "{ran:#?}");
+}
