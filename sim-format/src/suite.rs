@@ -9,9 +9,9 @@ use sim_core::time::Time;
 
 use super::code::Code;
 use super::diagnostic::Diagnostic;
-use super::form::{Definitions, Form, print, schema};
+use super::form::{Form, print};
 use super::path;
-use super::print::document;
+use super::print::{document, schema};
 use super::set::Setting;
 use super::spec::PathRef;
 use super::table::{Reader, Section, has_top_key};
@@ -296,12 +296,7 @@ pub fn print_suite(suite: &SuiteSpec) -> String {
 
 /// JSON schema of suites, for completion in editors.
 pub fn suite_schema() -> String {
-    let mut definitions = Definitions::default();
-    let mut schema = schema(&mut definitions, |keys| SuiteSpec::default().keys(keys));
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
-    schema["title"] = "eyesim suite".into();
-    schema["$defs"] = definitions.into();
-    serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
+    schema("eyesim suite", |keys| SuiteSpec::default().keys(keys))
 }
 
 /// A suite that was read, with its scene.

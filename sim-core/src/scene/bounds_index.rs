@@ -123,20 +123,6 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits each body whose rectangle meets `bounds`, at least once and in no particular order, without a list of them.
-    pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
-        let Some(grid) = self.grid.as_ref().filter(|grid| grid.bounds().overlaps(bounds)) else { return };
-        let (columns, rows) = grid.span(bounds);
-        for row in rows {
-            for &place in self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row)) {
-                let (id, body) = &self.bodies[place as usize];
-                if body.overlaps(bounds) {
-                    visit(*id);
-                }
-            }
-        }
-    }
-
     /// Visits each body whose rectangle meets `bounds`, once, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
         let mut places = Vec::new();

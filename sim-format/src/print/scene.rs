@@ -29,7 +29,8 @@ pub fn companion_schema() -> String {
     schema("eyesim companion", |keys| companion(keys, &mut RobiSpec::default()))
 }
 
-fn schema(title: &str, declare: impl FnOnce(&mut Keys<'_>)) -> String {
+/// JSON schema of the files whose keys `declare` declares.
+pub(crate) fn schema(title: &str, declare: impl FnOnce(&mut Keys<'_>)) -> String {
     let mut definitions = Definitions::default();
     let mut schema = schema_of(&mut definitions, declare);
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
