@@ -114,9 +114,8 @@ impl ReturnQueue {
     }
 
     /// Lets a released robot depart instead of coming back; true if it is the last one.
-    fn depart(&self, robot: RobotId, has_departed: &AtomicBool) -> bool {
+    fn depart(&self, robot: RobotId) -> bool {
         let mut returns = self.returns.lock();
-        has_departed.store(true, Ordering::Release);
         let came_back = returns.iter().position(|other| other.robot == robot);
         match came_back {
             Some(place) => {
@@ -316,7 +315,9 @@ impl Dispatcher {
             // Its flow was abandoned, and has come back after all.
             return BarrierOutcome::default();
         }
-        self.vacate_worker(robot);
+        // From here on it cannot come back.
+        run.has_departed_flag(robot).store(true, Ordering::Release);
+        let was_running = self.vacate_worker(robot);
         self.requesting.push(robot);
         self.await_step[robot.index()] = false;
         self.wake_numbers[robot.index()] += 1;
@@ -325,7 +326,7 @@ impl Dispatcher {
             self.drives_end = run.drives_end();
         }
         let worker = self.affinity[robot.index()] as usize;
-        if run.returns(worker).depart(robot, run.has_departed_flag(robot)) {
+        if was_running && run.returns(worker).depart(robot) {
             self.take_returns(run, worker);
         }
         self.dispatch(run, None, deadline)
@@ -377,12 +378,14 @@ impl Dispatcher {
         self.end.take().unwrap_or(End::Finished)
     }
 
-    fn vacate_worker(&mut self, robot: RobotId) {
+    /// Takes `robot` from its worker; true if it was released there.
+    fn vacate_worker(&mut self, robot: RobotId) -> bool {
         let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
         let place = running.iter().position(|running| *running == robot);
         debug_assert!(place.is_some(), "only a robot that runs comes back");
         place.map(|place| running.swap_remove(place));
         self.touched.push(robot);
+        place.is_some()
     }
 
     fn enqueue(&mut self, robot: RobotId) {
