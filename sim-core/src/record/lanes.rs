@@ -16,16 +16,8 @@ const BLOCK_LEN: usize = blake3::BLOCK_LEN;
 const WORDS: usize = BLOCK_LEN / 4;
 
 /// Initial chaining value. Source: BLAKE3 specification, section 2.2, as all that follows.
-const IV: [u32; 8] = [
-    0x6a09_e667,
-    0xbb67_ae85,
-    0x3c6e_f372,
-    0xa54f_f53a,
-    0x510e_527f,
-    0x9b05_688c,
-    0x1f83_d9ab,
-    0x5be0_cd19,
-];
+const IV: [u32; 8] =
+    [0x6a09_e667, 0xbb67_ae85, 0x3c6e_f372, 0xa54f_f53a, 0x510e_527f, 0x9b05_688c, 0x1f83_d9ab, 0x5be0_cd19];
 
 const CHUNK_START: u32 = 1;
 const CHUNK_END: u32 = 2;

@@ -165,17 +165,18 @@ impl Environment {
             }
         }
         let heard = self.traffic.deliver(at, robots);
-        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
-            // The walk is recorded first, so that readers of poses already know the height of a walking body.
-            robot.record_walk(world, at);
-            robot.record_pose(at);
-            if robot.motion.is_active() {
-                self.moving.push(robot.id);
+        // A few robots at a time, so that their journals are still in the cache when they are hashed and taken.
+        for few in robots.chunks_mut(Journal::LANES) {
+            for robot in few.iter_mut().filter(|robot| !robot.is_removed) {
+                // The walk is recorded first, so that readers of poses already know the height of a walking body.
+                robot.record_walk(world, at);
+                robot.record_pose(at);
+                if robot.motion.is_active() {
+                    self.moving.push(robot.id);
+                }
             }
-        }
-        Journal::seal_all(robots.iter_mut().map(|robot| &mut robot.journal));
-        for robot in robots {
-            recorder.collect(&mut robot.journal);
+            Journal::seal_all(few.iter_mut().map(|robot| &mut robot.journal));
+            few.iter_mut().for_each(|robot| recorder.collect(&mut robot.journal));
         }
         SlotEnd { at, heard }
     }
