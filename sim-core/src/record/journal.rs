@@ -61,6 +61,9 @@ pub(super) struct Entry {
 }
 
 impl Journal {
+    /// Number of journals that [`Journal::seal_all`] hashes at one time.
+    pub const LANES: usize = lanes::LANES;
+
     /// The empty journal of `robot`; `is_verbose` turns the recording of calls on.
     pub fn new(robot: RobotId, is_verbose: bool) -> Self {
         let mut page = Page::default();

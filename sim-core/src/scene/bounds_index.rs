@@ -89,9 +89,9 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         if is_near {
             let (forward, aside) = (direction.abs(), direction.perp().abs());
             let slack = 2.0 * self.margin;
-            let (mut limit, mut before) = (range, None);
-            grid.walk(origin, direction, range, |cell, exit| {
-                for &place in self.cells.of(grid.index(cell.column, cell.row)) {
+            let mut limit = range;
+            grid.walk(origin, direction, range, |visited| {
+                for &place in self.cells.of(visited.cell) {
                     let (id, bounds) = &self.bodies[place as usize];
                     // Most bodies of a cell lie off the ray's line, which this test finds without a division.
                     let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
@@ -100,15 +100,11 @@ impl<K: Copy + Ord> BoundsIndex<K> {
                     let is_met = (direction.perp_dot(offset).abs() <= half.dot(aside) + slack)
                         & (ahead >= -reach)
                         & (ahead - reach <= limit);
-                    // A body's cells are a rectangle, which the ray enters once: a body that is also in the cell before has
-                    // been visited there.
-                    let is_known = |before| grid.is_spanned(before, &bounds.grown(self.margin));
-                    if is_met && !before.is_some_and(is_known) {
+                    if is_met && visited.is_first_of(&bounds.grown(self.margin)) {
                         limit = limit.min(visit(*id));
                     }
                 }
-                before = Some(cell);
-                if exit > limit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if visited.exit > limit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
         } else {
             let entry_of =

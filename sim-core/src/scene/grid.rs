@@ -85,15 +85,18 @@ impl Grid {
         self.rows
     }
 
+    #[inline]
     pub fn column(&self, x: f64) -> usize {
-        // `as` saturates, and maps NaN to 0.
-        (((x - self.bounds.min.x) * self.per_cell) as usize).min(self.columns - 1)
+        // `as` saturates, and maps NaN to 0; a conversion to 32 bits takes half of the instructions of one to 64.
+        (((x - self.bounds.min.x) * self.per_cell) as u32 as usize).min(self.columns - 1)
     }
 
+    #[inline]
     pub fn row(&self, y: f64) -> usize {
-        (((y - self.bounds.min.y) * self.per_cell) as usize).min(self.rows - 1)
+        (((y - self.bounds.min.y) * self.per_cell) as u32 as usize).min(self.rows - 1)
     }
 
+    #[inline]
     pub fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
     }
@@ -113,14 +116,8 @@ impl Grid {
         (self.column(area.min.x)..=self.column(area.max.x), self.row(area.min.y)..=self.row(area.max.y))
     }
 
-    /// Returns true if `cell` overlaps `area`, as in [`Grid::span`].
-    pub fn is_spanned(&self, cell: Cell, area: &Bounds) -> bool {
-        let (columns, rows) = self.span(area);
-        columns.contains(&cell.column) && rows.contains(&cell.row)
-    }
-
-    /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `visit` gets each cell with
-    /// the distance at which the ray leaves it. `direction` has length 1; all arguments except `range` are finite.
+    /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `direction` has length 1;
+    /// all arguments except `range` are finite.
     ///
     /// Distances to the cell borders are computed afresh at each step. So the ray is within a few units in the last
     /// place of its coordinates of every visited cell, however many cells the ray has passed.
@@ -130,7 +127,7 @@ impl Grid {
         origin: DVec2,
         direction: DVec2,
         range: f64,
-        mut visit: impl FnMut(Cell, f64) -> ControlFlow<()>,
+        mut visit: impl FnMut(&CellVisit<'_>) -> ControlFlow<()>,
     ) {
         let (entry, far) = if self.bounds.contains(origin) {
             (origin, range)
@@ -138,38 +135,57 @@ impl Grid {
             let Some((near, far)) = self.bounds.clip(origin, direction, range) else { return };
             (origin + direction * near, far)
         };
-        let (mut column, mut row) = (self.column(entry.x), self.row(entry.y));
-        let x_axis = Axis::new(origin.x, direction.x, self.bounds.min.x, self.cell);
-        let y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell);
-        let (mut x_exit, mut y_exit) = (x_axis.exit(column), y_axis.exit(row));
+        let (column, row) = (self.column(entry.x), self.row(entry.y));
+        let mut x_axis = Axis::new(origin.x, direction.x, self.bounds.min.x, self.cell, [column, self.columns], 1);
+        let mut y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell, [row, self.rows], self.columns);
+        let mut place = CellVisit { grid: self, cell: self.index(column, row), exit: 0.0, entered: None };
+        let (mut x_exit, mut y_exit) = (x_axis.exit(), y_axis.exit());
         loop {
             // Not `min`, which has extra code for NaN.
-            let exit = if x_exit < y_exit { x_exit } else { y_exit };
-            if visit(Cell { column, row }, exit).is_break() || exit > far {
+            place.exit = if x_exit < y_exit { x_exit } else { y_exit };
+            if visit(&place).is_break() || place.exit > far {
                 return;
             }
-            if x_exit < y_exit {
-                column = column.wrapping_add_signed(x_axis.step);
-                if column >= self.columns {
-                    return;
-                }
-                x_exit = x_axis.exit(column);
+            let is_left = if x_exit < y_exit {
+                let is_left = x_axis.advance(&mut place.cell);
+                x_exit = x_axis.exit();
+                place.entered = Some((0, x_axis.place, x_axis.step > 0.0));
+                is_left
             } else {
-                row = row.wrapping_add_signed(y_axis.step);
-                if row >= self.rows {
-                    return;
-                }
-                y_exit = y_axis.exit(row);
+                let is_left = y_axis.advance(&mut place.cell);
+                y_exit = y_axis.exit();
+                place.entered = Some((1, y_axis.place, y_axis.step > 0.0));
+                is_left
+            };
+            if is_left {
+                return;
             }
         }
     }
 }
 
-/// A cell of a [`Grid`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    pub column: usize,
-    pub row: usize,
+/// A cell on the way of a ray.
+pub(super) struct CellVisit<'a> {
+    grid: &'a Grid,
+    /// Index of the cell.
+    pub cell: usize,
+    /// Distance at which the ray leaves the cell.
+    pub exit: f64,
+    /// Axis along which the ray has entered the cell, the cell's place on it, and true if the ray moves upwards; `None` for
+    /// the ray's first cell.
+    entered: Option<(usize, f64, bool)>,
+}
+
+impl CellVisit<'_> {
+    /// Returns true if this is the ray's first cell of those that `area`, which overlaps it, [spans](Grid::span): a ray
+    /// enters the cells of an area once.
+    #[inline]
+    pub fn is_first_of(&self, area: &Bounds) -> bool {
+        let Some((axis, place, is_upwards)) = self.entered else { return true };
+        // As the grid computes columns and rows.
+        let place_of = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.per_cell;
+        if is_upwards { place_of(area.min) >= place } else { place_of(area.max) < place + 1.0 }
+    }
 }
 
 /// Crossings of a ray with the cell borders of one axis.
@@ -178,25 +194,41 @@ struct Axis {
     /// backwards.
     first: f64,
     per_border: f64,
-    step: isize,
+    /// Present column or row, a whole number.
+    place: f64,
+    /// Change of `place` from cell to cell.
+    step: f64,
+    /// Number of columns or rows.
+    count: f64,
+    /// Change of the cell's index from cell to cell, wrapping.
+    stride: usize,
 }
 
 impl Axis {
     #[inline]
-    fn new(origin: f64, direction: f64, min: f64, cell: f64) -> Self {
+    fn new(origin: f64, direction: f64, min: f64, cell: f64, [place, count]: [usize; 2], stride: usize) -> Self {
+        let (place, count) = (place as f64, count as f64);
         if direction.abs() < PARALLEL {
-            return Self { first: f64::INFINITY, per_border: 0.0, step: 0 };
+            return Self { first: f64::INFINITY, per_border: 0.0, place, step: 0.0, count, stride: 0 };
         }
         let per = 1.0 / direction;
-        let step = if direction > 0.0 { 1 } else { -1 };
+        let (step, stride) = if direction > 0.0 { (1.0, stride) } else { (-1.0, stride.wrapping_neg()) };
         let leading = if direction > 0.0 { cell } else { 0.0 };
-        Self { first: (min - origin + leading) * per, per_border: cell * per, step }
+        Self { first: (min - origin + leading) * per, per_border: cell * per, place, step, count, stride }
     }
 
     /// Distance at which the ray leaves the column or row.
     #[inline]
-    fn exit(&self, index: usize) -> f64 {
-        self.first + index as f64 * self.per_border
+    fn exit(&self) -> f64 {
+        self.first + self.place * self.per_border
+    }
+
+    /// Goes on to the next column or row, in which the ray is in `cell`; returns true if there is none.
+    #[inline]
+    fn advance(&mut self, cell: &mut usize) -> bool {
+        *cell = cell.wrapping_add(self.stride);
+        self.place += self.step;
+        (self.place < 0.0) | (self.place >= self.count)
     }
 }
 

@@ -150,6 +150,9 @@ impl Walls {
     /// NaN, `origin` is infinite or beyond 10^100 m, `range` is negative, or the length of `direction` is not 1 within
     /// 10^-6.
     pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<WallHit> {
+        if range < self.clearance(origin) {
+            return None;
+        }
         self.cast_where(origin, direction, range, |_, _| true)
     }
 
@@ -166,9 +169,6 @@ impl Walls {
             return None;
         }
         let bounds = self.bounds?;
-        if range < self.clearance(origin) {
-            return None;
-        }
         let mut nearest = Nearest::within(range);
         let reach = bounds.grown(self.margin);
         if reach.contains(origin) {

@@ -42,6 +42,9 @@ pub struct Environment {
     spare_endings: Vec<[usize; 4]>,
 }
 
+// The journals of a section are hashed side by side.
+const _: () = assert!(parallel::SECTION == Journal::LANES);
+
 /// End of a slot for one robot: what it takes, and what comes out.
 struct RobotEnding<'a> {
     robot: &'a mut Robot,

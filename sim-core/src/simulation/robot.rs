@@ -7,11 +7,11 @@ use glam::DVec2;
 use crate::RobotId;
 use crate::contact::Thing;
 use crate::device::Devices;
+use crate::device::compass;
 use crate::device::psd::Measured;
 use crate::device::range::Ranges;
 use crate::device::servo::Servos;
 use crate::device::switch::{self, SensorId, Switches};
-use crate::device::{compass, psd};
 use crate::drive::legged::{BodyPart, Footfall, Stance};
 use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
@@ -230,8 +230,8 @@ impl Robot {
 
     /// Latest sample of range sensor `index` taken by its driver; `None` before the end of a first cycle.
     pub fn measured_range(&mut self, world: &World, index: usize) -> Option<Measured> {
-        let now = self.now;
-        self.with_psds(world, |psds, measure| psds.read(index, now, measure))
+        let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
+        psds.read(index, *now, |index, at| measure_range((ranges, servos, switches), motion, world, index, at))
     }
 
     /// Latest sample of the compass, rad clockwise from north; `None` before the end of a first cycle.
@@ -249,21 +249,11 @@ impl Robot {
         if self.now < self.devices.due() {
             return;
         }
-        let now = self.now;
-        self.with_psds(world, |psds, measure| psds.settle(now, measure));
-        if now >= self.devices.compass.due() {
+        let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
+        psds.settle(*now, |index, at| measure_range((ranges, servos, switches), motion, world, index, at));
+        if self.now >= self.devices.compass.due() {
             self.read_compass();
         }
-    }
-
-    /// Calls `act` with the driver of the range sensors and a function that gives a sensor's reading at an instant.
-    fn with_psds<R>(
-        &mut self,
-        world: &World,
-        act: impl FnOnce(&mut psd::Psds, &mut dyn FnMut(usize, Time) -> Reading) -> R,
-    ) -> R {
-        let Self { motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
-        act(psds, &mut |index, at| measure_range((ranges, servos, switches), motion, world, index, at))
     }
 
     /// Stops the motors, as at the end of a program.

@@ -283,6 +283,8 @@ impl RayCast<'_> {
         });
     }
 
+    // Not inlined: the walk along the walls beside it needs the registers.
+    #[inline(never)]
     fn cast_robots(&mut self) {
         let (world, origin, trace) = (self.world, self.ray.origin.truncate(), self.ray.trace);
         world.resting.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));

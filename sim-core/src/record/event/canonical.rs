@@ -13,18 +13,21 @@ pub trait Canonical {
 /// Appends `value` seven bits at a time, the lowest first; all bytes but the last have the highest bit set.
 #[inline]
 fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
-    let mut text = [0; 10];
-    let mut len = 0;
-    loop {
-        text[len] = value as u8 & 0x7f;
-        value >>= 7;
-        if value == 0 {
-            break;
-        }
-        text[len] |= 0x80;
-        len += 1;
+    if value < 1 << 28 {
+        // Up to four bytes at once, without a loop.
+        let spread = (value & 0x7f) | (value & 0x3f80) << 1 | (value & 0x1f_c000) << 2 | (value & 0xfe0_0000) << 3;
+        let more = (64 - (value | 1).leading_zeros() as usize).div_ceil(7) - 1;
+        let marks = 0x80_8080 & ((1 << (8 * more)) - 1);
+        let len = bytes.len() + more + 1;
+        bytes.extend_from_slice(&(spread | marks).to_le_bytes());
+        bytes.truncate(len);
+        return;
     }
-    bytes.extend_from_slice(&text[..=len]);
+    while value >= 0x80 {
+        bytes.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
 }
 
 impl Canonical for f64 {

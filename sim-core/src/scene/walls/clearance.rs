@@ -15,7 +15,7 @@ const CELLS: f64 = 4096.0;
 #[derive(Clone, Debug)]
 pub(super) struct Clearance {
     grid: Grid,
-    /// Chebyshev distance, at most 255; 0 for a cell with a wall.
+    /// Chebyshev distance, at most 255; 0 for a cell with a wall. A ring of cells around the grid has the greatest value.
     cells: Vec<u8>,
 }
 
@@ -29,28 +29,20 @@ impl Clearance {
         // As for the cells of rays: larger than all rounding.
         let margin = (1e-6 * cell).max(rounding);
         let grid = Grid::new(bounds.grown(2.0 * margin), cell);
-        let mut cells = vec![u8::MAX; grid.len()];
-        for wall in walls {
-            for_each_cell(&grid, margin, wall, |cell| cells[cell] = 0);
-        }
-        // Two passes give the Chebyshev distance: each over the neighbours that it has passed already.
         let (columns, rows) = (grid.columns(), grid.rows());
-        for row in 0..rows {
-            for column in 0..columns {
-                let left = (column > 0).then(|| [column - 1, row]);
-                let below = |at: usize| (row > 0 && at < columns).then(|| [at, row - 1]);
-                let passed = [left, below(column.wrapping_sub(1)), below(column), below(column + 1)];
-                approach(&grid, &mut cells, [column, row], passed);
-            }
+        let width = columns + 2;
+        let mut cells = vec![u8::MAX; width * (rows + 2)];
+        for wall in walls {
+            for_each_cell(&grid, margin, wall, |cell| cells[(cell / columns + 1) * width + cell % columns + 1] = 0);
         }
-        for row in (0..rows).rev() {
-            for column in (0..columns).rev() {
-                let right = (column + 1 < columns).then(|| [column + 1, row]);
-                let above = |at: usize| (row + 1 < rows && at < columns).then(|| [at, row + 1]);
-                let passed = [right, above(column.wrapping_sub(1)), above(column), above(column + 1)];
-                approach(&grid, &mut cells, [column, row], passed);
-            }
-        }
+        // Two passes give the Chebyshev distance: each looks at the neighbours that it has passed already.
+        let mut approach = |cell: usize, passed: [usize; 4]| {
+            let nearest = passed.into_iter().fold(u8::MAX, |least, other| least.min(cells[other]));
+            cells[cell] = cells[cell].min(nearest.saturating_add(1));
+        };
+        let places = move || (1..=rows).flat_map(move |row| (1..=columns).map(move |column| row * width + column));
+        places().for_each(|cell| approach(cell, [cell - 1, cell - width - 1, cell - width, cell - width + 1]));
+        places().rev().for_each(|cell| approach(cell, [cell + 1, cell + width + 1, cell + width, cell + width - 1]));
         Self { grid, cells }
     }
 
@@ -61,16 +53,10 @@ impl Clearance {
             return 0.0;
         }
         // All cells that are fewer steps away are empty.
-        let steps = self.cells[self.grid.index(self.grid.column(point.x), self.grid.row(point.y))];
+        let (column, row) = (self.grid.column(point.x), self.grid.row(point.y));
+        let steps = self.cells[(row + 1) * (self.grid.columns() + 2) + column + 1];
         f64::from(steps.saturating_sub(1)) * self.grid.cell()
     }
-}
-
-/// Lowers the distance of a cell to one more than that of its neighbours.
-fn approach(grid: &Grid, cells: &mut [u8], [column, row]: [usize; 2], neighbours: [Option<[usize; 2]>; 4]) {
-    let nearest = neighbours.iter().flatten().map(|[column, row]| cells[grid.index(*column, *row)]).min();
-    let cell = &mut cells[grid.index(column, row)];
-    *cell = (*cell).min(nearest.unwrap_or(u8::MAX).saturating_add(1));
 }
 
 #[cfg(test)]
