@@ -16,6 +16,7 @@ mod convert;
 mod device_checks;
 mod diagnostic;
 mod esobj;
+mod faults;
 mod form;
 mod line;
 mod load;
@@ -41,8 +42,8 @@ pub use convert::{Converted, LiveEntity, Output, ToldGeneration, convert, conver
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, decode, load_maze, load_maze_with, load_noise,
-    load_object, load_robi, load_scene, load_scene_with, load_world,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_maze, load_maze_with,
+    load_noise, load_object, load_robi, load_scene, load_scene_with, load_world,
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
