@@ -17,12 +17,14 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.program.iter_mut().for_each(forget);
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
+        robot.line.clear();
         // A hint at the generation of a program; formats give it in different ways, so it is not compared.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
         placed.kind = Arc::new(object(&placed.kind));
         placed.span = Span::default();
+        placed.line.clear();
     }
     scene.markers.iter_mut().for_each(|marker| marker.span = Span::default());
     match &mut scene.run.costs {

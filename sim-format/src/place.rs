@@ -361,8 +361,7 @@ impl Placer<'_> {
         };
         self.scatter_walls(&space(&walls), &mut walls);
         let mut space = space(&walls);
-        let mut full = None;
-        // Robots come first: they are the first to have been collected only by chance.
+        let (mut full, mut placed) = (None, BTreeSet::new());
         self.scattered.sort_by_key(|(entity, _)| *entity);
         for (entity, scatter) in self.scattered.clone() {
             let span = self.span(entity);
@@ -372,9 +371,9 @@ impl Placer<'_> {
             let path = self.paths.get(&entity).cloned().unwrap_or_default();
             let (mut stream, reach) = (self.stream(&path), self.reach(entity));
             let Some(pose) = space.place(&mut stream, reach, &scatter) else {
-                let (placed, whole) = self.siblings(entity);
+                let (count, whole) = self.siblings(entity);
                 let noun = if matches!(entity, Entity::Robot(_)) { "robots" } else { "objects" };
-                self.no_room(span, &format!("there is room for {placed} of {whole} {noun}"), noun);
+                self.no_room(span, &format!("there is room for {count} of {whole} {noun}"), noun);
                 full = Some(span);
                 continue;
             };
@@ -383,8 +382,19 @@ impl Placer<'_> {
                 Entity::Robot(index) => self.robots[index].start = pose,
                 Entity::Object(index) => self.objects[index].pose = pose,
             }
+            placed.insert(entity);
         }
+        self.drop_unplaced(&random, &placed);
         walls
+    }
+
+    /// Drops the random bodies that have found no place.
+    fn drop_unplaced(&mut self, random: &BTreeSet<Entity>, placed: &BTreeSet<Entity>) {
+        let is_lost = |entity: Entity| random.contains(&entity) && !placed.contains(&entity);
+        let mut index = 0..;
+        self.robots.retain(|_| !is_lost(Entity::Robot(index.next().unwrap_or_default())));
+        let mut index = 0..;
+        self.objects.retain(|_| !is_lost(Entity::Object(index.next().unwrap_or_default())));
     }
 
     /// Gives random places to the walls without a stated one; walls without room keep the layout.

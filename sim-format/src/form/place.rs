@@ -347,6 +347,7 @@ impl Form for ObjectLine {
             "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
         )
         .required(OBJECT_FILES, &mut self.kind);
+        keys.mention(&["count"]);
         if keys.reading().is_none() {
             // A list repeats its entries before they are read.
             keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")

@@ -253,6 +253,7 @@ impl Form for WallSpec {
 fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
     let (mut length, mut scatter) = random.unzip();
     let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
+    keys.mention(&["count"]);
     if keys.reading().is_none() {
         // A list repeats its entries before they are read.
         keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")

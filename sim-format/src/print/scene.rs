@@ -35,8 +35,8 @@ fn allow_draws(schema: &mut Json) {
             if let Some(Json::Object(properties)) = entries.get_mut("properties") {
                 let values = properties.iter_mut().filter(|(key, _)| *key != "seed" && *key != "kind");
                 for (_, value) in values.filter(|(_, value)| is_value(value)) {
-                    let plain = value.take();
-                    let about = plain["description"].clone();
+                    let mut plain = value.take();
+                    let about = plain.as_object_mut().and_then(|plain| plain.remove("description"));
                     *value = json!({ "description": about, "anyOf": [plain, draw()] });
                 }
             }
@@ -70,7 +70,7 @@ fn draw_schema() -> Json {
     };
     json!({
         "description": "A value that is drawn from the seed.",
-        "anyOf": [
+        "oneOf": [
             table("Between both ends; whole if both are.", "uniform", json!({ "uniform": pair })),
             table(
                 "Of a normal distribution: mean and standard deviation, drawn again until it is within the limits.",

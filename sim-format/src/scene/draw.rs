@@ -295,7 +295,7 @@ impl<'i> Artist<'_, 'i> {
         if low > high {
             let message = format!("`uniform` begins at {low} and ends at {high}");
             self.mistake(section, message, "the least number first");
-            return None;
+            return Some(self.number(low));
         }
         let ends = section.get("uniform").and_then(|value| match value.get_ref() {
             DeValue::Array(ends) if ends.iter().all(|end| end.get_ref().is_integer()) => Some([low, high]),

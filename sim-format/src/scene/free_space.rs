@@ -8,6 +8,7 @@ use crate::spec::{Scatter, WallSpec};
 use sim_core::noise::Stream;
 use sim_core::pose::{Heading, Pose};
 use sim_core::scene::{Bounds, Segment, Walls};
+use sim_core::unit::{metres_from_mm, mm_from_metres, radians_from_degrees};
 
 /// Number of positions tried for one body before the room counts as full.
 const TRIES: u32 = 2000;
@@ -74,7 +75,7 @@ impl FreeSpace {
         for _ in 0..TRIES {
             let (centre, turn) = draw(stream, low, high);
             let half = 0.5 * length * Heading::new(scatter.heading.unwrap_or(turn)).direction();
-            let wall = Segment::new(centre - half, centre + half);
+            let wall = Segment::new(whole_micrometres(centre - half), whole_micrometres(centre + half));
             let bounds = wall.bounds();
             let is_inside = bounds.min.cmpge(low).all() && bounds.max.cmple(high).all();
             let gap = scatter.clearance + 0.5 * thickness;
@@ -118,10 +119,16 @@ impl FreeSpace {
     }
 }
 
-/// A random place and heading.
+/// A random place and heading: whole micrometres and thousandths of a degree, which a text states exactly.
 fn draw(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
     let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
-    (place, std::f64::consts::TAU * stream.unit())
+    let turn = (360_000.0 * stream.unit()).floor() / 1000.0;
+    (whole_micrometres(place), radians_from_degrees(turn))
+}
+
+fn whole_micrometres(place: DVec2) -> DVec2 {
+    let rounded = |metres: f64| metres_from_mm((mm_from_metres(metres) * 1000.0).round() / 1000.0);
+    DVec2::new(rounded(place.x), rounded(place.y))
 }
 
 fn is_apart(wall: &Segment, gap: f64, others: &[WallSpec]) -> bool {

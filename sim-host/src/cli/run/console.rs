@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::pose::Pose;
-use sim_core::spec::SceneSpec;
+use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
 use sim_format::{Diagnostic, InputFile};
 
 use super::{RunArgs, Speed};
@@ -194,7 +194,7 @@ impl Ran {
         }
         let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
             plot::write(&finished.drawing(&trails.lock()), path, None)?;
-            write_charts(&finished.report, path)
+            write_charts(&finished.report, &finished.scene, path)
         };
         let written = [
             args.report.as_ref().map(|path| Ok(finished.report.write(path)?)),
@@ -205,17 +205,23 @@ impl Ran {
 }
 
 /// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: of `run.svg` as `run-NAME.svg`.
-fn write_charts(report: &Report, path: &Path) -> anyhow::Result<()> {
-    for check in &report.checks {
-        let Some(series) = &check.series else { continue };
+fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
+    for (check, spec) in report.checks.iter().zip(&scene.checks) {
+        let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
         // The value stays until it changes.
         let ends = series.iter().skip(1).map(|[at, _]| *at).chain([report.sim_time_s]);
         let points = series.iter().zip(ends).flat_map(|([at, value], end)| [(*at, *value), (end, *value)]).collect();
+        let label = match of {
+            SwarmMetric::Spread => "mean distance from the middle, m",
+            SwarmMetric::Order => "order",
+            SwarmMetric::Groups { .. } => "connected groups",
+            SwarmMetric::Coverage { .. } => "covered share",
+        };
         let figure = Figure {
             name: check.name.clone(),
-            title: check.name.clone(),
+            title: format!("{}: {}", check.name, check.message),
             x_label: "simulated time, s".to_owned(),
-            y_label: check.message.clone(),
+            y_label: label.to_owned(),
             x_scale: Scale::Linear,
             y_scale: Scale::Linear,
             series: vec![Series { name: check.name.clone(), mark: Mark::Line, points }],
