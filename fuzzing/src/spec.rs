@@ -12,7 +12,7 @@ use sim_core::radio::RadioModel;
 use sim_core::scene::Mesh;
 use sim_core::spec::{
     Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
-    NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
+    NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, Scatter, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
 };
 use sim_core::time::Time;
 
@@ -301,7 +301,7 @@ fn many(count: u32, layout: &Layout) {
             angle(*first, layout);
             angle(*facing, layout);
         }
-        Layout::Random { area, clearance, heading } => {
+        Layout::Random(Scatter { area, clearance, heading }) => {
             for corner in area.iter().flatten() {
                 place(*corner, layout);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Span;
 use super::spec::{
     CostsRef, Dialect, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec,
-    SerialLine, SimSpec, Solid, TypeRef, WorldSpec,
+    SerialLine, SimSpec, Solid, TypeRef, Whereabouts, WorldSpec,
 };
 
 /// Content of a scene, independent of the paths of its files.
@@ -17,12 +17,14 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.program.iter_mut().for_each(forget);
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
+        robot.line.clear();
         // A hint at the generation of a program; formats give it in different ways, so it is not compared.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
         placed.kind = Arc::new(object(&placed.kind));
         placed.span = Span::default();
+        placed.line.clear();
     }
     scene.markers.iter_mut().for_each(|marker| marker.span = Span::default());
     match &mut scene.run.costs {
@@ -45,14 +47,25 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     let mut sim = SimSpec { file: String::new(), ..sim.clone() };
     sim.world.iter_mut().for_each(|line| forget(&mut line.path));
     sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(forget);
+    sim.wall_paths.clear();
     sim.robots.iter_mut().chain(&mut sim.named).for_each(|line: &mut RobotLine| {
         forget_type(&mut line.kind);
         line.program.iter_mut().for_each(forget);
         line.noise.iter_mut().for_each(forget_noise);
         line.span = Span::default();
+        line.path.clear();
     });
     sim.objects.iter_mut().for_each(forget_object);
     sim.markers.iter_mut().for_each(|marker| marker.span = Span::default());
+    sim.faults.iter_mut().for_each(|fault| fault.span = Span::default());
+    sim.reachable.iter_mut().for_each(|demand| {
+        demand.span = Span::default();
+        for place in [&mut demand.from, &mut demand.to] {
+            if let Whereabouts::Thing(path) = place {
+                forget(path);
+            }
+        }
+    });
     sim.inline.world = sim.inline.world.as_ref().map(world);
     sim.inline.robot_types.iter_mut().for_each(|entry| *entry = (robi(&entry.0), Span::default()));
     sim.inline.object_types.iter_mut().for_each(|entry| *entry = (object(&entry.0), Span::default()));
@@ -160,4 +173,5 @@ fn forget_type(kind: &mut TypeRef) {
 fn forget_object(line: &mut ObjectLine) {
     forget_type(&mut line.kind);
     line.span = Span::default();
+    line.path.clear();
 }

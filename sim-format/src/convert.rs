@@ -2,17 +2,18 @@
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::load::{Files, Loaded};
+use super::load::{Files, Loaded, load_drawn};
 use super::print::{self, Printed};
 use super::spec::{
-    Dialect, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef,
-    WorldKind, WorldLine,
+    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef,
+    TypeRef, WorldKind, WorldLine,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
 
 use super::{
-    Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim, scene,
+    Overrides, Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim,
+    scene,
 };
 
 /// A file that a conversion writes.
@@ -83,16 +84,7 @@ pub fn print_current_scene(
 fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
     let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
     let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
-    let line = line.unwrap_or_else(|| RobotLine {
-        id: None,
-        kind: named(&robot.kind),
-        program: None,
-        arguments: Vec::new(),
-        api: None,
-        noise: None,
-        start: StartRef::Next,
-        span: Span::default(),
-    });
+    let line = line.unwrap_or_else(|| RobotLine { kind: named(&robot.kind), ..RobotLine::default() });
     RobotLine { start: StartRef::Pose(robot.pose), ..line }
 }
 
@@ -119,12 +111,8 @@ fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     }
     gone.into_iter().for_each(|line| drop(sim.objects.remove(line)));
     let new = objects.iter().filter(|object| object.number > of_scene);
-    let line = |object: &LiveEntity| ObjectLine {
-        kind: named(&object.kind),
-        pose: object.pose,
-        friction: None,
-        span: Span::default(),
-    };
+    let line =
+        |object: &LiveEntity| ObjectLine { kind: named(&object.kind), pose: object.pose, ..ObjectLine::default() };
     sim.objects.extend(new.map(line));
 }
 
@@ -162,7 +150,7 @@ impl FileFormat {
 /// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
 /// files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
-    convert_with(from, to, files, &|_, _| None)
+    convert_with(from, to, None, files, &|_, _| None)
 }
 
 /// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program leaves no doubt of it.
@@ -170,7 +158,15 @@ pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a
 
 /// Converts as [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect
 /// of the sim file, which decides only where a program does not.
-pub fn convert_with(from: &str, to: &str, files: &dyn Files, told: &ToldGeneration<'_>) -> Converted {
+///
+/// Random values and places of a scene are drawn: with `seed`, which the result states, else with the seed of the scene.
+pub fn convert_with(
+    from: &str,
+    to: &str,
+    seed: Option<u64>,
+    files: &dyn Files,
+    told: &ToldGeneration<'_>,
+) -> Converted {
     let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
         let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi or .esObj";
@@ -178,7 +174,9 @@ pub fn convert_with(from: &str, to: &str, files: &dyn Files, told: &ToldGenerati
     };
     let mut conversion = Conversion { from, to, files, lost: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
-        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target, told),
+        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => {
+            conversion.scene(target, seed, told)
+        }
         (FileFormat::World | FileFormat::Maze, FileFormat::World | FileFormat::Maze | FileFormat::Scene) => {
             conversion.world(source, target)
         }
@@ -217,12 +215,15 @@ struct Conversion<'a> {
 }
 
 impl Conversion<'_> {
-    fn scene(&mut self, target: FileFormat, told: &ToldGeneration<'_>) -> Loaded {
-        let loaded = load_scene(self.from, self.files);
+    fn scene(&mut self, target: FileFormat, seed: Option<u64>, told: &ToldGeneration<'_>) -> Loaded {
+        let (loaded, mut sim) = load_drawn(self.from, Overrides { seed, ..Overrides::default() }, self.files);
         if loaded.has_errors() {
             return loaded;
         }
-        let mut sim = self.source();
+        sim.run.seed = seed.or(sim.run.seed);
+        if seed.is_some() || !sim.drawn.is_empty() {
+            settle_random(&mut sim, &loaded.scene);
+        }
         self.rewrite(&mut sim);
         settle_named(&mut sim, &loaded.scene);
         if sim.world.is_none() && sim.inline.world.is_none() {
@@ -489,13 +490,55 @@ fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration
     lost
 }
 
+/// Replaces random layouts by the places that were drawn.
+fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
+    if let Some(world) = &mut sim.inline.world {
+        world.walls.clone_from(&scene.world.walls);
+    }
+    let robots = std::mem::take(&mut sim.robots).into_iter().flat_map(|line| {
+        let StartRef::Many { layout: Layout::Random(_), .. } = line.start else { return vec![line] };
+        let own = scene.robots.iter().filter(|robot| {
+            let number = robot.line.strip_prefix(&line.path).and_then(|rest| rest.strip_prefix('.'));
+            robot.line == line.path || number.is_some_and(|number| number.parse::<u32>().is_ok())
+        });
+        let single = |robot: &RobotSpec| RobotLine {
+            id: Some(robot.id),
+            start: StartRef::Pose(robot.start),
+            path: robot.line.clone(),
+            ..line.clone()
+        };
+        own.map(single).collect()
+    });
+    sim.robots = robots.collect();
+    let world = sim.inline.world.iter_mut().flat_map(|world| &mut world.objects);
+    for line in sim.objects.iter_mut().chain(world).filter(|line| line.scatter.is_some()) {
+        if let Some(placed) = scene.objects.iter().find(|object| object.line == line.path) {
+            (line.pose, line.scatter) = (placed.pose, None);
+        }
+    }
+    // Lines keep their paths, to which demands refer.
+    let robots = sim.robots.iter_mut().map(|line| (&line.path, &mut line.name));
+    name_by_path("robot.", robots);
+    name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));
+}
+
+/// Names lines whose number in their list is not that of their paths.
+fn name_by_path<'l>(list: &str, lines: impl Iterator<Item = (&'l String, &'l mut Option<String>)>) {
+    for ((path, name), number) in lines.zip(1..) {
+        let own = path.strip_prefix(list).unwrap_or_default();
+        if !own.is_empty() && own != format!("{number}") {
+            *name = Some(own.to_owned());
+        }
+    }
+}
+
 /// Sorts lines that name a loaded type into robots and objects, by the kind of the type.
 fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
     for line in std::mem::take(&mut sim.named) {
         let is_object = scene.objects.iter().any(|object| object.span == line.span);
         match line.start {
             StartRef::Pose(pose) if is_object => {
-                sim.objects.push(ObjectLine { kind: line.kind, pose, friction: None, span: line.span });
+                sim.objects.push(ObjectLine { kind: line.kind, pose, span: line.span, ..ObjectLine::default() });
             }
             _ if scene.robots.iter().any(|robot| robot.span == line.span) => sim.robots.push(line),
             // Line of an unknown type, already reported.

@@ -16,6 +16,7 @@ mod convert;
 mod device_checks;
 mod diagnostic;
 mod esobj;
+mod faults;
 mod form;
 mod line;
 mod load;
@@ -43,14 +44,13 @@ pub use convert::{Converted, LiveEntity, Output, ToldGeneration, convert, conver
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, decode, load_maze, load_maze_with, load_noise,
-    load_object, load_robi, load_scene, load_scene_with, load_world,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_maze, load_maze_with,
+    load_noise, load_object, load_robi, load_scene, load_scene_with, load_world,
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
 pub use noise::{NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
 pub use robi::read_robi;
-use scene::read_scene_with;
 pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
 pub use set::{Setting, SettingError};
 pub use sim::read_sim;

@@ -7,14 +7,15 @@ use glam::DVec2;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::set::Setting;
+use super::scene::{self, Draw, read_scene_with};
+use super::set::{self, Setting};
 use super::spec::{
     CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec,
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    CellRules, MeshReader, NoiseRef, Span, checks, clearance, line, path, place, read_companion, read_costs,
-    read_esobj, read_maze_with, read_noise, read_robi, read_scene_with, read_sim, read_world, set, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, checks, clearance, faults, line, path, place, read_companion, read_costs,
+    read_esobj, read_maze_with, read_noise, read_robi, read_sim, read_world, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -140,15 +141,82 @@ pub struct Overrides<'a> {
     pub settings: &'a [Setting],
 }
 
+/// Greatest number of attempts to draw a scene that meets its own demands.
+const ATTEMPTS: u32 = 100;
+/// Greatest number of attempts that fail because there is no room.
+const FULL_ATTEMPTS: u32 = 5;
+/// Seeds with which a check of a scene with random values tries them.
+const CHECKED_SEEDS: u64 = 10;
+
 /// Loads a scene as [`load_scene`], with values that override the scene's own.
+///
+/// Random values are drawn from the seed. If a demand of the scene on its places is not met, all are drawn again, up to 100 times.
 pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
+    load_drawn(path, overrides, files).0
+}
+
+/// Loads a scene as [`load_scene_with`], and looks for mistakes that other seeds would show: the least and the greatest values of
+/// random ranges, all choices, and ten seeds.
+pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
+    let (mut loaded, sim) = load_drawn(path, overrides, files);
+    let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();
+    if !is_random && !loaded.has_errors() {
+        return loaded;
+    }
+    let Some(text) = files.read(path).ok().filter(|_| path::extension(path) == "toml") else { return loaded };
+    let text = decode(&text).0;
+    let choices = scene::choices(&text);
+    let add = |loaded: &mut Loaded, diagnostics: Vec<Diagnostic>, note: &str| {
+        for new in diagnostics {
+            if loaded.diagnostics.iter().all(|known| (known.code, known.span) != (new.code, new.span)) {
+                let message = format!("{} ({note})", new.message);
+                loaded.diagnostics.push(Diagnostic { message, ..new });
+            }
+        }
+    };
+    for number in 0..choices {
+        let diagnostics = read_scene_with(path, &text, overrides.settings, Draw::Extreme(number)).1;
+        let note =
+            if number % 2 == 0 { "with the least of random values" } else { "with the greatest of random values" };
+        add(&mut loaded, diagnostics, note);
+    }
+    if choices > 0 || is_random {
+        for seed in 0..CHECKED_SEEDS {
+            let other = load_scene_with(path, Overrides { seed: Some(seed), ..overrides }, files);
+            add(&mut loaded, other.diagnostics, &format!("with seed {seed}"));
+        }
+    }
+    loaded
+}
+
+/// Loads a scene, and returns its own text as a spec, too, with the random values of the attempt that succeeded.
+pub(super) fn load_drawn(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
+    let mut full = 0;
+    for attempt in 0.. {
+        let (loaded, sim, may_retry) = load_attempt(path, overrides, files, attempt);
+        let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();
+        full += u32::from(loaded.diagnostics.iter().any(|it| it.code == Code::SceneRoom));
+        if !may_retry || !is_random || attempt + 1 >= ATTEMPTS || full >= FULL_ATTEMPTS {
+            return (loaded, sim);
+        }
+    }
+    unreachable!("the attempts end")
+}
+
+fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt: u32) -> (Loaded, SimSpec, bool) {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
-        return loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() });
+        let scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
+        return (loader.finish(scene), SimSpec::default(), false);
     };
     let is_toml = path::extension(path) == "toml";
     let Overrides { seed, dialect, maze_cell, settings } = overrides;
-    let (mut sim, diagnostics) = if is_toml { read_scene_with(path, &text, settings) } else { read_sim(path, &text) };
+    let (mut sim, diagnostics) = if is_toml {
+        read_scene_with(path, &text, settings, Draw::Seed(seed, attempt))
+    } else {
+        read_sim(path, &text)
+    };
+    let own = sim.clone();
     loader.diagnostics.extend(diagnostics);
     if !is_toml && !settings.is_empty() {
         loader.diagnostics.push(set::not_toml(path));
@@ -163,7 +231,10 @@ pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) 
     loader.profiles(path, &folder, &mut sim);
     let mut world = loader.world(&sim, &folder);
     loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
-    let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
+    let placed = place::place(&mut loader, &sim, &folder, world.as_ref(), attempt);
+    if let Some(world) = &mut world {
+        world.walls = placed.walls;
+    }
     let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
     let scene = SceneSpec {
         file: path.to_owned(),
@@ -176,13 +247,16 @@ pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) 
         run: RunSpec { costs, ..sim.run },
         radio: sim.radio,
         checks: sim.checks,
+        faults: sim.faults,
+        drawn: sim.drawn.into_iter().chain(placed.drawn).collect(),
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.wheels_on_terrain(&scene);
     loader.hulls_in_water(&scene);
     loader.diagnostics.extend(checks::check(&scene));
+    loader.diagnostics.extend(faults::check(&scene));
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
-    loader.finish(scene)
+    (loader.finish(scene), own, placed.may_retry)
 }
 
 /// Reads a world file alone; the scene has no robots.
@@ -633,6 +707,7 @@ fn empty_box() -> WorldSpec {
         height: DEFAULT_WALL_HEIGHT,
         colour: None,
         surface: None,
+        scatter: None,
         span: Span::default(),
     };
     WorldSpec { floor: DVec2::splat(SIDE), walls: (0..4).map(wall).collect(), ..WorldSpec::default() }

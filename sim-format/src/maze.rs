@@ -343,6 +343,7 @@ impl Drawing {
             height: DEFAULT_WALL_HEIGHT,
             colour: None,
             surface: None,
+            scatter: None,
             span,
         });
         let mut world = WorldSpec {
@@ -377,7 +378,7 @@ const BALL: &str = "Soccer";
 const BOX: &str = "Crate";
 
 fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
-    ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, friction: None, span }
+    ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, span, ..ObjectLine::default() }
 }
 
 /// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after the

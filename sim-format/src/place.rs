@@ -8,14 +8,16 @@ use glam::{DVec2, DVec3};
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::Loader;
-use super::scene::FreeSpace;
+use super::print::number;
+use super::scene::{FreeSpace, is_reachable};
 use super::spec::{
-    Collider, Dialect, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
-    SceneForm, SimSpec, StartRef, TypeRef, WorldSpec,
+    Collider, Dialect, Drawn, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine,
+    RobotSpec, Scatter, SceneForm, SimSpec, StartRef, TypeRef, WallSpec, Whereabouts, WorldSpec,
 };
 use super::types::{LoadedType, Types};
 use super::{Severity, Span, builtin, path};
 use sim_core::RobotId;
+use sim_core::noise::{Purpose, Stream, name_key};
 use sim_core::pose::Pose;
 
 /// Entities of a scene.
@@ -26,10 +28,23 @@ pub(super) struct PlacedEntities {
     pub(super) objects: Vec<ObjectSpec>,
     /// Number of objects that come from the world.
     pub(super) of_world: usize,
+    /// Walls of the world, with the places that were drawn.
+    pub(super) walls: Vec<WallSpec>,
+    /// Poses that were drawn.
+    pub(super) drawn: Vec<Drawn>,
+    /// Random places, or demands on them, are not as they must be, which is reported: another attempt may succeed.
+    pub(super) may_retry: bool,
 }
 
 /// Places all entities of `sim`, in `folder`, and of its world. `None` for a missing world, which is already reported.
-pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> PlacedEntities {
+/// Random places are those of this attempt.
+pub(super) fn place(
+    loader: &mut Loader<'_>,
+    sim: &SimSpec,
+    folder: &str,
+    world: Option<&WorldSpec>,
+    attempt: u32,
+) -> PlacedEntities {
     let types = Types::load(loader, sim, folder);
     let mut placer = Placer {
         sink: Sink::new(&sim.file),
@@ -41,11 +56,19 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         robots: Vec::new(),
         objects: Vec::new(),
         has_robots: false,
+        scattered: Vec::new(),
+        paths: BTreeMap::new(),
+        drawn: Vec::new(),
+        attempt,
+        may_retry: false,
     };
     placer.objects(world.map_or(&[], |world| &world.objects), loader);
     let of_world = placer.objects.len();
     placer.objects(&sim.objects, loader);
     placer.robots(loader);
+    let walls = placer.scatter(world);
+    placer.demand(world, &walls);
+    let (drawn, may_retry) = (std::mem::take(&mut placer.drawn), placer.may_retry);
     placer.objects[of_world..].sort_by_key(|object| object.span);
     if let Some(depth) = world.and_then(|world| world.water) {
         float(&mut placer.objects, depth);
@@ -60,7 +83,7 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
         loader.diagnostics.extend(sink.finish());
     }
-    PlacedEntities { robots: placer.robots, objects: placer.objects, of_world }
+    PlacedEntities { robots: placer.robots, objects: placer.objects, of_world, walls, drawn, may_retry }
 }
 
 /// Raises the objects that float in water of this depth, in metres; those of one type still share it.
@@ -89,6 +112,20 @@ struct Placer<'a> {
     objects: Vec<ObjectSpec>,
     /// The scene names robots, even if none of them is usable.
     has_robots: bool,
+    /// Robots and objects whose place is random, in the order in which they are placed.
+    scattered: Vec<(Entity, Scatter)>,
+    /// Paths of robots and objects.
+    paths: BTreeMap<Entity, String>,
+    drawn: Vec<Drawn>,
+    attempt: u32,
+    may_retry: bool,
+}
+
+/// A robot or object by its index, before objects are sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Entity {
+    Robot(usize),
+    Object(usize),
 }
 
 /// Robots of one line.
@@ -101,16 +138,6 @@ struct Group<'a> {
     layout: Option<Layout>,
     /// No place is left for the remaining robots of the group, which is already reported.
     is_full: bool,
-}
-
-impl Group<'_> {
-    /// Area, clearance and heading of a random layout.
-    fn random(&self) -> Option<(Option<[DVec2; 2]>, f64, Option<f64>)> {
-        match self.layout {
-            Some(Layout::Random { area, clearance, heading }) => Some((area, clearance, heading)),
-            _ => None,
-        }
-    }
 }
 
 /// Robot of a group.
@@ -151,7 +178,18 @@ impl Placer<'_> {
             };
             if let Some(kind) = kind {
                 let friction = line.friction.unwrap_or(kind.friction);
-                self.objects.push(ObjectSpec { kind, pose: line.pose, friction, span: line.span });
+                let entity = Entity::Object(self.objects.len());
+                self.scattered.extend(line.scatter.map(|scatter| (entity, scatter)));
+                if !line.path.is_empty() {
+                    self.paths.insert(entity, line.path.clone());
+                }
+                self.objects.push(ObjectSpec {
+                    kind,
+                    pose: line.pose,
+                    friction,
+                    line: line.path.clone(),
+                    span: line.span,
+                });
             }
         }
     }
@@ -219,7 +257,6 @@ impl Placer<'_> {
         for member in &members {
             self.stand(&mut groups[member.group], member);
         }
-        self.scatter(&members, &mut groups);
         self.has_robots = !members.is_empty();
     }
 
@@ -262,11 +299,22 @@ impl Placer<'_> {
             None => self.start(line),
             Some(Layout::Starts) => self.next(line.span),
             // Provisional: `scatter` finds a free pose when all others are placed.
-            Some(Layout::Random { .. }) => Some(Pose::default()),
+            Some(Layout::Random(_)) => Some(Pose::default()),
             Some(layout) => layout.pose(member.index, group.count),
         };
         group.is_full = start.is_none();
         let (Some(robi), Some(start)) = (&group.robi, start) else { return };
+        let entity = Entity::Robot(self.robots.len());
+        if let Some(Layout::Random(scatter)) = group.layout {
+            self.scattered.push((entity, scatter));
+        }
+        let path = match group.layout {
+            Some(_) if group.count > 1 && !line.path.is_empty() => format!("{}.{}", line.path, member.index + 1),
+            _ => line.path.clone(),
+        };
+        if !path.is_empty() {
+            self.paths.insert(entity, path.clone());
+        }
         let dialect = match (self.sim.form, &line.kind) {
             (SceneForm::Toml, _) => self.sim.run.dialect.map(Dialect::generation),
             (SceneForm::Sim, TypeRef::File(_)) => Some(6),
@@ -281,42 +329,195 @@ impl Placer<'_> {
             api: line.api.or(self.sim.run.api),
             noise: line.noise.as_ref().or(self.sim.run.noise.as_ref()).cloned(),
             dialect,
+            line: path,
             span: line.span,
         });
     }
 
-    /// Places the robots of random layouts, in order of their ids; robots without room are dropped.
-    fn scatter(&mut self, members: &[Member], groups: &mut [Group<'_>]) {
-        let scattered: BTreeMap<RobotId, &Member> =
-            members.iter().filter(|member| groups[member.group].random().is_some()).map(|it| (it.id, it)).collect();
-        let Some(world) = self.starts.world.filter(|_| !scattered.is_empty()) else { return };
-        let radius = |robot: &RobotSpec| 0.5 * robot.robi.diameter;
-        let reach = |object: &ObjectSpec| object.kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max);
-        let robots = self.robots.iter().map(radius);
-        let widest = robots.chain(self.objects.iter().map(reach)).fold(0.0, f64::max);
-        let clearances = groups.iter().filter_map(|group| Some(group.random()?.1));
-        let mut room = FreeSpace::new(world, widest + clearances.fold(0.0, f64::max));
-        for robot in self.robots.iter().filter(|robot| !scattered.contains_key(&robot.id)) {
-            room.take(robot.start.position, radius(robot));
+    /// Gives random places to walls, then to robots, then to objects; each keeps clear of all that are placed before it and of all
+    /// that have a stated place. Returns the walls.
+    fn scatter(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
+        let Some(world) = world else { return Vec::new() };
+        let mut walls = world.walls.clone();
+        let is_random = |wall: &WallSpec| wall.scatter.is_some();
+        if self.scattered.is_empty() && !walls.iter().any(is_random) {
+            return walls;
         }
-        for object in &self.objects {
-            room.take(object.pose.position, reach(object));
-        }
-        let seed = self.sim.run.seed.unwrap_or_default();
-        let sink = &mut self.sink;
-        self.robots.retain_mut(|robot| {
-            let Some(member) = scattered.get(&robot.id) else { return true };
-            let group = &mut groups[member.group];
-            let Some(random) = group.random().filter(|_| !group.is_full) else { return false };
-            if let Some(start) = room.place(seed, robot.id, radius(robot), random) {
-                robot.start = start;
-                return true;
+        let everything = (0..self.robots.len()).map(Entity::Robot).chain((0..self.objects.len()).map(Entity::Object));
+        let everything: Vec<Entity> = everything.collect();
+        let widest = everything.iter().map(|entity| self.reach(*entity)).fold(0.0, f64::max);
+        let clearance = self.scattered.iter().map(|(_, scatter)| scatter.clearance).fold(0.0, f64::max);
+        let random: BTreeSet<Entity> = self.scattered.iter().map(|(entity, _)| *entity).collect();
+        let fixed: Vec<(DVec2, f64)> = everything
+            .iter()
+            .filter(|entity| !random.contains(entity))
+            .map(|entity| (self.pose(*entity).position, self.reach(*entity)))
+            .collect();
+        let space = |walls: &[WallSpec]| {
+            let placed = walls.iter().filter(|wall| !is_random(wall));
+            let mut space = FreeSpace::new(placed, world.floor, widest + clearance);
+            fixed.iter().for_each(|(centre, reach)| space.take(*centre, *reach));
+            space
+        };
+        self.scatter_walls(&space(&walls), &mut walls);
+        let mut space = space(&walls);
+        let (mut full, mut placed) = (None, BTreeSet::new());
+        self.scattered.sort_by_key(|(entity, _)| *entity);
+        for (entity, scatter) in self.scattered.clone() {
+            let span = self.span(entity);
+            if full == Some(span) {
+                continue;
             }
-            group.is_full = true;
-            let message = format!("there is room for {} of {} robots", member.index, group.count);
-            sink.error(Code::SceneRoom, robot.span, message, "fewer robots, a larger area or less clearance");
-            false
-        });
+            let path = self.paths.get(&entity).cloned().unwrap_or_default();
+            let (mut stream, reach) = (self.stream(&path), self.reach(entity));
+            let Some(pose) = space.place(&mut stream, reach, &scatter) else {
+                let (count, whole) = self.siblings(entity);
+                let noun = if matches!(entity, Entity::Robot(_)) { "robots" } else { "objects" };
+                self.no_room(span, &format!("there is room for {count} of {whole} {noun}"), noun);
+                full = Some(span);
+                continue;
+            };
+            self.tell_pose(&path, &pose);
+            match entity {
+                Entity::Robot(index) => self.robots[index].start = pose,
+                Entity::Object(index) => self.objects[index].pose = pose,
+            }
+            placed.insert(entity);
+        }
+        self.drop_unplaced(&random, &placed);
+        walls
+    }
+
+    /// Drops the random bodies that have found no place.
+    fn drop_unplaced(&mut self, random: &BTreeSet<Entity>, placed: &BTreeSet<Entity>) {
+        let is_lost = |entity: Entity| random.contains(&entity) && !placed.contains(&entity);
+        let mut index = 0..;
+        self.robots.retain(|_| !is_lost(Entity::Robot(index.next().unwrap_or_default())));
+        let mut index = 0..;
+        self.objects.retain(|_| !is_lost(Entity::Object(index.next().unwrap_or_default())));
+    }
+
+    /// Gives random places to the walls without a stated one; walls without room keep the layout.
+    fn scatter_walls(&mut self, space: &FreeSpace, walls: &mut [WallSpec]) {
+        let mut added: Vec<WallSpec> = Vec::new();
+        let mut full = None;
+        for (index, wall) in walls.iter_mut().enumerate() {
+            let Some((length, scatter)) = wall.scatter.filter(|_| full != Some(wall.span)) else { continue };
+            let path = self.sim.wall_paths.get(index).cloned().unwrap_or_default();
+            let mut stream = self.stream(&path);
+            let Some(found) = space.place_wall(&mut stream, (length, wall.thickness), &scatter, &added) else {
+                let placed = added.iter().filter(|other| other.span == wall.span).count();
+                self.no_room(wall.span, &format!("there is room for {placed} of these walls"), "walls");
+                full = Some(wall.span);
+                continue;
+            };
+            (wall.from, wall.to, wall.scatter) = (found.a, found.b, None);
+            for (key, end) in [("from_mm", wall.from), ("to_mm", wall.to)] {
+                let value = vec![number::mm(end.x), number::mm(end.y)].into();
+                self.drawn.push(Drawn { path: format!("{path}.{key}"), value });
+            }
+            added.push(*wall);
+        }
+    }
+
+    fn no_room(&mut self, span: Span, message: &str, noun: &str) {
+        self.sink.error(Code::SceneRoom, span, message, format!("fewer {noun}, a larger area or less clearance"));
+        self.may_retry = true;
+    }
+
+    fn stream(&self, path: &str) -> Stream {
+        let seed = self.sim.run.seed.unwrap_or_default();
+        Stream::new(seed, RobotId(0), Purpose::Layout, self.attempt, name_key(path))
+    }
+
+    fn tell_pose(&mut self, path: &str, pose: &Pose) {
+        let values = [
+            ("x_mm", number::mm(pose.position.x)),
+            ("y_mm", number::mm(pose.position.y)),
+            ("heading_deg", number::heading(pose.heading)),
+        ];
+        let drawn = values.map(|(key, value)| Drawn { path: format!("{path}.{key}"), value: value.into() });
+        self.drawn.extend(drawn);
+    }
+
+    fn pose(&self, entity: Entity) -> Pose {
+        match entity {
+            Entity::Robot(index) => self.robots[index].start,
+            Entity::Object(index) => self.objects[index].pose,
+        }
+    }
+
+    fn span(&self, entity: Entity) -> Span {
+        match entity {
+            Entity::Robot(index) => self.robots[index].span,
+            Entity::Object(index) => self.objects[index].span,
+        }
+    }
+
+    /// Radius of the disc around the pose that contains the body.
+    fn reach(&self, entity: Entity) -> f64 {
+        match entity {
+            Entity::Robot(index) => 0.5 * self.robots[index].robi.diameter,
+            Entity::Object(index) => self.objects[index].kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max),
+        }
+    }
+
+    /// Number of the bodies of one line before `entity`, and of all of them.
+    fn siblings(&self, entity: Entity) -> (usize, usize) {
+        let span = self.span(entity);
+        let own = || self.scattered.iter().filter(|(other, _)| self.span(*other) == span);
+        (own().filter(|(other, _)| *other < entity).count(), own().count())
+    }
+
+    /// Checks the demands on ways from one place to another.
+    fn demand(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
+        let Some(world) = world.filter(|_| !self.may_retry) else { return };
+        for demand in &self.sim.reachable {
+            let Some((from, to)) = self.place_of(&demand.from).zip(self.place_of(&demand.to)) else { continue };
+            let Some(width) = demand.width.or(from.2.filter(|it| matches!(it, Entity::Robot(_))).map(|_| 2.0 * from.1))
+            else {
+                let message = "the width of the way is not known: it does not begin at a robot";
+                self.sink.error(Code::TomlMissing, demand.span, message, "a line `width_mm = ...`");
+                continue;
+            };
+            let ends = [from.2, to.2];
+            let others = (0..self.objects.len()).map(Entity::Object).filter(|entity| !ends.contains(&Some(*entity)));
+            let others: Vec<(DVec2, f64)> =
+                others.map(|entity| (self.pose(entity).position, self.reach(entity))).collect();
+            let radius = 0.5 * width;
+            let widest = others.iter().map(|(_, reach)| *reach).fold(1.1 * radius, f64::max);
+            let mut space = FreeSpace::new(walls.iter(), world.floor, widest);
+            others.iter().for_each(|(centre, reach)| space.take(*centre, *reach));
+            let target = if to.2.is_some() { radius + to.1 } else { 0.0 };
+            if !is_reachable(&space, world.floor, radius, (from.0, 0.0), (to.0, target)) {
+                let message = format!(
+                    "no way {} mm wide leads from {} to {}",
+                    number::mm(width),
+                    written(&demand.from),
+                    written(&demand.to)
+                );
+                let expected = "fewer or smaller obstacles, a narrower way, or less clearance";
+                self.sink.error(Code::SceneReach, demand.span, message, expected);
+                self.may_retry = true;
+            }
+        }
+    }
+
+    /// Position and radius of what a demand names, in metres.
+    fn place_of(&mut self, place: &Whereabouts) -> Option<(DVec2, f64, Option<Entity>)> {
+        let path = match place {
+            Whereabouts::Point(point) => return Some((*point, 0.0, None)),
+            Whereabouts::Thing(path) => path,
+        };
+        if let Some((entity, _)) = self.paths.iter().find(|(_, known)| **known == path.text) {
+            return Some((self.pose(*entity).position, self.reach(*entity), Some(*entity)));
+        }
+        let message = format!("there is no robot or object `{}`", path.text);
+        let close = super::line::nearest(&path.text, self.paths.values().map(String::as_str));
+        let close = close.map(|path| format!("write `{path}`"));
+        let expected = "the path of one, as `robot.1` or `object.1`: by its name, else by its number in the file";
+        self.sink.error(Code::SceneReach, path.span, message, expected).suggestion = close;
+        None
     }
 
     /// Places an object of a loaded type.
@@ -332,7 +533,7 @@ impl Placer<'_> {
             return;
         };
         let friction = kind.friction;
-        self.objects.push(ObjectSpec { kind, pose, friction, span: line.span });
+        self.objects.push(ObjectSpec { kind, pose, friction, line: String::new(), span: line.span });
     }
 
     fn start(&mut self, line: &RobotLine) -> Option<Pose> {
@@ -426,5 +627,13 @@ impl<'a> Starts<'a> {
         let place = places.find(|place| !self.taken[*place]).unwrap_or(first);
         self.taken[place] = true;
         Some(starts[place].pose)
+    }
+}
+
+/// A place of a demand for messages.
+fn written(place: &Whereabouts) -> String {
+    match place {
+        Whereabouts::Thing(path) => format!("`{}`", path.text),
+        Whereabouts::Point(point) => format!("({}, {}) mm", number::mm(point.x), number::mm(point.y)),
     }
 }

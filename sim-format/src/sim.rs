@@ -143,16 +143,7 @@ impl Reader {
         };
         if let (Some(robi), Some(program)) = (robi, program) {
             let kind = TypeRef::File(robi);
-            self.sim.robots.push(RobotLine {
-                id: None,
-                kind,
-                program: Some(program),
-                arguments: Vec::new(),
-                api: None,
-                noise: None,
-                start,
-                span,
-            });
+            self.sim.robots.push(RobotLine { kind, program: Some(program), start, span, ..RobotLine::default() });
         }
     }
 
@@ -176,6 +167,7 @@ impl Reader {
                 pose: Pose::new(x, y, phi),
                 friction: Some(friction),
                 span,
+                ..ObjectLine::default()
             });
         }
     }
@@ -198,7 +190,7 @@ impl Reader {
         self.extra(rest, 3, PLACE_OBJECT);
         if let Some([x, y, phi]) = line::numbers(&mut self.sink, Severity::Error, &rest[..3], &POSE) {
             let kind = TypeRef::Name(reference(name));
-            self.sim.objects.push(ObjectLine { kind, pose: Pose::new(x, y, phi), friction: None, span });
+            self.sim.objects.push(ObjectLine { kind, pose: Pose::new(x, y, phi), span, ..ObjectLine::default() });
         }
     }
 
@@ -257,7 +249,7 @@ impl Reader {
         };
         let kind = TypeRef::Name(reference(name));
         let arguments = Vec::new();
-        Some(RobotLine { id: None, kind, program, arguments, api: None, noise: None, start: start?, span })
+        Some(RobotLine { kind, program, arguments, start: start?, span, ..RobotLine::default() })
     }
 
     fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {

@@ -184,6 +184,7 @@ impl Reader {
                 height: values.get(5).copied().unwrap_or(DEFAULT_WALL_HEIGHT),
                 colour: values.get(6..9).map(|rgb| [rgb[0] as u8, rgb[1] as u8, rgb[2] as u8]),
                 surface: None,
+                scatter: None,
                 span,
             });
         }

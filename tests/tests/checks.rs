@@ -320,3 +320,41 @@ fn a_run_without_any_time_shows_where_bodies_start() {
     );
     assert_eq!(report["checks"][1]["at_s"], 0.0);
 }
+
+#[test]
+fn the_command_to_see_it_begins_at_the_earliest_failure() {
+    let checks = "[[check]]\nkind = \"prints\"\ntext = \"never\"\n\
+                  [[check]]\nname = \"late\"\nkind = \"stays_in\"\nat_mm = [500, 500]\nwithin_mm = 900\n\
+                  [[check]]\nname = \"early\"\nkind = \"stays_in\"\nat_mm = [500, 500]\nwithin_mm = 400\n";
+    let scratch = scene("VWStraight(1000, 100); VWWait();", checks);
+    let ran = scratch.eyesim(&["run", "a.scene.toml"]);
+    let view = ran.stdout.lines().chain(ran.stderr.lines()).find(|line| line.starts_with("to see it")).expect("a hint");
+    // 400 mm at 100 mm/s, less a second.
+    assert!(view.ends_with(" --at 3.0"), "{view}");
+}
+
+#[test]
+fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
+    let checks = "[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 1500\n\
+                  [[check]]\nname = \"spread\"\nkind = \"swarm\"\nof = \"spread\"\nmax = 600\nfrom_s = 1\n\
+                  [[check]]\nname = \"in touch\"\nkind = \"swarm\"\nof = \"groups\"\nwithin_mm = 1100\nmax = 1\n\
+                  [[check]]\nname = \"order\"\nkind = \"swarm\"\nof = \"order\"\nmin = 1\n\
+                  [[check]]\nname = \"explored\"\nkind = \"swarm\"\nof = \"coverage\"\nwidth_mm = 100\nmin = 0.5\nat_end = true\n";
+    let scratch = scene("VWStraight(1000, 200); VWWait(); OSWait(3000);", checks);
+    let checks_of =
+        |slot: &str| scratch.report("a.scene.toml", &["--slot", slot, "--plot", "run.svg"], 1)["checks"].clone();
+    let first = checks_of("50");
+    for slot in ["1", "200", "700"] {
+        assert_eq!(checks_of(slot), first, "slot {slot}");
+    }
+    // The robots are 1 m apart, each half of that from their middle: then one drives 1 m aside in 5 s. Half of their distance is more
+    // than 600 mm when it has driven 663 mm, after 3.317 s; more than 1.1 m between them after 458 mm, 2.291 s.
+    let last =
+        |index: usize| first[index]["series"].as_array().and_then(|series| series.last()).expect("values").clone();
+    assert!((last(0)[1].as_f64().expect("m") - 0.5 * 2_f64.sqrt()).abs() < 1e-6, "{}", last(0));
+    let at = |index: usize| first[index]["at_s"].as_f64().expect("an instant");
+    assert!((at(0) - 3.4).abs() < 1e-9 && (at(1) - 2.3).abs() < 1e-9, "{} {}", at(0), at(1));
+    assert_eq!((&first[2]["passed"], &first[3]["passed"]), (&Value::Bool(true), &Value::Bool(false)));
+    let chart = scratch.read("run-in-touch.svg");
+    assert!(chart.contains("simulated time, s") && chart.contains("polyline"), "{chart}");
+}

@@ -7,6 +7,7 @@
 mod course;
 mod region;
 mod section;
+mod swarm;
 #[cfg(test)]
 mod tests;
 mod watch;
@@ -43,7 +44,7 @@ pub struct Finding {
 }
 
 /// Evaluates the checks of a scene that concern motion: `reach`, `visits`, `stays_in`, `laps`, `clearance`, `follows_wall`,
-/// `coverage`, `odometry_error`.
+/// `coverage`, `odometry_error`, `swarm`.
 #[derive(Clone, Debug)]
 pub struct Monitor {
     /// The checks with their places in the scene.
@@ -136,6 +137,12 @@ impl Monitor {
         self.watches.iter().map(|(index, watch)| (*index, watch.finding()))
     }
 
+    /// The metrics of swarms over time, each with the place of its check in the scene: instants, s, and values, wherever the value has
+    /// changed.
+    pub fn series(&self) -> impl Iterator<Item = (usize, &[[f64; 2]])> {
+        self.watches.iter().filter_map(|(index, watch)| Some((*index, watch.series()?)))
+    }
+
     fn courses(&self) -> impl Iterator<Item = &Course> {
         self.robots.iter().chain(&self.objects).flatten()
     }
@@ -178,8 +185,9 @@ impl Monitor {
         let [robots, objects] = [&mut self.robots, &mut self.objects]
             .map(|courses| courses.iter_mut().map(|course| course.as_mut().map(|course| course.take_until(seconds))));
         let (robots, objects) = (robots.collect::<Vec<_>>(), objects.collect::<Vec<_>>());
+        let times = (self.cell, until);
         let surroundings = Surroundings { walls: &self.walls, robots: &robots, objects: &objects };
-        self.watches.iter_mut().for_each(|(_, watch)| watch.take(&surroundings));
+        self.watches.iter_mut().for_each(|(_, watch)| watch.take(&surroundings, times));
         self.cell = until;
     }
 }

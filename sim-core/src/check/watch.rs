@@ -6,9 +6,10 @@ use super::Finding;
 use super::course::Stretch;
 use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, is_within, stretches, stretches_in};
 use super::section::{Section, Smooth, find_least, find_zeros};
+use super::swarm::Swarm;
 use crate::RobotId;
 use crate::scene::{Bounds, Segment, Walls};
-use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec};
+use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec, SwarmMetric};
 use crate::time::Time;
 
 /// Tolerance of least and greatest squares of distances that are only reported, m^2.
@@ -26,7 +27,7 @@ impl Surroundings<'_> {
         self.robots.get(id.index())?.as_ref()
     }
 
-    fn sections(&self, body: BodyRef) -> &[Section] {
+    pub fn sections(&self, body: BodyRef) -> &[Section] {
         let stretch = match body {
             BodyRef::Robot(id) => self.robot(id),
             BodyRef::Object(id) => self.objects.get(id.index()).and_then(Option::as_ref),
@@ -46,6 +47,7 @@ pub(super) enum Watch {
     FollowsWall(FollowsWall),
     Coverage(Coverage),
     OdometryError(OdometryError),
+    Swarm(Swarm),
 }
 
 impl Watch {
@@ -89,15 +91,21 @@ impl Watch {
                 Self::FollowsWall(FollowsWall { robot: *robot, gap: *gap, share: *share, followed: 0.0, path: 0.0 })
             }
             CheckKind::Coverage { robots, width, area, cell, share, by } => {
-                let floor = scene.world.floor;
-                let floor = [DVec2::ZERO, DVec2::new(floor.x, 0.0), floor, DVec2::new(0.0, floor.y)];
-                let corners = area.clone().unwrap_or_else(|| floor.to_vec());
-                let robots = if robots.is_empty() {
-                    scene.robots.iter().map(|robot| robot.id).collect()
-                } else {
-                    robots.clone()
-                };
+                let (robots, corners) = (robots_of(robots, scene), corners_of(area.as_deref(), scene));
                 Self::Coverage(Coverage::new(robots, 0.5 * width, &corners, *cell, *share, seconds(*by)))
+            }
+            CheckKind::Swarm { robots, of, min, max, since, at_end } => {
+                let robots = robots_of(robots, scene);
+                let coverage = match of {
+                    SwarmMetric::Coverage { width, area, cell } => {
+                        let corners = corners_of(area.as_deref(), scene);
+                        Some(Coverage::new(robots.clone(), 0.5 * width, &corners, *cell, 1.0, f64::INFINITY))
+                    }
+                    _ => None,
+                };
+                let (of, since, series) = (of.clone(), *since, Vec::new());
+                let (min, max, at_end) = (*min, *max, *at_end);
+                Self::Swarm(Swarm { robots, of, min, max, since, at_end, coverage, violated: None, series })
             }
             CheckKind::OdometryError { robot, max, at_end } => Self::OdometryError(OdometryError {
                 robot: *robot,
@@ -111,8 +119,8 @@ impl Watch {
         })
     }
 
-    /// Takes a further cell.
-    pub fn take(&mut self, surroundings: &Surroundings<'_>) {
+    /// Takes what follows: one cell, or several in which all bodies rest; `times` are its start and end.
+    pub fn take(&mut self, surroundings: &Surroundings<'_>, times: (Time, Time)) {
         match self {
             Self::Reach(watch) => watch.take(surroundings.sections(watch.body)),
             Self::Visits(watch) => watch.take(surroundings.sections(watch.body)),
@@ -122,6 +130,15 @@ impl Watch {
             Self::FollowsWall(watch) => watch.take(surroundings),
             Self::Coverage(watch) => watch.take(surroundings),
             Self::OdometryError(watch) => watch.take(surroundings),
+            Self::Swarm(watch) => watch.take(surroundings, times),
+        }
+    }
+
+    /// Values over time of a metric of a swarm.
+    pub fn series(&self) -> Option<&[[f64; 2]]> {
+        match self {
+            Self::Swarm(watch) => Some(&watch.series),
+            _ => None,
         }
     }
 
@@ -148,8 +165,21 @@ impl Watch {
             Self::FollowsWall(watch) => watch.finding(),
             Self::Coverage(watch) => watch.finding(),
             Self::OdometryError(watch) => watch.finding(),
+            Self::Swarm(watch) => watch.finding(),
         }
     }
+}
+
+/// These robots, or all of the scene if there are none.
+fn robots_of(robots: &[RobotId], scene: &SceneSpec) -> Vec<RobotId> {
+    if robots.is_empty() { scene.robots.iter().map(|robot| robot.id).collect() } else { robots.to_vec() }
+}
+
+/// Corners of an area; by default those of the floor.
+fn corners_of(area: Option<&[DVec2]>, scene: &SceneSpec) -> Vec<DVec2> {
+    let floor = scene.world.floor;
+    let floor = [DVec2::ZERO, DVec2::new(floor.x, 0.0), floor, DVec2::new(0.0, floor.y)];
+    area.unwrap_or(&floor).to_vec()
 }
 
 impl Finding {
@@ -519,7 +549,7 @@ impl Coverage {
         }
     }
 
-    fn take(&mut self, surroundings: &Surroundings<'_>) {
+    pub fn take(&mut self, surroundings: &Surroundings<'_>) {
         let mut found: Vec<(f64, usize, DVec2)> = Vec::new();
         for robot in &self.robots {
             let sections = surroundings.sections(BodyRef::Robot(*robot));
@@ -559,7 +589,7 @@ impl Coverage {
         }
     }
 
-    fn finding(&self) -> Finding {
+    pub fn finding(&self) -> Finding {
         let (at, position) = self.done.unzip();
         let is_met = self.whole > 0 && (self.is_enough() && at.is_none_or(|at| at <= self.by + ROUNDING));
         let share = if self.whole > 0 { self.covered as f64 / self.whole as f64 } else { 0.0 };

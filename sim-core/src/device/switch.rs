@@ -1,9 +1,10 @@
-//! Switches of the sensors: a sensor that a user has switched off sees nothing until it is switched on again.
+//! Switches of the sensors: a sensor that a user has switched off sees nothing until it is switched on again, a stuck one repeats a reading.
 //!
 //! `docs/window.md` lists the value that each switched-off sensor returns to its program; these values are our choice.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::sensor::Reading;
 use crate::spec::{LIDAR, RobiSpec};
 
 /// Name of a robot's camera among its sensors.
@@ -32,12 +33,27 @@ pub enum SensorId {
 #[derive(Clone, Debug, Default)]
 pub struct Switches {
     off: BTreeSet<SensorId>,
+    /// Range sensors that are stuck, by their index, with the reading that they repeat.
+    stuck: BTreeMap<usize, Reading>,
 }
 
 impl Switches {
     /// False while `sensor` is switched off.
     pub fn is_on(&self, sensor: SensorId) -> bool {
         self.off.is_empty() || !self.off.contains(&sensor)
+    }
+
+    /// The reading that range sensor `index` repeats, if it is stuck.
+    pub fn stuck(&self, index: usize) -> Option<Reading> {
+        if self.stuck.is_empty() { None } else { self.stuck.get(&index).copied() }
+    }
+
+    /// Lets range sensor `index` repeat a reading; `None`: lets it measure again.
+    pub fn stick(&mut self, index: usize, reading: Option<Reading>) {
+        match reading {
+            Some(reading) => drop(self.stuck.insert(index, reading)),
+            None => drop(self.stuck.remove(&index)),
+        }
     }
 
     /// Switches `sensor` on or off.

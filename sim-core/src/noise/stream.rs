@@ -13,7 +13,7 @@ use crate::time::Time;
 pub enum Purpose {
     /// The generators that a robot's program draws from (`rand` of C and the like).
     Program = 1,
-    /// Start poses of robots in a random layout.
+    /// Poses of robots, objects and walls in a random layout.
     Layout = 2,
     /// Manufacturing tolerance of a device, drawn once, as event 0.
     Make = 3,
@@ -35,6 +35,10 @@ pub enum Purpose {
     Token = 11,
     /// Shape of a terrain; the seed is that of the terrain.
     Terrain = 12,
+    /// Values of a scene that are drawn from the seed.
+    Scene = 13,
+    /// Instants of faults.
+    Fault = 14,
 }
 
 /// Seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.

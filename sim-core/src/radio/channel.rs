@@ -1,5 +1,7 @@
 //! Channel: transport of messages between sending and receiving.
 
+use std::collections::BTreeSet;
+
 use crate::RobotId;
 use crate::noise::{Purpose, RadioNoise, Stream};
 use crate::time::Time;
@@ -21,6 +23,8 @@ pub struct Channel {
     seed: u64,
     /// Noise models of the receivers, in the order of their ids; receivers beyond the end have no errors.
     errors: Vec<RadioNoise>,
+    /// Robots whose radio neither is heard nor hears.
+    silent: BTreeSet<RobotId>,
     /// Stations that are on, in the order of their robots.
     members: Vec<StationInfo>,
     /// The addresses of the members as (address, robot), in this order.
@@ -49,6 +53,7 @@ impl Channel {
             model,
             seed,
             errors,
+            silent: BTreeSet::new(),
             members: Vec::new(),
             addresses: Vec::new(),
             has_changed: false,
@@ -101,6 +106,16 @@ impl Channel {
         }
         self.errors[robot.index()] = errors;
         self.has_changed |= self.model.medium == Medium::TokenRing;
+    }
+
+    /// Silences the radio of `robot` or lets it be heard again, for messages that are decided from the end of the present slot on.
+    /// Its messages are on the air all the same, and lost.
+    pub fn set_silent(&mut self, robot: RobotId, is_silent: bool) {
+        if is_silent {
+            self.silent.insert(robot);
+        } else {
+            self.silent.remove(&robot);
+        }
     }
 
     /// Takes the messages sent in the slot that ends at `slot_end`, in any order, and returns the deliveries that are decided by then,
@@ -220,6 +235,9 @@ impl Channel {
         }
         if self.model.medium == Medium::Aloha && self.air.disturbs(transmission, member.robot) {
             return Err(Loss::Collision);
+        }
+        if [sending.from, member.robot].iter().any(|robot| self.silent.contains(robot)) {
+            return Err(Loss::Packet);
         }
         let mut payload = sending.payload.clone();
         let radio = radio_of(&self.errors, member.robot);

@@ -99,6 +99,34 @@ pub enum Action {
     },
     /// Ends the run.
     End {},
+    /// Ends a robot's program, stops its motors and silences its radio; its body stays where it is.
+    HaltRobot {
+        /// Number of the robot.
+        robot: u32,
+    },
+    /// Lets a range sensor repeat its present reading, or measure again.
+    StickSensor {
+        /// Number of the robot.
+        robot: u32,
+        /// Name of the sensor.
+        sensor: String,
+        /// True for repeating.
+        on: bool,
+    },
+    /// Silences a robot's radio, which then neither is heard nor hears, or lets it be heard again.
+    SwitchRadio {
+        /// Number of the robot.
+        robot: u32,
+        /// True for being heard.
+        on: bool,
+    },
+    /// Carries out another action as a fault of the scene.
+    Fault {
+        /// Name of the fault.
+        name: String,
+        /// What it does.
+        action: Box<Action>,
+    },
 }
 
 #[cfg(test)]
@@ -137,6 +165,15 @@ mod tests {
             ),
             (Action::RemoveObject { object: 5 }, r#"{"do":"remove_object","object":5}"#),
             (Action::End {}, r#"{"do":"end"}"#),
+            (Action::HaltRobot { robot: 1 }, r#"{"do":"halt_robot","robot":1}"#),
+            (
+                Action::StickSensor { robot: 1, sensor: "PSD_FRONT".into(), on: true },
+                r#"{"do":"stick_sensor","robot":1,"sensor":"PSD_FRONT","on":true}"#,
+            ),
+            (
+                Action::Fault { name: "quiet".into(), action: Box::new(Action::SwitchRadio { robot: 2, on: false }) },
+                r#"{"do":"fault","name":"quiet","action":{"do":"switch_radio","robot":2,"on":false}}"#,
+            ),
         ];
         for (action, text) in canonical {
             assert_eq!(serde_json::to_string(&action).unwrap(), text);

@@ -6,6 +6,7 @@ use super::{Environment, Robot, Roster};
 use crate::build;
 use crate::contact::Thing;
 use crate::device::key::{UnknownKey, UserInput};
+use crate::device::switch::{self, SensorId};
 use crate::noise::{ParameterError, Profile, RadioNoise};
 use crate::pose::Pose;
 use crate::record::{Action, ActionText, Event, WORLD};
@@ -70,6 +71,14 @@ pub enum Refusal {
     /// An obstacle occupies the place of a new robot.
     #[error("there is no room for a robot: {} in its place", in_the_way(.0))]
     Occupied(Thing),
+    /// The sensor has no readings that it could repeat.
+    #[error("`{sensor}` of robot {robot} cannot stick: only PSDs and other distance sensors can")]
+    CannotStick {
+        /// The robot.
+        robot: u32,
+        /// The sensor.
+        sensor: String,
+    },
     /// The last robot cannot be removed.
     #[error("robot {0} is the last one: a world has at least one robot")]
     LastRobot(u32),
@@ -119,6 +128,12 @@ pub enum Intervention {
     AddObject(Box<ObjectSpec>),
     /// Removes a movable object.
     RemoveObject(ObjectId),
+    /// Silences a robot that the caller has halted.
+    HaltRobot(RobotId),
+    /// Lets the range sensors of this name repeat their readings, or measure again.
+    StickSensor(RobotId, String, bool),
+    /// Lets a radio be heard and hear, or not.
+    SwitchRadio(RobotId, bool),
 }
 
 /// Effect of an intervention.
@@ -193,6 +208,20 @@ impl Intervention {
                 Self::AddObject(Box::new(roster.object(kind, pose)?))
             }
             Action::RemoveObject { object } => Self::RemoveObject(object_of(*object, world)?),
+            Action::HaltRobot { robot } => Self::HaltRobot(robot_of(*robot, world)?),
+            Action::StickSensor { robot, sensor, on } => {
+                let id = robot_of(*robot, world)?;
+                robots.with(id, |robot| {
+                    has_sensor(robot, sensor)?;
+                    let can = |(name, kind): (&str, SensorId)| name == sensor && matches!(kind, SensorId::Range(_));
+                    let is_range = switch::sensors(&robot.spec).any(can);
+                    let refusal = || Refusal::CannotStick { robot: robot.id.0, sensor: sensor.clone() };
+                    is_range.then_some(()).ok_or_else(refusal)
+                })?;
+                Self::StickSensor(id, sensor.clone(), *on)
+            }
+            Action::SwitchRadio { robot, on } => Self::SwitchRadio(robot_of(*robot, world)?, *on),
+            Action::Fault { action, .. } => return Self::validate(action, robots, roster, world),
             Action::Type { robot, .. } => {
                 robot_of(*robot, world)?;
                 return Err(Refusal::Other(format!("robot {robot} runs no program that could read a line")));
@@ -266,6 +295,15 @@ impl Environment {
                 return Effect { came: Some(object), ..Effect::default() };
             }
             Intervention::RemoveObject(object) => world.remove_object(*object),
+            Intervention::HaltRobot(id) => {
+                world.radio_mut().set_silent(*id, true);
+                robots.with(*id, |robot| world.republish(&mut robot.motion));
+                return Effect::of_robot(*id);
+            }
+            Intervention::StickSensor(id, sensor, is_stuck) => {
+                robots.with(*id, |robot| robot.stick_sensor(world, at, sensor, *is_stuck));
+            }
+            Intervention::SwitchRadio(id, is_on) => world.radio_mut().set_silent(*id, !is_on),
         }
         Effect::default()
     }

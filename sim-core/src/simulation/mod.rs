@@ -8,6 +8,7 @@ mod actuator;
 mod camera;
 mod environment;
 mod factory;
+mod fault;
 mod intervention;
 mod placement;
 mod robot;
@@ -18,6 +19,7 @@ mod value;
 
 pub use environment::{Environment, SlotEnd};
 pub use factory::{FactoryError, RobotFactory};
+pub use fault::Faults;
 pub use intervention::{Effect, Intervention, Refusal, Robots};
 pub use placement::{Placeable, Placement};
 pub use robot::{Robot, WalkRecord};

@@ -212,6 +212,17 @@ impl Robot {
         has_any
     }
 
+    /// Lets the range sensors of this name repeat their readings at `at`, the start of a slot, or measure again.
+    pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
+        let spec = Arc::clone(&self.spec);
+        for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
+            let SensorId::Range(index) = sensor else { continue };
+            let Self { motion, devices: Devices { ranges, servos, switches, .. }, .. } = self;
+            let reading = is_stuck.then(|| measure_range((ranges, servos, switches), motion, world, index, at));
+            switches.stick(index, reading);
+        }
+    }
+
     /// Commands the drive at the robot's present virtual time.
     ///
     /// # Errors
@@ -420,6 +431,9 @@ fn measure_range(
     at: Time,
 ) -> Reading {
     let is_on = switches.is_on(SensorId::Range(index));
+    if let Some(stuck) = switches.stuck(index).filter(|_| is_on) {
+        return stuck;
+    }
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
 }
 

@@ -103,6 +103,7 @@ impl Roster {
             api: model.and_then(|robot| robot.api),
             noise,
             dialect: model.and_then(|robot| robot.dialect),
+            line: String::new(),
             span: Default::default(),
             robi,
         })
@@ -115,7 +116,7 @@ impl Roster {
     pub fn object(&self, kind: &str, pose: Pose) -> Result<ObjectSpec, Refusal> {
         let kind = self.object_types.find(kind)?;
         check_room(self.objects.len() - self.at_start[1], MAX_OBJECTS, "movable objects")?;
-        Ok(ObjectSpec { friction: kind.friction, kind, pose, span: Default::default() })
+        Ok(ObjectSpec { friction: kind.friction, kind, pose, line: String::new(), span: Default::default() })
     }
 
     /// Adds a robot that has joined the simulation.

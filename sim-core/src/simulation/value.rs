@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use super::{Environment, FactoryError, Intervention, Refusal, Robot, RobotFactory, Roster};
+use super::{Environment, FactoryError, Faults, Intervention, Refusal, Robot, RobotFactory, Roster};
 use crate::RobotId;
 use crate::build::{NoMeshes, SpawnedEntity, Visuals};
 use crate::camera::{Label, Picture};
@@ -40,6 +40,8 @@ pub struct Simulation {
     factory: Arc<RobotFactory>,
     /// Memory for references.
     spare: Vec<usize>,
+    /// Faults of the scene that are still to come.
+    faults: Faults,
 }
 
 /// Options of a simulation besides its scene.
@@ -72,7 +74,10 @@ impl Simulation {
         let world = factory.world(scene, &mut robots, heard)?;
         let monitor = Monitor::new(scene, world.walls(), scene.run.until.unwrap_or(Time::NEVER));
         let environment = Environment::new(world, Recorder::new(seed, slot, KindSet::NONE)).with_monitor(monitor);
-        Ok(Self::of(environment, robots, Roster::of(scene), factory))
+        let until = scene.run.until.unwrap_or(Time::NEVER);
+        let noise = |id: RobotId| robots.get(id.index()).map(|robot: &Robot| robot.noise().clone()).unwrap_or_default();
+        let faults = Faults::new(&scene.faults, seed, until, noise);
+        Ok(Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) })
     }
 
     /// Simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot. The
@@ -82,7 +87,7 @@ impl Simulation {
         robots.iter_mut().for_each(|robot| robot.now = now);
         let acted = robots.iter().map(|robot| robot.id).collect();
         let (roster, factory) = (Arc::new(roster), Arc::new(factory));
-        Self { environment, robots, acted, now, visuals: None, roster, factory, spare: Vec::new() }
+        Self { environment, robots, acted, now, visuals: None, roster, factory, spare: Vec::new(), faults: Faults::default() }
     }
 
     /// Present time of all robots.
@@ -161,7 +166,7 @@ impl Simulation {
         let robots = &mut self.robots[..];
         let intervention = Intervention::validate(action, robots, &self.roster, &self.environment.world)?;
         self.environment.record_intervention(self.now, action);
-        if let Intervention::RemoveRobot(id) = intervention {
+        if let Intervention::RemoveRobot(id) | Intervention::HaltRobot(id) = intervention {
             self.with_robot(id, Robot::halt);
         }
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
@@ -284,6 +289,7 @@ impl Simulation {
     pub fn advance_with<E>(&mut self, time: Time, mut show: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<(), E> {
         while self.now < time {
             let slot_end = self.world().slot_end();
+            self.carry_out_faults(slot_end);
             self.pass_to(time.min(slot_end));
             if time < slot_end {
                 break;
@@ -294,6 +300,15 @@ impl Simulation {
             self.skip_to(time);
         }
         Ok(())
+    }
+
+    /// Carries out the faults before `slot_end`, if the present slot has just begun. One that cannot be, such as of a removed robot, is
+    /// left out.
+    fn carry_out_faults(&mut self, slot_end: Time) {
+        while self.now == self.world().slot_start() && self.faults.next().is_some_and(|at| at < slot_end) {
+            let action = self.faults.pop().map(|(_, action)| action);
+            action.into_iter().for_each(|action| _ = self.act(&action));
+        }
     }
 
     /// Sets the kinds of events that [`Simulation::advance_with`] shows.
@@ -344,6 +359,7 @@ impl Simulation {
         }
         let present = self.robots.iter().filter(|robot| !robot.is_removed);
         let due = present.map(|robot| robot.devices.due()).fold(self.environment.message_due(), Time::min);
+        let due = due.min(self.faults.next().unwrap_or(Time::NEVER));
         let next = due.min(time).floor_to(world.slot()).max(following);
         if next > following {
             self.environment.world.advance_to(next);

@@ -116,6 +116,21 @@ pub enum CheckKind {
         /// Time by which it must be reached.
         by: Option<Time>,
     },
+    /// A number that describes robots together stays within limits; it is taken every 100 ms.
+    Swarm {
+        /// The robots; empty: all of the scene.
+        robots: Vec<RobotId>,
+        /// The number.
+        of: SwarmMetric,
+        /// Least value.
+        min: Option<f64>,
+        /// Greatest value.
+        max: Option<f64>,
+        /// Time before which the limits do not count.
+        since: Time,
+        /// Only the end of the run counts.
+        at_end: bool,
+    },
     /// Odometry never deviates from the truth by more than a limit.
     OdometryError {
         /// The robot.
@@ -213,6 +228,7 @@ impl CheckKind {
             Self::Prints { .. } => "prints",
             Self::Outcome { .. } => "outcome",
             Self::Event { .. } => "event",
+            Self::Swarm { .. } => "swarm",
             Self::Calls { .. } => "calls",
             Self::Message { .. } => "message",
         }
@@ -232,7 +248,7 @@ impl CheckKind {
             | Self::FollowsWall { robot: id, .. }
             | Self::OdometryError { robot: id, .. }
             | Self::Prints { robot: id, .. } => vec![robot(id)],
-            Self::Coverage { robots, .. } => robots.iter().map(robot).collect(),
+            Self::Coverage { robots, .. } | Self::Swarm { robots, .. } => robots.iter().map(robot).collect(),
             Self::Contacts { robot: id, .. }
             | Self::Outcome { robot: id, .. }
             | Self::Event { robot: id, .. }
@@ -349,4 +365,28 @@ impl Counts {
     pub fn contains(&self, count: u64) -> bool {
         self.min <= count && self.max.is_none_or(|max| count <= max)
     }
+}
+
+/// A number that describes robots together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum SwarmMetric {
+    /// Mean distance of the robots from their common middle, m.
+    #[default]
+    Spread,
+    /// Length of the mean of the directions in which the robots move that do: 1 if all move in one direction.
+    Order,
+    /// Number of groups of robots that are connected by distances of at most `reach`.
+    Groups {
+        /// Greatest distance between neighbours, m.
+        reach: f64,
+    },
+    /// Share of an area over which a tool at each robot's centre has passed, 0 to 1.
+    Coverage {
+        /// Width of the tool, m.
+        width: f64,
+        /// Corners of the area; `None`: the floor.
+        area: Option<Vec<DVec2>>,
+        /// Side of the squares by whose middles the area is counted, m.
+        cell: f64,
+    },
 }

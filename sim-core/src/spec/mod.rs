@@ -5,6 +5,7 @@
 
 mod check;
 mod device;
+mod fault;
 mod legs;
 mod looks;
 mod mount;
@@ -21,6 +22,7 @@ pub use crate::drive::DriveKind;
 pub use crate::scene::Surface;
 pub use check::*;
 pub use device::*;
+pub use fault::*;
 pub use legs::*;
 pub use looks::*;
 pub use mount::*;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{CheckSpec, LooksSpec, NoiseRef, ObjectType, PathRef, RobiSpec, WorldSpec};
+use super::{CheckSpec, FaultSpec, LooksSpec, NoiseRef, ObjectType, PathRef, RobiSpec, WorldSpec};
 use crate::RobotId;
 use crate::pose::{Heading, Pose};
 use crate::radio;
@@ -21,6 +21,12 @@ pub struct ObjectLine {
     pub pose: Pose,
     /// Friction given by the line (classic `object` lines); `None`: that of the type.
     pub friction: Option<f64>,
+    /// Name of the line within the scene.
+    pub name: Option<String>,
+    /// Path of the line in a scene in TOML, such as `object.2`, by which its random numbers are drawn.
+    pub path: String,
+    /// The pose is drawn.
+    pub scatter: Option<Scatter>,
     /// Place in the file.
     pub span: Span,
 }
@@ -34,6 +40,8 @@ pub struct ObjectSpec {
     pub pose: Pose,
     /// Coefficient of sliding friction on the floor.
     pub friction: f64,
+    /// Path of its line in a scene in TOML, such as `object.2`; else empty.
+    pub line: String,
     /// Place in the file.
     pub span: Span,
 }
@@ -157,21 +165,62 @@ pub enum Layout {
         facing: f64,
     },
     /// At random free positions, drawn from the seed.
-    Random {
-        /// Lower left and upper right corner of the rectangle that contains the bodies; `None`: the floor.
-        area: Option<[DVec2; 2]>,
-        /// Smallest distance from walls and other robots.
-        clearance: f64,
-        /// Heading of all robots; `None`: random.
-        heading: Option<f64>,
-    },
+    Random(Scatter),
+}
+
+/// Random placement of robots, objects or walls where there is room. Lengths in metres, angles in radians, world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scatter {
+    /// Lower left and upper right corner of the rectangle that contains the bodies; `None`: the floor.
+    pub area: Option<[DVec2; 2]>,
+    /// Smallest distance from walls and other bodies.
+    pub clearance: f64,
+    /// Heading of all; `None`: random.
+    pub heading: Option<f64>,
+}
+
+/// A value of a scene that was drawn from the seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// Path of the value in the scene, such as `robot.1.x_mm`.
+    pub path: String,
+    /// The value, in the unit of its key.
+    pub value: serde_json::Value,
+}
+
+/// A place of a scene that a demand refers to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Whereabouts {
+    /// A point in the world frame, in metres.
+    Point(DVec2),
+    /// Where the robot or object with this path starts, such as `robot.1`.
+    Thing(PathRef),
+}
+
+impl Default for Whereabouts {
+    fn default() -> Self {
+        Self::Point(DVec2::ZERO)
+    }
+}
+
+/// A demand that a disc can move from one place of a scene to another without touching walls and objects.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReachableSpec {
+    /// Start of the way.
+    pub from: Whereabouts,
+    /// End of the way.
+    pub to: Whereabouts,
+    /// Diameter of the disc in metres; `None`: that of the robot at the start.
+    pub width: Option<f64>,
+    /// Place in the file.
+    pub span: Span,
 }
 
 impl Layout {
     /// Pose of the robot at `index` of `count`; `None` for layouts that depend on the world.
     pub fn pose(&self, index: u32, count: u32) -> Option<Pose> {
         let (place, heading) = match *self {
-            Layout::Starts | Layout::Random { .. } => return None,
+            Layout::Starts | Layout::Random(_) => return None,
             Layout::Line { from, to, heading } => {
                 let share = if count > 1 { f64::from(index) / f64::from(count - 1) } else { 0.0 };
                 // The last robot is exactly at `to`, in spite of rounding.
@@ -337,6 +386,10 @@ pub struct RobotLine {
     pub noise: Option<NoiseRef>,
     /// Start pose.
     pub start: StartRef,
+    /// Name of the line within the scene.
+    pub name: Option<String>,
+    /// Path of the line in a scene in TOML, such as `robot.2`, by which its random numbers are drawn.
+    pub path: String,
     /// Place of its line in the file.
     pub span: Span,
 }
@@ -392,6 +445,14 @@ pub struct SimSpec {
     pub radio: radio::RadioModel,
     /// Checks in the order of the file; only in our own format.
     pub checks: Vec<CheckSpec>,
+    /// Faults in the order of the file; only in our own format.
+    pub faults: Vec<FaultSpec>,
+    /// Demands on places; only in our own format.
+    pub reachable: Vec<ReachableSpec>,
+    /// Values of the text that were drawn; only in our own format.
+    pub drawn: Vec<Drawn>,
+    /// Paths of the walls of an inline world, in the order of its walls.
+    pub wall_paths: Vec<String>,
 }
 
 /// A robot of a scene, ready to be built.
@@ -414,6 +475,8 @@ pub struct RobotSpec {
     /// Dialect of the robot's line, as the generation of the RoBIOS API of the simulator that uses it: 6 for `robi`
     /// lines, 7 for lines of EyeSim VR; in our own format that of the scene's dialect.
     pub dialect: Option<u32>,
+    /// Path of its line in a scene in TOML, such as `robot.2`; else empty.
+    pub line: String,
     /// Place of its line in the sim file.
     pub span: Span,
 }
@@ -448,4 +511,8 @@ pub struct SceneSpec {
     pub radio: radio::RadioModel,
     /// Checks on a run of the scene, in the order of the file.
     pub checks: Vec<CheckSpec>,
+    /// Faults on purpose, in the order of the file.
+    pub faults: Vec<FaultSpec>,
+    /// Values that were drawn from the seed, in the order of the file.
+    pub drawn: Vec<Drawn>,
 }

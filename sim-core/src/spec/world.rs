@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{LooksSpec, ModelSpec, ObjectLine, PathRef, Surface};
+use super::{LooksSpec, ModelSpec, ObjectLine, PathRef, Scatter, Surface};
 use crate::pose::Pose;
 use crate::scene::{Boulders, HeightField, Mesh, Relief, Steps};
 use crate::spec::Span;
@@ -33,6 +33,8 @@ pub struct WallSpec {
     pub colour: Option<[u8; 3]>,
     /// Reflection properties; `None`: the world's properties.
     pub surface: Option<Surface>,
+    /// The wall has this length, in metres, and its place is drawn.
+    pub scatter: Option<(f64, Scatter)>,
     /// Place of the wall's line (in a maze: of its first character).
     pub span: Span,
 }

@@ -11,11 +11,12 @@ use super::scene::UNTIL;
 use super::{Form, Keys, Variant, Variants, definition};
 use crate::code::Code;
 use crate::line::Quantity;
-use crate::print::number::in_unit;
-use crate::spec::{BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, Place, Printed, Screen};
+use crate::print::number::{self, in_unit};
+use crate::spec::{BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, Place, Printed, Screen, SwarmMetric};
 use crate::table::Reader;
 use sim_core::record::{Kind as EventKind, Outcome};
 use sim_core::time::Time;
+use sim_core::unit::metres_from_mm;
 use sim_core::{ObjectId, RobotId};
 
 /// Greatest number of corners of an area, of places, and of numbers in a row or column.
@@ -119,6 +120,9 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("share_percent", "Least share of the area in percent; 100 if left out.").optional(SHARE, share);
             by_key(keys, by);
         }
+        CheckKind::Swarm { robots, of, min, max, since, at_end } => {
+            swarm_keys(keys, robots, of, [min, max], since, at_end)
+        }
         CheckKind::OdometryError { robot, max, at_end } => {
             robot_key(keys, robot);
             keys.key("max_mm", "Greatest distance between the position by odometry and the true one, in mm.")
@@ -157,6 +161,95 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("text", "Text that the message contains; anything if left out.").maybe(TEXT, text);
             count_keys(keys, count);
         }
+    }
+}
+
+/// Numbers that describe robots together.
+#[derive(Clone, Copy, PartialEq)]
+enum SwarmWord {
+    Spread,
+    Order,
+    Groups,
+    Coverage,
+}
+
+impl Words for SwarmWord {
+    const NAME: &'static str = "SwarmForm";
+    const ABOUT: &'static str = "A number that describes robots together.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (SwarmWord::Spread, "spread", "Mean distance of the robots from their common middle, in mm."),
+        (SwarmWord::Order, "order", "Length of the mean of the directions of those that move: 1 if all are the same."),
+        (SwarmWord::Groups, "groups", "Number of groups that are connected by distances of at most `within_mm`."),
+        (SwarmWord::Coverage, "coverage", "Share of an area over which a tool at each robot has passed, 0 to 1."),
+    ];
+}
+
+fn swarm_keys(
+    keys: &mut Keys<'_>,
+    robots: &mut Vec<RobotId>,
+    of: &mut SwarmMetric,
+    [min, max]: [&mut Option<f64>; 2],
+    since: &mut Time,
+    at_end: &mut bool,
+) {
+    keys.key("robots", "Numbers of the robots; all of the scene if left out.").items(ROBOTS, robots);
+    let (mut word, mut reach, mut tool, mut ground, mut side) = match of.clone() {
+        SwarmMetric::Spread => (SwarmWord::Spread, None, None, None, CELL),
+        SwarmMetric::Order => (SwarmWord::Order, None, None, None, CELL),
+        SwarmMetric::Groups { reach } => (SwarmWord::Groups, Some(reach), None, None, CELL),
+        SwarmMetric::Coverage { width, area, cell } => (SwarmWord::Coverage, None, Some(width), area, cell),
+    };
+    keys.key("of", "The number, which is taken every 100 ms.").required(Word, &mut word);
+    let is_described = keys.reading().is_none();
+    if is_described || word == SwarmWord::Groups {
+        keys.key("within_mm", "Of `groups`: greatest distance between the centres of neighbours, in mm.")
+            .maybe(Bounded(Quantity::size("distance")), &mut reach);
+        refuse_missing(keys, "within_mm");
+    }
+    if is_described || word == SwarmWord::Coverage {
+        keys.key("width_mm", "Of `coverage`: width of the tool, a disc around each robot's centre, in mm.")
+            .maybe(Bounded(Quantity::size("width")), &mut tool);
+        keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; the floor if left out.")
+            .maybe(AREA, &mut ground);
+        keys.key(
+            "cell_mm",
+            "Of `coverage`: side of the squares by whose middles the area is counted, in mm; 50 if left out.",
+        )
+        .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), &mut side);
+        refuse_missing(keys, "width_mm");
+    }
+    let is_length = word == SwarmWord::Spread;
+    let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
+    keys.key("min", "Least value, of `spread` in mm.").maybe(ANY, &mut limits[0]);
+    keys.key("max", "Greatest value, of `spread` in mm.").maybe(ANY, &mut limits[1]);
+    let mut from = since.seconds();
+    keys.key("from_s", "Simulated seconds before which the limits do not count; 0 if left out.")
+        .optional(Bounded(DURATION), &mut from);
+    keys.key("at_end", "Only the end of the run counts; false if left out.").flag(at_end);
+    if is_described {
+        return;
+    }
+    *since = Time::from_seconds_ceil(from);
+    let stored = |limit: Option<f64>| limit.map(|limit| if is_length { metres_from_mm(limit) } else { limit });
+    (*min, *max) = (stored(limits[0]), stored(limits[1]));
+    *of = match word {
+        SwarmWord::Spread => SwarmMetric::Spread,
+        SwarmWord::Order => SwarmMetric::Order,
+        SwarmWord::Groups => SwarmMetric::Groups { reach: reach.unwrap_or_default() },
+        SwarmWord::Coverage => SwarmMetric::Coverage { width: tool.unwrap_or_default(), area: ground, cell: side },
+    };
+    if limits[0].zip(limits[1]).is_some_and(|(min, max)| min > max) {
+        refuse(keys, "max", "is less than `min`", "a number that is not less");
+    }
+}
+
+/// Reports that a table that is read has no such key.
+fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
+    if let Some((reader, section)) = keys.reading()
+        && !section.has(key)
+    {
+        reader.missing(section, key);
+        keys.refuse();
     }
 }
 
@@ -318,7 +411,7 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
 }
 
 /// Number of a robot.
-const NUMBER: Custom<RobotId> = Custom {
+pub(super) const NUMBER: Custom<RobotId> = Custom {
     read: |at| at.reader.integer(at.section, at.key, 1, i64::from(u32::MAX)).map(|number| RobotId(number as u32)),
     print: |robot| i64::from(robot.0).into(),
     describe: |_| json!({ "type": "integer", "format": "uint32", "minimum": 1 }),
@@ -514,6 +607,7 @@ impl Words for Outcome {
         (Outcome::Timeout, "timeout", "It computed for too long without a RoBIOS call."),
         (Outcome::NoProgram, "no_program", "The robot has no program."),
         (Outcome::Removed, "removed", "The robot was removed before its program ended."),
+        (Outcome::Halted, "halted", "The robot died by a fault of the scene before its program ended."),
     ];
 }
 
@@ -544,6 +638,10 @@ impl Variants for CheckSpec {
         ("coverage", "Robots pass over a share of an area.", || {
             let robots = Vec::new();
             Self::of(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
+        }),
+        ("swarm", "A number that describes robots together stays within limits.", || {
+            let (robots, of, since) = (Vec::new(), SwarmMetric::Spread, Time::ZERO);
+            Self::of(CheckKind::Swarm { robots, of, min: None, max: None, since, at_end: false })
         }),
         ("odometry_error", "Odometry never deviates from the truth by more than a limit.", || {
             Self::of(CheckKind::OdometryError { robot: RobotId(1), max: 0.0, at_end: false })

@@ -5,6 +5,7 @@
 
 pub(crate) mod check;
 pub(crate) mod device;
+pub(crate) mod fault;
 pub(crate) mod kind;
 pub(crate) mod legs;
 pub(crate) mod noise;

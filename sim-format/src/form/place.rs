@@ -4,14 +4,17 @@ use glam::DVec2;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::kind::{At, Bounded, Custom, Kind, PART, Shades, TEXT, Word, Words};
+use super::kind::{At, Bounded, Custom, Kind, Shades, TEXT, Word, Words};
 use super::noise::NOISE;
-use super::{Definitions, Form, Keys, Variant, Variants};
+use super::{Definitions, Form, Keys, Variant, Variants, print, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::path;
 use crate::print::number;
-use crate::spec::{Layout, MarkerSpec, ObjectLine, PathRef, RobotLine, StartRef, StartSpec, TypeRef};
+use crate::spec::{
+    Layout, MarkerSpec, ObjectLine, PathRef, ReachableSpec, RobotLine, Scatter, StartRef, StartSpec, TypeRef,
+    Whereabouts,
+};
 use crate::table::{Reader, Section};
 use sim_core::RobotId;
 use sim_core::pose::{Heading, Pose};
@@ -79,6 +82,8 @@ impl Form for RobotLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
+        keys.key("name", "Its name in the paths of drawn values; its number in the file if left out.")
+            .maybe(TEXT, &mut self.name);
         keys.key("type", "`LabBot`, `S4`, `Mako`, the name of a type of the scene, or a `.robi` file.")
             .required(ROBOT_FILES, &mut self.kind);
         keys.key(
@@ -145,7 +150,7 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
     keys.key("count", "How many robots; 1 if left out. Without a `layout` they take the next starts of the world.")
         .maybe(1..=most, &mut count);
-    keys.key("layout", "How they stand.").maybe(PART, &mut layout);
+    keys.key("layout", "How they stand.").maybe(LAYOUT, &mut layout);
 }
 
 impl Reader {
@@ -157,7 +162,7 @@ impl Reader {
             return None;
         }
         if section.has("layout") {
-            let layout = self.section(section, "layout").and_then(|layout| self.form(layout, Layout::usual()));
+            let layout = LAYOUT.read(At { reader: self, section, key: "layout" }, None);
             self.exclude(section, "layout", &["x_mm", "y_mm", "heading_deg", "start"]);
             return Some(StartRef::Many { count: count.unwrap_or(1), layout: layout? });
         }
@@ -194,6 +199,44 @@ impl Reader {
         Some(Pose::new(x?, y?, heading.unwrap_or_default()))
     }
 }
+
+/// Layout: a table, or the word `random` for one without any other key.
+const LAYOUT: Custom<Layout> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        match section.get(key).map(|value| value.get_ref()) {
+            Some(value) if value.as_str() == Some("random") => Some(Layout::Random(Scatter::default())),
+            _ => {
+                let example = "kind = \"random\"";
+                let part = reader.section_like(section, key, example)?;
+                reader.form(part, Layout::usual())
+            }
+        }
+    },
+    print: |layout| print(layout).into(),
+    describe: |definitions| {
+        let table = reference(definitions, |keys| Layout::usual().keys(keys));
+        json!({ "anyOf": [{ "type": "string", "const": "random" }, table] })
+    },
+};
+
+/// Layout of a single thing, which can only be random.
+pub(crate) const SCATTER: Custom<Scatter> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
+        match LAYOUT.read(At { reader: &mut *reader, section: &mut *section, key }, None)? {
+            Layout::Random(scatter) => Some(scatter),
+            _ => {
+                let message = "only robots have a layout other than `random`";
+                reader.sink.error(Code::TomlChoice, span, message, "`layout = \"random\"`, or a table of this kind");
+                None
+            }
+        }
+    },
+    print: |scatter| print(&Layout::Random(*scatter)).into(),
+    describe: |definitions| LAYOUT.describe(definitions),
+};
 
 impl Form for Layout {
     fn bare(&self) -> Self {
@@ -235,7 +278,7 @@ impl Form for Layout {
                 )
                 .optional(HEADING, facing);
             }
-            Self::Random { area, clearance, heading } => {
+            Self::Random(Scatter { area, clearance, heading }) => {
                 if !area_keys(keys, area) {
                     return;
                 }
@@ -287,10 +330,8 @@ impl Variants for Layout {
             first: 0.0,
             facing: 0.0,
         }),
-        ("random", "At random places where there is room, drawn from the seed.", || Self::Random {
-            area: None,
-            clearance: 0.0,
-            heading: None,
+        ("random", "At random places where there is room, drawn from the seed.", || {
+            Self::Random(Scatter { area: None, clearance: 0.0, heading: None })
         }),
     ];
 }
@@ -299,14 +340,26 @@ impl Form for ObjectLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ObjectForm", "A passive object.");
         keys.span(&mut self.span);
+        keys.key("name", "Its name in the paths of drawn values; its number in the file if left out.")
+            .maybe(TEXT, &mut self.name);
         keys.key(
             "type",
             "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
         )
         .required(OBJECT_FILES, &mut self.kind);
-        place_keys(keys, &mut self.pose.position);
-        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
-            .strictly(FACING, &mut self.pose.heading);
+        keys.mention(&["count"]);
+        if keys.reading().is_none() {
+            // A list repeats its entries before they are read.
+            keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
+                .maybe(0..=MOST_REPEATED, &mut None::<u32>);
+        }
+        if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
+            let place = &mut self.pose.position;
+            keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut place.x);
+            keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut place.y);
+            keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+                .strictly(FACING, &mut self.pose.heading);
+        }
         keys.key("friction", "Coefficient of friction on the floor; that of the type if left out.")
             .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
     }
@@ -316,6 +369,59 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
     keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut place.x);
     keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut place.y);
 }
+
+/// Greatest number of repetitions of an entry.
+pub(crate) const MOST_REPEATED: i64 = 100_000;
+
+/// Declares `layout`, which replaces the keys `others`; returns true if the place is random.
+pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {
+    let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
+    keys.key("layout", "Random place, in place of a stated one.").maybe(SCATTER, scatter);
+    if is_said {
+        if scatter.is_none() {
+            keys.refuse();
+        }
+        if let Some((reader, section)) = keys.reading() {
+            reader.exclude(section, "layout", others);
+        }
+        return true;
+    }
+    scatter.is_some()
+}
+
+impl Form for ReachableSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form(
+            "ReachableForm",
+            "A demand that a way leads from one place to another, on which random places are drawn again.",
+        );
+        keys.span(&mut self.span);
+        keys.key("from", "Start of the way: a robot or object by its path, as `robot.1`, or [x, y] in mm.")
+            .required(WHEREABOUTS, &mut self.from);
+        keys.key("to", "End of the way: a robot or object by its path, as `object.1`, or [x, y] in mm.")
+            .required(WHEREABOUTS, &mut self.to);
+        keys.key("width_mm", "Width of the way in mm; if left out, that of the robot at its start.")
+            .maybe(Bounded(Quantity::size("width")), &mut self.width);
+    }
+}
+
+/// A point, or the path of a robot or object.
+const WHEREABOUTS: Custom<Whereabouts> = Custom {
+    read: |at| match at.section.get(at.key).map(|value| value.get_ref()) {
+        Some(value) if value.is_array() => {
+            at.reader.numbers(at.section, at.key, &POINT).map(|point| Whereabouts::Point(point.into()))
+        }
+        _ => {
+            let expected = "the path of a robot or object, as \"robot.1\", or [x, y] in mm";
+            at.reader.reference_to(at.section, at.key, expected).map(Whereabouts::Thing)
+        }
+    },
+    print: |place| match place {
+        Whereabouts::Point(point) => POINT.print(point),
+        Whereabouts::Thing(path) => TEXT.print(path),
+    },
+    describe: |definitions| json!({ "anyOf": [Kind::<DVec2>::describe(&POINT, definitions), { "type": "string" }] }),
+};
 
 impl Form for StartSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {

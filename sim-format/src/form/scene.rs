@@ -50,6 +50,8 @@ impl Form for SimSpec {
         robots(keys, self);
         keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
         keys.key("marker", "Flat spots of colour on the floor.").list(PARTS, &mut self.markers);
+        keys.key("fault", "Faults on purpose.").list(PARTS, &mut self.faults);
+        keys.key("reachable", "Demands that ways lead from one place to another.").list(PARTS, &mut self.reachable);
         keys.key("check", "Conditions that a run must meet.").list(PARTS, &mut self.checks);
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::kind::{Bounded, Flag, IMAGE, PART, PARTS, Part, Shades, TEXT, Word, Words};
-use super::place::POINT;
+use super::place::{MOST_REPEATED, POINT, SCATTER};
 use super::terrain::TerrainTable;
 use super::{Form, Keys};
 use crate::code::Code;
@@ -11,7 +11,8 @@ use crate::line::Quantity;
 use crate::path;
 use crate::print::print_maze;
 use crate::spec::{
-    DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
+    DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, Scatter, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine,
+    WorldSpec,
 };
 use crate::world::WATER;
 
@@ -227,15 +228,17 @@ impl Form for WallSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WallForm", "A wall: a straight piece between two points.");
         keys.span(&mut self.span);
-        keys.key("from_mm", "One end, x and y in mm.").required(POINT, &mut self.from);
-        keys.key("to_mm", "The other end, x and y in mm.").required(POINT, &mut self.to);
+        if !random_keys(keys, &mut self.scatter) {
+            keys.key("from_mm", "One end, x and y in mm.").expected(POINT, &mut self.from);
+            keys.key("to_mm", "The other end, x and y in mm.").expected(POINT, &mut self.to);
+        }
         keys.key("thickness_mm", "Thickness in mm, half of it on either side; 0 if left out.")
             .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
         keys.key("height_mm", "Height above the floor in mm; 200 if left out.")
             .optional(Bounded(Quantity::size("height")), &mut self.height);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
         keys.key("surface", "How it reflects; as the world says if left out.").maybe(PART, &mut self.surface);
-        let is_point = keys.is_complete() && self.from == self.to;
+        let is_point = keys.is_complete() && self.from == self.to && self.scatter.is_none();
         if let Some((reader, section)) = keys.reading()
             && is_point
         {
@@ -244,4 +247,35 @@ impl Form for WallSpec {
             keys.refuse();
         }
     }
+}
+
+/// Declares the keys of a wall with a random place, its length and its layout; returns true if the wall has one.
+fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
+    let (mut length, mut scatter) = random.unzip();
+    let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
+    keys.mention(&["count"]);
+    if keys.reading().is_none() {
+        // A list repeats its entries before they are read.
+        keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
+            .maybe(0..=MOST_REPEATED, &mut None::<u32>);
+    }
+    if is_said || keys.reading().is_none() {
+        keys.key("length_mm", "Length in mm of a wall with a random place.")
+            .maybe(Bounded(Quantity::size("length")), &mut length);
+    }
+    keys.key("layout", "Random place, in place of both ends.").maybe(SCATTER, &mut scatter);
+    if !is_said {
+        return random.is_some();
+    }
+    *random = length.zip(scatter);
+    if let Some((reader, section)) = keys.reading() {
+        reader.exclude(section, "layout", &["from_mm", "to_mm"]);
+        if !section.has("length_mm") {
+            reader.missing(section, "length_mm");
+        }
+    }
+    if random.is_none() {
+        keys.refuse();
+    }
+    true
 }

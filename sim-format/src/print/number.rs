@@ -26,7 +26,7 @@ pub(crate) fn in_unit(quantity: &Quantity, si: f64) -> f64 {
 }
 
 /// Length in millimetres.
-pub(super) fn mm(metres: f64) -> f64 {
+pub(crate) fn mm(metres: f64) -> f64 {
     shortest(mm_from_metres(metres), |mm| metres_from_mm(mm) == metres)
 }
 

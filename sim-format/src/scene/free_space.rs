@@ -1,16 +1,16 @@
-//! Free positions for robots with a random start.
+//! Free positions for robots, objects and walls with a random place.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::spec::WorldSpec;
-use sim_core::RobotId;
-use sim_core::noise::{Purpose, Stream};
-use sim_core::pose::Pose;
+use crate::spec::{Scatter, WallSpec};
+use sim_core::noise::Stream;
+use sim_core::pose::{Heading, Pose};
 use sim_core::scene::{Bounds, Segment, Walls};
+use sim_core::unit::{metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Number of positions tried for one robot before the room counts as full.
+/// Number of positions tried for one body before the room counts as full.
 const TRIES: u32 = 2000;
 
 /// Smallest side of the cells of the disc index, in metres.
@@ -28,14 +28,14 @@ pub(crate) struct FreeSpace {
 }
 
 impl FreeSpace {
-    /// Free space of `world`, for discs with a radius of at most `widest`.
-    pub(crate) fn new(world: &WorldSpec, widest: f64) -> Self {
-        let thickness: Vec<f64> = world.walls.iter().map(|wall| wall.thickness).collect();
+    /// Free space between `walls` on a floor of this size, for discs with a radius of at most `widest`.
+    pub(crate) fn new<'w>(walls: impl Iterator<Item = &'w WallSpec> + Clone, floor: DVec2, widest: f64) -> Self {
+        let thickness: Vec<f64> = walls.clone().map(|wall| wall.thickness).collect();
         Self {
-            walls: Walls::new(world.walls.iter().map(|wall| Segment::new(wall.from, wall.to)).collect()),
+            walls: Walls::new(walls.map(|wall| Segment::new(wall.from, wall.to)).collect()),
             thickest: thickness.iter().copied().fold(0.0, f64::max),
             thickness,
-            floor: world.floor,
+            floor,
             cell: (2.0 * widest).max(MIN_CELL),
             discs: BTreeMap::new(),
         }
@@ -46,35 +46,48 @@ impl FreeSpace {
         self.discs.entry(self.cell_of(centre)).or_default().push((centre, radius));
     }
 
-    /// Places a disc at a random pose within `area` (default: the floor), at least `clearance` from walls and occupied discs, with
-    /// `heading` if given. Returns `None` if no pose is found.
-    ///
-    /// Random numbers come from the stream of `robot`, so they do not depend on the number of attempts for other robots.
-    pub(crate) fn place(
-        &mut self,
-        seed: u64,
-        robot: RobotId,
-        radius: f64,
-        (area, clearance, heading): (Option<[DVec2; 2]>, f64, Option<f64>),
-    ) -> Option<Pose> {
-        let [low, high] = area.unwrap_or([DVec2::ZERO, self.floor]);
+    /// Finds a random pose for a disc and marks it as occupied; `None` if there is no room.
+    pub(crate) fn place(&mut self, stream: &mut Stream, radius: f64, scatter: &Scatter) -> Option<Pose> {
+        let [low, high] = self.area(scatter);
         let (low, high) = (low + radius, high - radius);
         if low.cmpgt(high).any() {
             return None;
         }
-        let mut stream = Stream::new(seed, robot, Purpose::Layout, 0, 0);
         for _ in 0..TRIES {
-            let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
-            let turn = std::f64::consts::TAU * stream.unit();
-            if self.is_free(place, radius + clearance) {
+            let (place, turn) = draw(stream, low, high);
+            if self.is_free(place, radius + scatter.clearance) {
                 self.take(place, radius);
-                return Some(Pose::new(place.x, place.y, heading.unwrap_or(turn)));
+                return Some(Pose::new(place.x, place.y, scatter.heading.unwrap_or(turn)));
             }
         }
         None
     }
 
-    fn is_free(&self, centre: DVec2, radius: f64) -> bool {
+    /// Finds a random place for a wall; `added` are walls that have come since.
+    pub(crate) fn place_wall(
+        &self,
+        stream: &mut Stream,
+        (length, thickness): (f64, f64),
+        scatter: &Scatter,
+        added: &[WallSpec],
+    ) -> Option<Segment> {
+        let [low, high] = self.area(scatter);
+        for _ in 0..TRIES {
+            let (centre, turn) = draw(stream, low, high);
+            let half = 0.5 * length * Heading::new(scatter.heading.unwrap_or(turn)).direction();
+            let wall = Segment::new(whole_micrometres(centre - half), whole_micrometres(centre + half));
+            let bounds = wall.bounds();
+            let is_inside = bounds.min.cmpge(low).all() && bounds.max.cmple(high).all();
+            let gap = scatter.clearance + 0.5 * thickness;
+            if is_inside && self.is_wall_free(&wall, gap) && is_apart(&wall, gap, added) {
+                return Some(wall);
+            }
+        }
+        None
+    }
+
+    /// Returns true if a disc lies nowhere on walls and occupied discs.
+    pub(crate) fn is_free(&self, centre: DVec2, radius: f64) -> bool {
         let mut is_free = true;
         self.walls.for_each_in(Bounds::of_disc(centre, radius + 0.5 * self.thickest), |id, segment| {
             is_free &= segment.distance(centre) >= radius + 0.5 * self.thickness[id.0 as usize];
@@ -88,7 +101,48 @@ impl FreeSpace {
                 .all(|(other, reach)| centre.distance(*other) >= radius + reach)
     }
 
+    /// A wall has this gap to all discs and, unless the gap is only its own half thickness, to other walls.
+    fn is_wall_free(&self, wall: &Segment, gap: f64) -> bool {
+        let mut is_free = true;
+        self.walls.for_each_in(wall.bounds().grown(gap + 0.5 * self.thickest), |id, other| {
+            is_free &= distance(wall, other) >= gap + 0.5 * self.thickness[id.0 as usize];
+        });
+        is_free && self.discs.values().flatten().all(|(centre, reach)| wall.distance(*centre) >= gap + reach)
+    }
+
+    fn area(&self, scatter: &Scatter) -> [DVec2; 2] {
+        scatter.area.unwrap_or([DVec2::ZERO, self.floor])
+    }
+
     fn cell_of(&self, place: DVec2) -> (i64, i64) {
         ((place.x / self.cell).floor() as i64, (place.y / self.cell).floor() as i64)
     }
+}
+
+/// A random place and heading: whole micrometres and thousandths of a degree, which a text states exactly.
+fn draw(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
+    let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
+    let turn = (360_000.0 * stream.unit()).floor() / 1000.0;
+    (whole_micrometres(place), radians_from_degrees(turn))
+}
+
+fn whole_micrometres(place: DVec2) -> DVec2 {
+    let rounded = |metres: f64| metres_from_mm((mm_from_metres(metres) * 1000.0).round() / 1000.0);
+    DVec2::new(rounded(place.x), rounded(place.y))
+}
+
+fn is_apart(wall: &Segment, gap: f64, others: &[WallSpec]) -> bool {
+    let apart = |other: &WallSpec| distance(wall, &Segment::new(other.from, other.to)) >= gap + 0.5 * other.thickness;
+    others.iter().all(apart)
+}
+
+/// Distance between two walls' centre lines; 0 if they cross.
+fn distance(one: &Segment, other: &Segment) -> f64 {
+    let side = |of: &Segment, point: DVec2| (of.b - of.a).perp_dot(point - of.a);
+    let is_parted = |of: &Segment, ends: &Segment| side(of, ends.a) * side(of, ends.b) < 0.0;
+    if is_parted(one, other) && is_parted(other, one) {
+        return 0.0;
+    }
+    let ends = [one.distance(other.a), one.distance(other.b), other.distance(one.a), other.distance(one.b)];
+    ends.into_iter().fold(f64::INFINITY, f64::min)
 }

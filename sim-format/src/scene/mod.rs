@@ -3,8 +3,11 @@
 //! This module reads its text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables in
 //! files of their own.
 
+mod draw;
 mod drawing;
 mod free_space;
+mod labyrinth;
+mod reach;
 
 use std::collections::BTreeMap;
 
@@ -16,7 +19,9 @@ use super::set::Setting;
 use super::spec::{CostTable, RobotLine, SceneForm, SimSpec, StartRef};
 use super::table::{Reader, Section, has_top_key};
 use super::{Span, path};
+pub(super) use draw::Draw;
 pub(super) use free_space::FreeSpace;
+pub(super) use reach::is_reachable;
 use sim_core::RobotId;
 
 /// Suffix of file names that identifies a scene without reading its content.
@@ -42,17 +47,42 @@ pub(super) fn has_marks(text: &str) -> bool {
 /// Reads a scene, but none of the files that it refers to (see [`super::load_scene`]).
 ///
 /// Unknown keys give a warning; a value of the wrong type or out of range is an error.
+///
+/// Random values are drawn from the seed that the scene states.
 pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
-    read_scene_with(file, text, &[])
+    read_scene_with(file, text, &[], Draw::Seed(None, 0))
 }
 
-/// Reads a scene as [`read_scene`], with `settings` in place of values of its text.
-pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting]) -> (SimSpec, Vec<Diagnostic>) {
+/// Reads a scene as [`read_scene`], with `settings` in place of values of its text, and random values of this origin.
+pub(super) fn read_scene_with(
+    file: &str,
+    text: &str,
+    settings: &[Setting],
+    draw: Draw,
+) -> (SimSpec, Vec<Diagnostic>) {
     let (mut reader, mut root) = Reader::parse(file, text);
     reader.set(&mut root, settings);
-    let mut sim = SimSpec { file: file.to_owned(), form: SceneForm::Toml, ..SimSpec::default() };
-    reader.table(Section::root(&root), |keys| sim.keys(keys));
+    let texts = draw::Texts::default();
+    let document = reader.draw(root, draw, &texts);
+    let drawn = document.drawn;
+    let mut sim = SimSpec { file: file.to_owned(), form: SceneForm::Toml, drawn, ..SimSpec::default() };
+    reader.table(Section::root(&document.root), |keys| sim.keys(keys));
+    let paths = |list: &str| document.paths.get(list).cloned().unwrap_or_default();
+    let lines = sim.robots.iter_mut().map(|line| &mut line.path);
+    lines.zip(paths("robot")).for_each(|(path, known)| *path = known);
+    let lines = sim.objects.iter_mut().map(|line| &mut line.path);
+    lines.zip(paths("object")).for_each(|(path, known)| *path = known);
+    sim.wall_paths = paths("world.wall");
+    if let Some(world) = &mut sim.inline.world {
+        let lines = world.objects.iter_mut().map(|line| &mut line.path);
+        lines.zip(paths("world.object")).for_each(|(path, known)| *path = known);
+    }
     (sim, reader.sink.finish())
+}
+
+/// Greatest number of choices of one random value of a scene in TOML; 0 if the text has none.
+pub(super) fn choices(text: &str) -> usize {
+    draw::choices(&Reader::parse("", text).1)
 }
 
 /// Reads a cost table. The names of functions are not checked here.

@@ -24,7 +24,7 @@ fn keys(schema: &Value, known: &mut BTreeSet<String>) {
 #[test]
 fn the_pages_name_every_key() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    let pages = ["formats/scene.md", "formats/companion.md", "noise.md", "checks.md"];
+    let pages = ["formats/scene.md", "formats/companion.md", "noise.md", "checks.md", "faults.md"];
     let pages = pages.map(|page| fs::read_to_string(docs.join(page)).expect("a page")).concat();
     let words = |text: &str| text.split(|c: char| !(c.is_alphanumeric() || c == '_')).map(str::to_owned).collect();
     let quoted: BTreeSet<String> =

@@ -223,8 +223,14 @@ fn schema_and_reader_know_the_same_keys() {
         "event",
         "calls",
         "message",
+        "swarm\"\nof = \"groups",
+        "swarm\"\nof = \"coverage",
     ]
     .map(|kind| format!("[[check]]\nkind = \"{kind}\"\nzzz = 1"));
+    let faults = ["dies", "sensor_off", "sensor_stuck", "slip", "radio_off", "noise"]
+        .map(|kind| format!("[[fault]]\nkind = \"{kind}\"\nzzz = 1"));
+    let draws = ["uniform = [1, 2]", "normal = [1, 2]", "choice = [1]", "same_as = \"a\"", "random_maze = [1, 1]"]
+        .map(|draw| format!("[world]\nmaze = {{ {draw}, zzz = 1 }}"));
     let noise = |section: &str| format!("[scene.noise.{section}]\nzzz = 1");
     let function = |name| format!("[world.terrain]\nfunction = \"{name}\"\nzzz = 1");
     let cases: &[(&str, Vec<String>)] = &[
@@ -241,7 +247,16 @@ fn schema_and_reader_know_the_same_keys() {
         ("RadioNoiseForm", vec![noise("radio")]),
         ("RadioForm", vec!["[radio]\nzzz = 1".into()]),
         ("WorldForm", vec!["[world]\nfile = \"a.wld\"\nzzz = 1".into()]),
-        ("WallForm", vec!["[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into()]),
+        (
+            "WallForm",
+            vec![
+                "[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into(),
+                "[world]\nwall = [{ layout = \"random\", length_mm = 5, zzz = 1 }]".into(),
+            ],
+        ),
+        ("FaultForm", faults.to_vec()),
+        ("ReachableForm", vec!["[[reachable]]\nzzz = 1".into()]),
+        ("DrawForm", draws.to_vec()),
         ("StartForm", vec!["[world]\nstart = [{ x_mm = 0, y_mm = 0, zzz = 1 }]".into()]),
         ("SettingsForm", vec!["[settings]\nzzz = 1".into()]),
         ("RobotForm", vec!["[[robot]]\nzzz = 1".into()]),
@@ -302,7 +317,7 @@ fn schema_and_reader_know_the_same_keys() {
 fn the_examples_of_the_page_have_no_mistakes() {
     let page = fs::read_to_string(docs().join("scene.md")).expect("the page");
     let examples: Vec<&str> = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```\n").next()).collect();
-    assert_eq!(examples.len(), 2);
+    assert_eq!(examples.len(), 4);
     let world = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/empty.wld");
     let world = fs::read_to_string(world).expect("worlds/empty.wld");
     for example in examples {

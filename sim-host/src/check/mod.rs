@@ -72,6 +72,7 @@ pub fn results(
             x_m: verdict.place.map(|place| place[0]),
             y_m: verdict.place.map(|place| place[1]),
             value: verdict.value,
+            series: None,
             message: verdict.message,
         }
     };

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use sim_core::check::Finding;
 use sim_core::record::Obstacle;
-use sim_core::spec::{CheckKind, Counts, Place};
+use sim_core::spec::{CheckKind, Counts, Place, SwarmMetric};
 use sim_core::time::Time;
 use sim_core::unit;
 
@@ -118,6 +118,27 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             Some(_) => format!("{} only at {when}, not{}", percent(*share), by_text(*by)),
             None => format!("{}, not {}", percent(value), percent(*share)),
         },
+        CheckKind::Swarm { of, .. } => {
+            let number = |value: f64| match of {
+                SwarmMetric::Spread => mm(value),
+                SwarmMetric::Coverage { .. } => percent(value),
+                SwarmMetric::Order | SwarmMetric::Groups { .. } => format!("{}", (value * 1000.0).round() / 1000.0),
+            };
+            let limits = match kind {
+                CheckKind::Swarm { min: Some(min), max: None, .. } => format!("at least {}", number(*min)),
+                CheckKind::Swarm { min: None, max: Some(max), .. } => format!("at most {}", number(*max)),
+                CheckKind::Swarm { min: Some(min), max: Some(max), .. } => {
+                    format!("{} to {}", number(*min), number(*max))
+                }
+                _ => "any".to_owned(),
+            };
+            match (is_met, finding.value, finding.at) {
+                (true, ..) => format!("{} at the end", number(value)),
+                (_, None, _) => "it was never defined: no robot, or none that moved".to_owned(),
+                (_, _, Some(_)) => format!("not {limits} {}; {} at the end", at(finding), number(value)),
+                _ => format!("{} at the end, not {limits}", number(value)),
+            }
+        }
         CheckKind::OdometryError { at_end: true, .. } if is_met => format!("{} at the end", mm(value)),
         CheckKind::OdometryError { .. } if is_met => format!("at most {}", mm(value)),
         CheckKind::OdometryError { robot, max, at_end: true } => {

@@ -166,7 +166,7 @@ pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = with_looks(sim_format::load_scene_with(name, overrides, files), files, |_| ());
+    let mut loaded = with_looks(sim_format::check_scene(name, overrides, files), files, |_| ());
     // Only a warning, since EyeSim reads the file and places the robot nevertheless.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);

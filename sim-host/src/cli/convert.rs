@@ -25,6 +25,9 @@ pub struct ConvertArgs {
     /// File to write; its extension selects the format
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Seed with which random values of a scene are drawn; the written scene states it [default: that of the scene]
+    #[arg(long, value_name = "SEED", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub seed: Option<u64>,
     /// Replace existing files
     #[arg(long)]
     pub force: bool,
@@ -43,7 +46,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let to = rooted(&args.output).context("no working folder")?;
     let search = search_path(&files).context("no working folder")?;
     let told = |scene: &SceneSpec, robot: &RobotSpec| told_generation(&search, scene, robot);
-    let converted = convert_with(&files.name(&from), &slashed(&to), &files, &told);
+    let converted = convert_with(&files.name(&from), &slashed(&to), args.seed, &files, &told);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);

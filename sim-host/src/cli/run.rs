@@ -324,14 +324,15 @@ pub fn explain(finished: &Finished) {
     }
 }
 
-/// The command that shows in the window what led to the first failed check: the words of this run without its files of output, and the
+/// The command that shows in the window what led to the earliest failure of a check: the words of this run without its files of output, and the
 /// time a second before.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
     const OUTPUT: [&str; 9] =
         ["--report", "--trace", "--record", "--plot", "--frames", "--only", "--quiet", "-q", "--verbose"];
     const WITH_VALUE: usize = 6;
-    let at = report.checks.iter().filter(|check| !check.passed).find_map(|check| check.at_s)?;
+    let at =
+        report.checks.iter().filter(|check| !check.passed).filter_map(|check| check.at_s).min_by(f64::total_cmp)?;
     let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);
     let mut line = "to see it: eyesim view".to_owned();
     while let Some(word) = words.next() {

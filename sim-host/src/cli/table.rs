@@ -303,7 +303,7 @@ fn fold(line: &str, screen: TableScreen) -> String {
 fn outcome_style(outcome: Outcome) -> Style {
     match outcome {
         Outcome::Finished => Style::new().green(),
-        Outcome::Running | Outcome::NoProgram | Outcome::Removed => Style::new(),
+        Outcome::Running | Outcome::NoProgram | Outcome::Removed | Outcome::Halted => Style::new(),
         Outcome::Interrupted => Style::new().yellow(),
         Outcome::Waiting | Outcome::Failed | Outcome::Timeout => Style::new().red(),
     }
@@ -357,6 +357,7 @@ mod tests {
             digest: Digest([0xab; 32]),
             robots,
             objects: Vec::new(),
+            drawn: Vec::new(),
             checks: Vec::new(),
             points: 0.0,
             max_points: 0.0,

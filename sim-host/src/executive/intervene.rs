@@ -34,7 +34,7 @@ pub struct RunEffect {
     pub robots: Vec<RobotId>,
     /// The spawned robot, and true if it has a program.
     pub spawned: Option<(RobotId, bool)>,
-    /// The removed robot, whose program must exit.
+    /// The removed or halted robot, whose program must exit.
     pub removed: Option<RobotId>,
     /// The run ends.
     pub is_end: bool,
@@ -77,6 +77,7 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
             }
         }
         Action::End {} => Ok(ValidatedAction::End),
+        Action::Fault { action, .. } => validate(action, at, run, world),
         action => {
             let roster = run.spawner().roster().clone();
             let intervention = Intervention::validate(action, &mut Members(run), &roster, world)?;
@@ -113,6 +114,11 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
     match &intervention {
         Intervention::Press(id, _) => run.robot(*id).tasks.recheck_input(at),
         Intervention::RemoveRobot(id) => {
+            halt(&mut run.robot(*id), run.has_program(*id), at, &environment.world);
+            run.mark_removed(*id);
+            removed = Some(*id);
+        }
+        Intervention::HaltRobot(id) => {
             halt(&mut run.robot(*id), run.has_program(*id), at, &environment.world);
             run.mark_removed(*id);
             removed = Some(*id);

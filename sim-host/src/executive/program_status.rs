@@ -40,6 +40,11 @@ impl ProgramStatus {
         Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }
     }
 
+    /// Status of a robot that was halted while its program ran.
+    pub fn halted() -> Self {
+        Self { outcome: Outcome::Halted, reason: None, exit_code: None, fault: None }
+    }
+
     /// Status of a robot without a program.
     pub fn without_program() -> Self {
         Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use sim_core::check::Monitor;
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Outcome, Recorder};
-use sim_core::simulation::Simulation;
+use sim_core::simulation::{Faults, Simulation};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -45,6 +45,8 @@ pub struct Scheduler {
     stopping: Vec<(RobotId, Instant)>,
     /// All programs have been told to exit.
     has_requested_exit: bool,
+    /// Faults of the scene that are still to come.
+    faults: Faults,
 }
 
 /// State of a run after it was advanced.
@@ -74,6 +76,8 @@ pub struct RunParts {
     pub world: World,
     /// Evaluates the checks on motion.
     pub monitor: Option<Monitor>,
+    /// Faults of the scene.
+    pub faults: Faults,
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
     /// Their programs, in the same order; `None` for a robot without a program.
@@ -172,8 +176,9 @@ impl Scheduler {
     ///
     /// # Errors
     /// The system has no room for the robots' flows.
-    pub fn start(parts: RunParts, limits: &Limits) -> std::io::Result<Self> {
+    pub fn start(mut parts: RunParts, limits: &Limits) -> std::io::Result<Self> {
         let start = Instant::now();
+        let faults = std::mem::take(&mut parts.faults);
         let run = Run::new(parts, limits)?;
         run.executor().begin(run.notifier());
         let (broken, abandoned) = (Vec::new(), Vec::new());
@@ -185,6 +190,7 @@ impl Scheduler {
             abandoned,
             stopping: Vec::new(),
             has_requested_exit: false,
+            faults,
         };
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_requested_exit = true;
@@ -209,13 +215,44 @@ impl Scheduler {
     /// for [`Duration::ZERO`].
     pub fn advance_within(&mut self, time: Time, real: Duration) -> Progress {
         let deadline = Instant::now().checked_add(real);
+        loop {
+            let fault = self.carry_out_faults(time);
+            self.advance_slots(fault.unwrap_or(time), real, deadline);
+            let is_due = fault.is_some_and(|at| self.boundary().next.is_some_and(|next| at <= next));
+            if self.is_ending() {
+                return Progress::Over;
+            }
+            if !is_due || deadline.is_some_and(|deadline| deadline <= Instant::now()) {
+                return Progress::Paused;
+            }
+        }
+    }
+
+    /// Runs the slots that start before `time`, or until the calling thread has seen `deadline`.
+    fn advance_slots(&mut self, time: Time, real: Duration, deadline: Option<Instant>) {
         self.run.is_pausing.store(real.is_zero(), Ordering::Relaxed);
         let outcome = self.run.dispatcher.lock().advance(&self.run, time, deadline);
         self.run.resume(&outcome.resume);
         if !outcome.is_at_rest {
             self.supervise(deadline);
         }
-        if self.is_ending() { Progress::Over } else { Progress::Paused }
+    }
+
+    /// Carries out the faults of the slot with which the paused run goes on. Returns the start of the slot before `time` in which the next
+    /// fault happens. Faults do not keep a run going in which nothing else happens; one that cannot be carried out, such as of a removed
+    /// robot, is left out.
+    fn carry_out_faults(&mut self, time: Time) -> Option<Time> {
+        while let Some(at) = self.faults.next() {
+            let boundary = self.boundary();
+            let next = boundary.next?;
+            let start = at.floor_to(boundary.slot).max(boundary.following);
+            if start > next || start >= time {
+                return Some(start).filter(|start| *start < time);
+            }
+            let action = self.faults.pop().map(|(_, action)| action);
+            action.into_iter().for_each(|action| _ = self.act(start, &action));
+        }
+        None
     }
 
     /// Position of the paused run.
@@ -438,7 +475,7 @@ impl Scheduler {
             let broken = self.broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
             let status = match run.program(id) {
                 Some(_) if broken.is_none() && run.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
-                    ProgramStatus::removed()
+                    if robot.is_removed { ProgramStatus::removed() } else { ProgramStatus::halted() }
                 }
                 Some(program) => program_status::judge(&mut robot, &run_end, broken, program),
                 None => ProgramStatus::without_program(),

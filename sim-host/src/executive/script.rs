@@ -23,9 +23,11 @@ pub struct Script {
 }
 
 impl Script {
-    /// Creates a script of these actions, each carried out at the start of the slot that contains its time.
+    /// Creates a script of these actions, each carried out at the start of the slot that contains its time. Faults are left out: they
+    /// belong to the scene, and happen again by themselves.
     pub fn new(actions: impl IntoIterator<Item = (Time, Action)>) -> Self {
-        let mut actions: Vec<_> = actions.into_iter().collect();
+        let is_own = |(_, action): &(Time, Action)| !matches!(action, Action::Fault { .. });
+        let mut actions: Vec<_> = actions.into_iter().filter(is_own).collect();
         actions.sort_by_key(|(at, _)| *at);
         Self { actions: actions.into(), ..Self::default() }
     }

@@ -12,7 +12,7 @@ use sim_core::world::Lifetime;
 use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
 use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
-use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
+use crate::record::report::{DrawnReport, Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trail::BodyTrails;
 use crate::record::{Report, Trails};
 use crate::scenery::LazyScenery;
@@ -68,7 +68,7 @@ impl Finished {
 }
 
 /// Report of the run with these inputs.
-pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> Report {
+pub(super) fn report(settings: &Settings, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
     let spawner = ended.run.spawner();
     let world = ended.run.world();
     let added = |lifetime: Lifetime| (lifetime.since >= Time::ZERO).then(|| lifetime.since.seconds());
@@ -114,6 +114,11 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         digest: ended.digest,
         robots: spawner.roster().robots().iter().zip(&ended.robots).map(robot).collect(),
         objects: (1..).zip(spawner.roster().objects().iter().zip(&ended.objects)).map(object).collect(),
+        drawn: scene
+            .drawn
+            .iter()
+            .map(|drawn| DrawnReport { path: drawn.path.clone(), value: drawn.value.clone() })
+            .collect(),
         checks: Vec::new(),
         points: 0.0,
         max_points: 0.0,

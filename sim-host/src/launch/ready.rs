@@ -7,6 +7,7 @@ use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::check::Monitor;
 use sim_core::record::{Digest, KindSet, Record, Recorder};
+use sim_core::simulation::Faults;
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::unit;
@@ -125,6 +126,8 @@ impl Ready {
         let sinks: Sinks<'_> =
             [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(counts).chain(failures).collect();
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
+        let noise = |id: RobotId| robots.get(id.index()).map(|robot| robot.noise().clone()).unwrap_or_default();
+        let faults = Faults::new(&scene.faults, settings.seed, settings.until, noise);
         let limits = Limits {
             workers: options.worker_count(),
             until: settings.until,
@@ -136,6 +139,7 @@ impl Ready {
         let parts = RunParts {
             world,
             monitor,
+            faults,
             executor: Box::new(MixedExecutor::new(robots.len(), flows, limits.workers)),
             robots,
             programs,
@@ -229,11 +233,16 @@ impl Running {
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
             inputs.extend(new);
         }
-        let report = finished::report(&settings, &ended, inputs);
+        let report = finished::report(&settings, &scene, &ended, inputs);
         let checks = {
             let environment = ended.run.environment.read();
             let findings = environment.monitor().into_iter().flat_map(Monitor::findings);
-            verdicts::results(&scene.checks, findings, tally.as_ref().map(|tally| tally.lock()).as_deref(), &report)
+            let tally = tally.as_ref().map(|tally| tally.lock());
+            let mut checks = verdicts::results(&scene.checks, findings, tally.as_deref(), &report);
+            for (index, series) in environment.monitor().into_iter().flat_map(Monitor::series) {
+                checks[index].series = Some(series.to_vec());
+            }
+            checks
         };
         let report = report.with_checks(checks);
         Finished { settings, scene, scenery, ended, report }

@@ -376,6 +376,7 @@ mod tests {
             api: None,
             noise: None,
             dialect: None,
+            line: String::new(),
             span,
         };
         SceneSpec { robots: (0..3).map(robot).collect(), ..SceneSpec::default() }

@@ -273,6 +273,10 @@ impl Mcap {
             | Action::Type { .. }
             | Action::SetNoise { .. }
             | Action::SwitchSensor { .. }
+            | Action::HaltRobot { .. }
+            | Action::StickSensor { .. }
+            | Action::SwitchRadio { .. }
+            | Action::Fault { .. }
             | Action::End {} => {}
         }
         if deletions.is_empty() && entities.is_empty() {

@@ -41,6 +41,8 @@ pub struct Report {
     pub robots: Vec<RobotReport>,
     /// All movable objects in order of their ids.
     pub objects: Vec<ObjectReport>,
+    /// Values of the scene that were drawn from the seed, in the order of the file.
+    pub drawn: Vec<DrawnReport>,
     /// Results of the scene's checks, in the order of the file.
     pub checks: Vec<CheckReport>,
     /// Points of all checks together.
@@ -49,6 +51,15 @@ pub struct Report {
     /// Points for a run that passes all checks.
     #[serde(serialize_with = "finite")]
     pub max_points: f64,
+}
+
+/// A value of the scene that was drawn from the seed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrawnReport {
+    /// Path of the value in the scene, such as `robot.1.x_mm`.
+    pub path: String,
+    /// The value in the unit of its key: a number, a text, true or false, or a list or table of them.
+    pub value: serde_json::Value,
 }
 
 /// Result of a check.
@@ -74,6 +85,8 @@ pub struct CheckReport {
     pub y_m: Option<f64>,
     /// The measured quantity; none for a check without one.
     pub value: Option<f64>,
+    /// Instants, s, and values at which the metric of a swarm has changed; none for another check.
+    pub series: Option<Vec<[f64; 2]>>,
     /// The result in words.
     pub message: String,
 }
@@ -307,6 +320,7 @@ mod tests {
                 added_s: Some(1.0),
                 removed_s: None,
             }],
+            drawn: Vec::new(),
             checks: Vec::new(),
             points: 0.0,
             max_points: 0.0,
@@ -321,6 +335,7 @@ mod tests {
             x_m: Some(1.25),
             y_m: Some(0.83),
             value: Some(1.0),
+            series: None,
             message: "r1 touched a wall at 5.250 s at (1250, 830) mm (first)".into(),
         }])
     }

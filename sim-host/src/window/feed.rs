@@ -303,6 +303,26 @@ fn intervention(action: &serde_json::Value) -> String {
         "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
         "remove_object" => format!("a hand takes object {} away", number("object")),
         "end" => "a hand ends the run".to_owned(),
+        "fault" => format!("fault `{}`: {}", fields.text("name"), fault(&action["action"])),
+        other => describe_fields(other, action),
+    }
+}
+
+/// Description of what a fault does in words.
+fn fault(action: &serde_json::Value) -> String {
+    let fields = Fields(action);
+    let robot = fields.number("robot");
+    let is_on = action["on"] == true;
+    match action["do"].as_str().unwrap_or_default() {
+        "halt_robot" => format!("r{robot} dies"),
+        "switch_sensor" => {
+            format!("{} of r{robot} {}", fields.text("sensor"), if is_on { "works again" } else { "sees nothing" })
+        }
+        "stick_sensor" => {
+            format!("{} of r{robot} {}", fields.text("sensor"), if is_on { "sticks" } else { "works again" })
+        }
+        "switch_radio" => format!("the radio of r{robot} {}", if is_on { "works again" } else { "is silent" }),
+        "set_noise" => format!("{} of r{robot} is {}", fields.text("parameter"), fields.number("value")),
         other => describe_fields(other, action),
     }
 }

@@ -21,6 +21,8 @@ pub enum Outcome {
     Timeout,
     /// The robot has no program.
     NoProgram,
+    /// The robot died by a fault of the scene before its program ended.
+    Halted,
     /// The robot was removed from the world before its program ended.
     Removed,
 }
@@ -36,6 +38,7 @@ impl Outcome {
             Self::Failed => "failed",
             Self::Timeout => "timeout",
             Self::NoProgram => "no_program",
+            Self::Halted => "halted",
             Self::Removed => "removed",
         }
     }

@@ -1,13 +1,15 @@
 //! Steps of a run from the command line: open, build, start, advance, finish, with the output for the user.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
+use accuracy::study::{Figure, Mark, Scale, Series};
 use anyhow::{Context, bail};
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::pose::Pose;
-use sim_core::spec::SceneSpec;
+use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
 use sim_format::{Diagnostic, InputFile};
 
 use super::{RunArgs, Speed};
@@ -26,7 +28,7 @@ use crate::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, Run
 use crate::plot;
 use crate::record::log::{Filter, Pattern};
 use crate::record::report::Input;
-use crate::record::{Log, RecordError, Recorded, Sink, Trace, Trails};
+use crate::record::{Log, RecordError, Recorded, Report, Sink, Trace, Trails};
 use sim_core::RobotId;
 
 /// Opens the scene of the arguments and shows its diagnostics.
@@ -191,7 +193,8 @@ impl Ran {
             output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
         }
         let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
-            Ok(plot::write(&finished.drawing(&trails.lock()), path, None)?)
+            plot::write(&finished.drawing(&trails.lock()), path, None)?;
+            write_charts(&finished.report, &finished.scene, path)
         };
         let written = [
             args.report.as_ref().map(|path| Ok(finished.report.write(path)?)),
@@ -199,6 +202,36 @@ impl Ran {
         ];
         written.into_iter().flatten().collect()
     }
+}
+
+/// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: of `run.svg` as `run-NAME.svg`.
+fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
+    for (check, spec) in report.checks.iter().zip(&scene.checks) {
+        let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
+        // The value stays until it changes.
+        let ends = series.iter().skip(1).map(|[at, _]| *at).chain([report.sim_time_s]);
+        let points = series.iter().zip(ends).flat_map(|([at, value], end)| [(*at, *value), (end, *value)]).collect();
+        let label = match of {
+            SwarmMetric::Spread => "mean distance from the middle, m",
+            SwarmMetric::Order => "order",
+            SwarmMetric::Groups { .. } => "connected groups",
+            SwarmMetric::Coverage { .. } => "covered share",
+        };
+        let figure = Figure {
+            name: check.name.clone(),
+            title: format!("{}: {}", check.name, check.message),
+            x_label: "simulated time, s".to_owned(),
+            y_label: label.to_owned(),
+            x_scale: Scale::Linear,
+            y_scale: Scale::Linear,
+            series: vec![Series { name: check.name.clone(), mark: Mark::Line, points }],
+        };
+        let name: String = check.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let file = path.with_file_name(format!("{stem}-{name}.svg"));
+        std::fs::write(&file, plot::chart::to_svg(&figure)?).with_context(|| format!("`{}`", file.display()))?;
+    }
+    Ok(())
 }
 
 /// Pace and recorded interventions that the arguments ask for.

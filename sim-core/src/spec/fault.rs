@@ -1,0 +1,118 @@
+//! Faults on purpose: what goes wrong in a run of a scene. See `docs/faults.md`.
+
+use crate::RobotId;
+use crate::spec::Span;
+
+/// A fault of a robot, at an instant or at random ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultSpec {
+    /// Name, by which its random instants are drawn; unique in its scene.
+    pub name: String,
+    /// The robot.
+    pub robot: RobotId,
+    /// The fault itself.
+    pub kind: FaultKind,
+    /// Its instant.
+    pub when: FaultTime,
+    /// Its duration in seconds; `None`: up to the end of the run.
+    pub lasts: Option<f64>,
+    /// Place of its table in the file.
+    pub span: Span,
+}
+
+impl Default for FaultSpec {
+    fn default() -> Self {
+        let (name, kind, when) = (String::new(), FaultKind::default(), FaultTime::default());
+        Self { name, robot: RobotId(1), kind, when, lasts: None, span: Span::default() }
+    }
+}
+
+impl FaultSpec {
+    /// Its name, or the word of its kind.
+    pub fn title(&self) -> &str {
+        if self.name.is_empty() { self.kind.word() } else { &self.name }
+    }
+}
+
+/// Instants at which a fault begins, in seconds of simulated time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultTime {
+    /// Once, with a probability.
+    Once {
+        /// The instant.
+        at: f64,
+        /// Probability that it happens at all.
+        probability: f64,
+    },
+    /// Again and again, independently of all before (a Poisson process); not while it lasts.
+    Random {
+        /// Mean number in a minute without the fault; positive.
+        per_minute: f64,
+    },
+}
+
+impl Default for FaultTime {
+    fn default() -> Self {
+        Self::Once { at: 0.0, probability: 1.0 }
+    }
+}
+
+/// Kind of a fault.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum FaultKind {
+    /// The robot's program ends, its motors stop, its radio is silent; the body stays.
+    #[default]
+    Dies,
+    /// A sensor sees nothing.
+    SensorOff {
+        /// Name of the sensor.
+        sensor: String,
+    },
+    /// A range sensor repeats its last reading.
+    SensorStuck {
+        /// Name of the sensor.
+        sensor: String,
+    },
+    /// Wheels slip.
+    Slip {
+        /// Wheels that slip.
+        wheels: SlippingWheels,
+        /// Share of a wheel's way that is lost.
+        share: f64,
+    },
+    /// The radio neither is heard nor hears.
+    RadioOff,
+    /// A number of the noise models has another value.
+    Noise {
+        /// Table and key of the noise profile, such as `psd.sigma_mm`.
+        parameter: String,
+        /// Value in the profile's unit.
+        value: f64,
+    },
+}
+
+impl FaultKind {
+    /// Word for the kind in files.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Dies => "dies",
+            Self::SensorOff { .. } => "sensor_off",
+            Self::SensorStuck { .. } => "sensor_stuck",
+            Self::Slip { .. } => "slip",
+            Self::RadioOff => "radio_off",
+            Self::Noise { .. } => "noise",
+        }
+    }
+}
+
+/// Wheels that slip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SlippingWheels {
+    /// All wheels.
+    #[default]
+    All,
+    /// Those on the left.
+    Left,
+    /// Those on the right.
+    Right,
+}

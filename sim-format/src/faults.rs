@@ -1,0 +1,71 @@
+//! Validation of a scene's faults: robots, sensors and noise parameters that exist, unique names.
+
+use std::collections::BTreeMap;
+
+use sim_core::device::switch::{self, SensorId};
+use sim_core::noise::Profile;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Sink};
+use super::line;
+use super::spec::{FaultKind, RobiSpec, SceneSpec};
+
+/// Mistakes in the faults of a scene whose robots are known.
+pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
+    let mut sink = Sink::new(&scene.file);
+    let mut names: BTreeMap<&str, u32> = BTreeMap::new();
+    for fault in &scene.faults {
+        if let Some(line) = names.insert(fault.title(), fault.span.line) {
+            let message = format!("the fault of line {line} is named `{}`, too", fault.title());
+            sink.error(Code::FaultName, fault.span, message, "each `name` once: random instants are drawn by it");
+        }
+        let Some(robot) = scene.robots.iter().find(|robot| robot.id == fault.robot) else {
+            let message = format!("fault `{}` is one of {}, which the scene does not have", fault.title(), fault.robot);
+            let expected = format!("a number from 1 to {}", scene.robots.len());
+            sink.error(Code::FaultTarget, fault.span, message, expected);
+            continue;
+        };
+        let target = match &fault.kind {
+            FaultKind::SensorOff { sensor } => unknown_sensor(&robot.robi, sensor, |_| true),
+            FaultKind::SensorStuck { sensor } => {
+                unknown_sensor(&robot.robi, sensor, |kind| matches!(kind, SensorId::Range(_)))
+            }
+            FaultKind::Noise { parameter, value } => {
+                let error = Profile::default().set_parameter(parameter, *value).err();
+                let names =
+                    || Profile::default().parameters().into_iter().map(|known| known.name()).collect::<Vec<_>>();
+                error.map(|error| {
+                    let names = names();
+                    let close = line::nearest(parameter, names.iter().map(String::as_str)).map(str::to_owned);
+                    (
+                        error.to_string(),
+                        "a table and a key of docs/noise.md, and a value in its range".to_owned(),
+                        close,
+                    )
+                })
+            }
+            FaultKind::Dies | FaultKind::Slip { .. } | FaultKind::RadioOff => None,
+        };
+        if let Some((message, expected, close)) = target {
+            let close = close.map(|close| format!("write `{close}`"));
+            sink.error(Code::FaultTarget, fault.span, message, expected).suggestion = close;
+        }
+    }
+    sink.finish()
+}
+
+/// Message, expectation and most similar name if the robot has no such sensor.
+fn unknown_sensor(
+    robi: &RobiSpec,
+    name: &str,
+    is_meant: impl Fn(SensorId) -> bool,
+) -> Option<(String, String, Option<String>)> {
+    let known: Vec<&str> = switch::sensors(robi).filter(|(_, kind)| is_meant(*kind)).map(|(name, _)| name).collect();
+    if known.contains(&name) {
+        return None;
+    }
+    let message = format!("`{}` has no sensor `{name}` that this fault could concern", robi.name);
+    let list = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let expected = if known.is_empty() { "another fault: it has none".to_owned() } else { format!("one of {list}") };
+    Some((message, expected, line::nearest(name, known.into_iter()).map(str::to_owned)))
+}

@@ -1,0 +1,132 @@
+//! Faults on purpose.
+
+use super::check::NUMBER;
+use super::kind::{Bounded, TEXT, Word, Words};
+use super::{Form, Keys, Variant, Variants};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::spec::{FaultKind, FaultSpec, FaultTime, SlippingWheels};
+
+const DURATION: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
+
+impl Form for FaultSpec {
+    fn bare(&self) -> Self {
+        Self::KINDS[self.place()].2()
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("FaultForm", "A fault on purpose; docs/faults.md has an example of each kind.");
+        if !keys.variant(self) {
+            return;
+        }
+        keys.span(&mut self.span);
+        let mut name = (!self.name.is_empty()).then(|| self.name.clone());
+        keys.key("name", "Its name, by which random instants are drawn; the kind if left out.").maybe(TEXT, &mut name);
+        self.name = name.unwrap_or_default();
+        keys.key("robot", "Number of the robot; 1 if left out.").optional(NUMBER, &mut self.robot);
+        match &mut self.kind {
+            FaultKind::Dies | FaultKind::RadioOff => {}
+            FaultKind::SensorOff { sensor } => {
+                keys.key("sensor", "Name of the sensor, which then sees nothing.").required(TEXT, sensor);
+            }
+            FaultKind::SensorStuck { sensor } => {
+                keys.key("sensor", "Name of the PSD or other distance sensor, which then repeats its last reading.")
+                    .required(TEXT, sensor);
+            }
+            FaultKind::Slip { wheels, share } => {
+                keys.key("wheels", "Wheels that slip; all if left out.").optional(Word, wheels);
+                keys.key("slip_percent", "Share of a wheel's way that is lost, in percent; of one side at most 50.")
+                    .required(Bounded(Quantity::percent("slip", 0.0, 100.0)), share);
+                if let Some((reader, section)) = keys.reading()
+                    && *wheels != SlippingWheels::All
+                    && *share > 0.5
+                {
+                    let span = reader.value_span(section, "slip_percent");
+                    let message = "wheels of one side slip by more than 50 percent";
+                    reader.sink.error(Code::NumberRange, span, message, "a number from 0 to 50, or all wheels");
+                }
+            }
+            FaultKind::Noise { parameter, value } => {
+                keys.key("parameter", "Table and key of the noise profile, as `psd.sigma_mm`.")
+                    .required(TEXT, parameter);
+                keys.key("value", "Its value meanwhile, in the unit of the key.")
+                    .required(Quantity::number("value", -1e9, 1e9), value);
+            }
+        }
+        when_keys(keys, &mut self.when);
+        let is_end = matches!(self.kind, FaultKind::Dies);
+        if !is_end {
+            keys.key("for_s", "How long it lasts in seconds; up to the end of the run if left out.")
+                .maybe(DURATION, &mut self.lasts);
+        }
+    }
+}
+
+/// Declares the instants of a fault.
+fn when_keys(keys: &mut Keys<'_>, when: &mut FaultTime) {
+    let (mut at, mut probability, mut rate) = match *when {
+        FaultTime::Once { at, probability } => (Some(at), probability, None),
+        FaultTime::Random { per_minute } => (None, 1.0, Some(per_minute)),
+    };
+    if keys.reading().is_some() {
+        at = None;
+    }
+    keys.key("at_s", "Simulated seconds at which it begins.").maybe(DURATION, &mut at);
+    keys.key("probability", "Probability that it happens at all; 1 if left out.")
+        .optional(Bounded(Quantity::number("probability", 0.0, 1.0)), &mut probability);
+    keys.key("per_minute", "Mean number of times in a minute at which it begins, at random, in place of `at_s`.")
+        .maybe(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
+    let Some((reader, section)) = keys.reading() else { return };
+    if section.has("per_minute") {
+        let is_clean = reader.exclude(section, "per_minute", &["at_s", "probability"]);
+        match rate.filter(|_| is_clean) {
+            Some(per_minute) => *when = FaultTime::Random { per_minute },
+            None => keys.refuse(),
+        }
+        return;
+    }
+    if !section.has("at_s") {
+        let message = "a fault has no `at_s`";
+        let expected = "`at_s = ...` for one instant, or `per_minute = ...` for random ones";
+        reader.sink.error(Code::TomlMissing, section.span, message, expected);
+    }
+    match at {
+        Some(at) => *when = FaultTime::Once { at, probability },
+        None => keys.refuse(),
+    }
+}
+
+impl Variants for FaultSpec {
+    const KINDS: &'static [Variant<Self>] = &[
+        ("dies", "The robot's program ends, its motors stop, its radio is silent; its body stays.", || {
+            of(FaultKind::Dies)
+        }),
+        ("sensor_off", "A sensor sees nothing.", || of(FaultKind::SensorOff { sensor: String::new() })),
+        ("sensor_stuck", "A distance sensor repeats its last reading.", || {
+            of(FaultKind::SensorStuck { sensor: String::new() })
+        }),
+        ("slip", "Wheels slip.", || of(FaultKind::Slip { wheels: SlippingWheels::All, share: 0.0 })),
+        ("radio_off", "The radio neither is heard nor hears.", || of(FaultKind::RadioOff)),
+        ("noise", "A number of the noise models has another value.", || {
+            of(FaultKind::Noise { parameter: String::new(), value: 0.0 })
+        }),
+    ];
+
+    fn place(&self) -> usize {
+        Self::KINDS.iter().position(|(word, ..)| *word == self.kind.word()).unwrap_or_default()
+    }
+}
+
+fn of(kind: FaultKind) -> FaultSpec {
+    FaultSpec { kind, ..FaultSpec::default() }
+}
+
+impl Words for SlippingWheels {
+    const NAME: &'static str = "SlippingWheelsForm";
+    const ABOUT: &'static str = "Wheels that slip.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (SlippingWheels::All, "all", "All wheels."),
+        (SlippingWheels::Left, "left", "Those on the left."),
+        (SlippingWheels::Right, "right", "Those on the right."),
+    ];
+}

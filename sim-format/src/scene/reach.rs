@@ -1,0 +1,56 @@
+//! Reachability of places of a scene.
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+use super::FreeSpace;
+
+/// Share of the disc's width that a step of the grid is long.
+const STEP: f64 = 0.125;
+
+/// Greatest number of the grid's points along a side of the floor.
+const MOST: f64 = 2000.0;
+
+/// Returns true if a disc of this radius can move from the disc around `from` to the one around `to`, on a floor of this size, without
+/// touching anything else in `space`. `from` and `to` come with the distance at which they count as touched.
+///
+/// The way is searched on a grid of an eighth of the disc's width, at most 2000 steps along each side of the floor. A way that is found
+/// is free of contacts all along; one through gaps that are hardly wider than the disc may be missed.
+pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (DVec2, f64), to: (DVec2, f64)) -> bool {
+    let step = (2.0 * radius * STEP).max(floor.max_element() / MOST).max(1e-3);
+    let [columns, rows] = (floor / step).floor().to_array().map(|count| count as usize + 1);
+    // A disc that is free at both ends of a step with this radius is free with its own all along the step: of a convex obstacle, the
+    // point nearest to the step is at most half a step from one of the ends.
+    let wide = (radius * radius + 0.25 * step * step).sqrt();
+    let near = std::f64::consts::SQRT_2 * step;
+    let point = |node: usize| DVec2::new((node % columns) as f64, (node / columns) as f64) * step;
+    let mut is_seen = vec![false; columns * rows];
+    let mut queue = VecDeque::new();
+    for (node, is_seen) in is_seen.iter_mut().enumerate() {
+        let place = point(node);
+        if place.distance(from.0) <= from.1 + near && space.is_free(place, wide) {
+            *is_seen = true;
+            queue.push_back(node);
+        }
+    }
+    while let Some(node) = queue.pop_front() {
+        if point(node).distance(to.0) <= to.1 + near {
+            return true;
+        }
+        let (column, row) = (node % columns, node / columns);
+        let next = [
+            (column > 0).then(|| node - 1),
+            (column + 1 < columns).then(|| node + 1),
+            (row > 0).then(|| node - columns),
+            (row + 1 < rows).then(|| node + columns),
+        ];
+        for next in next.into_iter().flatten() {
+            if !is_seen[next] && space.is_free(point(next), wide) {
+                is_seen[next] = true;
+                queue.push_back(next);
+            }
+        }
+    }
+    false
+}
