@@ -218,7 +218,10 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let lines: Vec<&str> = printed.lines().filter(is_message).collect();
     let first = lines.first().copied().unwrap_or_default();
     // Behind the line that names the program comes the compiler's first message.
-    let is_error = |line: &&&str| ["error: ", "error[", "did you mean", "--> "].iter().any(|word| line.contains(word));
+    let is_error = |line: &&&str| {
+        let words = ["error: ", "error[", "did you mean", "--> "];
+        words.iter().any(|word| line.contains(word)) && !line.starts_with("collect2")
+    };
     let more = if ["not compile", "not link", "not build"].iter().any(|word| first.contains(word)) {
         lines[1..].iter().filter(is_error).take(if case.program == "mine" { 2 } else { 1 }).copied().collect()
     } else {
