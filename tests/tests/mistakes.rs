@@ -1,0 +1,270 @@
+//! docs/mistakes.md shows the first lines that beginners see after each of their usual mistakes, in every language.
+//!
+//! `INSTA_UPDATE=always` renews the page.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::process::Command;
+
+use tests::{Scratch, eyesim_path, root};
+
+/// A mistake in one language.
+struct Case {
+    /// What it is, the same in all languages.
+    mistake: &'static str,
+    /// The program: `mine.c`, `mine.cpp`, `mine.py`, or `mine` for the package in Rust.
+    program: &'static str,
+    /// Text of the program, or of its statements in Rust.
+    text: &'static str,
+    /// The line of the robot, if it is not `S4 500 500 0 PROGRAM`.
+    robot: Option<&'static str>,
+}
+
+const fn case(mistake: &'static str, program: &'static str, text: &'static str) -> Case {
+    Case { mistake, program, text, robot: None }
+}
+
+const CASES: &[Case] = &[
+    case(
+        "a function misspelt",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraigt(100, 100);\n  return 0;\n}\n",
+    ),
+    case("a function misspelt", "mine.cpp", "#include \"eyebot.h\"\nint main()\n{\n  VWStraigt(100, 100);\n}\n"),
+    case("a function misspelt", "mine.py", "from eye import *\nVWStraigt(100, 100)\n"),
+    case("a function misspelt", "mine", "robot.drive()?.straigt(0.1.metres(), 0.1.metres_per_second())?.wait()?;"),
+    case("`eyebot.h` or `eye` not included", "mine.c", "int main(void)\n{\n  VWStraight(100, 100);\n  return 0;\n}\n"),
+    case("`eyebot.h` or `eye` not included", "mine.cpp", "int main()\n{\n  VWStraight(100, 100);\n}\n"),
+    case("`eyebot.h` or `eye` not included", "mine.py", "VWStraight(100, 100)\n"),
+    case("the header or module misspelt", "mine.c", "#include \"eyebott.h\"\nint main(void)\n{\n  return 0;\n}\n"),
+    case("the header or module misspelt", "mine.py", "from eyes import *\n"),
+    case(
+        "a semicolon or colon missing",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100, 100)\n  return 0;\n}\n",
+    ),
+    case(
+        "a semicolon or colon missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  VWStraight(100, 100)\n}\n",
+    ),
+    case("a semicolon or colon missing", "mine.py", "from eye import *\nwhile True\n    OSWait(100)\n"),
+    case("a semicolon or colon missing", "mine", "let near = 0.3.metres()\n    let far = near;"),
+    case("a loop without an end", "mine.c", "int main(void)\n{\n  while (1)\n    ;\n}\n"),
+    case("a loop without an end", "mine.py", "while True:\n    pass\n"),
+    case(
+        "a loop without an end",
+        "mine",
+        "let mut n = 0_u64;\n    while std::hint::black_box(n) < u64::MAX {\n        n += 1;\n    }",
+    ),
+    case(
+        "division by a variable that is 0",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int parts = LCDClear();\n  LCDPrintf(\"%d\\n\", 100 / parts);\n  return 0;\n}\n",
+    ),
+    case("division by a variable that is 0", "mine.py", "from eye import *\nparts = LCDClear()\nprint(100 // parts)\n"),
+    case(
+        "division by a variable that is 0",
+        "mine",
+        "let parts = std::env::args().count() - std::env::args().count();\n    println!(\"{}\", 100 / parts);",
+    ),
+    case(
+        "division by a number that is 0",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int parts = 0;\n  LCDPrintf(\"%d\\n\", 100 / parts);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text too long for its array",
+        "mine.c",
+        "#include <stdio.h>\n#include <string.h>\nint main(int argc, char **argv)\n{\n  char name[4];\n  strcpy(name, argv[0]);\n  strcat(name, \"a name that is too long\");\n  puts(name);\n  return 0;\n}\n",
+    ),
+    case("an index beyond the array", "mine.py", "distances = [0] * 4\ndistances[4] = 1\n"),
+    case(
+        "an index beyond the array",
+        "mine",
+        "let distances = vec![0; 4];\n    let last = distances.len();\n    println!(\"{}\", distances[last]);",
+    ),
+    case(
+        "freed twice",
+        "mine.c",
+        "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  char *map = malloc(100);\n  sprintf(map, \"a map\");\n  puts(map);\n  free(map);\n  free(map);\n  return 0;\n}\n",
+    ),
+    case(
+        "nothing there to read",
+        "mine.c",
+        "#include <stdio.h>\nint main(void)\n{\n  int n = -1;\n  scanf(\"%d\", &n);\n  printf(\"read %d\\n\", n);\n  return 0;\n}\n",
+    ),
+    case("nothing there to read", "mine.py", "n = int(input())\n"),
+    case(
+        "a file that is not there",
+        "mine.c",
+        "#include <stdio.h>\nint main(void)\n{\n  char line[80];\n  FILE *map = fopen(\"map.txt\", \"r\");\n  fgets(line, 80, map);\n  return 0;\n}\n",
+    ),
+    case("a file that is not there", "mine.py", "print(open(\"map.txt\").read())\n"),
+    case(
+        "a sensor that the robot has not",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet(9);\n}\n",
+    ),
+    case("a sensor that the robot has not", "mine.py", "from eye import *\nPSDGet(9)\n"),
+    Case {
+        mistake: "a robot that there is not",
+        program: "mine.c",
+        text: "int main(void) { return 0; }\n",
+        robot: Some("S5 500 500 0 mine.c"),
+    },
+    Case {
+        mistake: "a name with a blank",
+        program: "my robot.c",
+        text: "int main(void) { return 0; }\n",
+        robot: Some("S4 500 500 0 my robot.c"),
+    },
+    Case {
+        mistake: "the case of a name",
+        program: "mine.c",
+        text: "int main(void) { return 0; }\n",
+        robot: Some("S4 500 500 0 Mine.c"),
+    },
+    Case {
+        mistake: "the file is not there",
+        program: "mine.c",
+        text: "int main(void) { return 0; }\n",
+        robot: Some("S4 500 500 0 min.c"),
+    },
+    case(
+        "a drive without a wait",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWTurn(90, 90);\n  VWStraight(100, 100);\n  return 0;\n}\n",
+    ),
+    case("a drive without a wait", "mine.py", "from eye import *\nVWTurn(90, 90)\nVWStraight(100, 100)\n"),
+    case(
+        "0.3 cut to 0",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(1000, 0.3);\n  return 0;\n}\n",
+    ),
+    case("0.3 cut to 0", "mine.py", "from eye import *\nVWStraight(1000, 0.3)\n"),
+    case(
+        "functions of both generations",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWStraight(100, 100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a function that calls itself for ever",
+        "mine.c",
+        "int deep(int n)\n{\n  return deep(n + 1) + n;\n}\n\nint main(void)\n{\n  return deep(0);\n}\n",
+    ),
+    case("a function that calls itself for ever", "mine.py", "def deep(n):\n    return deep(n + 1) + n\n\n\ndeep(0)\n"),
+    case(
+        "a variable without a value",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int speed;\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case("a variable without a value", "mine.py", "from eye import *\nVWSetSpeed(speed, 0)\n"),
+    case("a variable without a value", "mine", "let speed: i32;\n    println!(\"{speed}\");"),
+    case(
+        "lines from Windows",
+        "mine.c",
+        "#include <stdio.h>\r\nint main(void)\r\n{\r\n  printf(\"runs\\n\");\r\n  return 0;\r\n}\r\n",
+    ),
+    case(
+        "text without an end of line",
+        "mine.c",
+        "#include <stdio.h>\nint main(void)\n{\n  printf(\"shown\");\n  return 0;\n}\n",
+    ),
+];
+
+/// Name and version of a tool, without the last number: `gcc 12`, `Python 3.11`.
+fn version(tool: &str) -> String {
+    let output = Command::new(tool).arg("--version").output().expect("the tool runs");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let line = text.lines().next().unwrap_or_default();
+    let name = if tool == "cc" && !line.contains("clang") { "gcc" } else { line.split(' ').next().unwrap_or_default() };
+    let number = line.rsplit(' ').next().unwrap_or_default();
+    let kept = if name == "Python" { 2 } else { 1 };
+    format!("{name} {}", number.split('.').take(kept).collect::<Vec<_>>().join("."))
+}
+
+/// The program that `text` stands for, in the folder of a run.
+fn write(scratch: &Scratch, case: &Case) {
+    if case.program != "mine" {
+        scratch.write(case.program, case.text);
+        return;
+    }
+    if !scratch.path().join("mine").exists() {
+        let ran = scratch.eyesim(&["new", "mine", "--lang", "rust"]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+    }
+    let head = "use robios_api::prelude::*;\n\nrobios_api::program!(main);\n\nfn main(robot: &Robot) -> Result {\n    let _ = robot;\n";
+    scratch.write("mine/src/lib.rs", &format!("{head}    {}\n    Ok(())\n}}\n", case.text));
+}
+
+/// The first lines that a run shows: those up to the one that names a place in the program or the scene, if there is such a line.
+fn first_lines(scratch: &Scratch, case: &Case) -> String {
+    let robot = case.robot.map_or(format!("S4 500 500 0 {}", case.program), str::to_owned);
+    scratch.write("scene.sim", &format!("world %sim%/worlds/empty.wld\n{robot}\n"));
+    write(scratch, case);
+    // Both streams into one pipe, as on a terminal.
+    let line = format!("'{}' run scene.sim --timeout 0.5 2>&1", eyesim_path().display());
+    let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.path()).output().expect("sh runs");
+    let folder = scratch.path().display().to_string();
+    let printed = String::from_utf8_lossy(&output.stdout).replace(&folder, "FOLDER");
+    // Not the note on the generation, the table's head and robot, and what a traceback has above its last line.
+    let is_message = |line: &&str| {
+        let note = line.contains(": RoBIOS-7 (") || line.contains(", as the sim file is; ");
+        let table = line.trim().is_empty() || line.starts_with("robot ") || line.starts_with("r1 S4");
+        let traceback = line.contains("s] Traceback") || line.contains(" s]   ") || line.contains(": In function");
+        !note && !table && !traceback
+    };
+    let lines: Vec<&str> = printed.lines().filter(is_message).collect();
+    let first = lines.first().copied().unwrap_or_default();
+    // Behind the line that names the program comes the compiler's first message.
+    let is_error = |line: &&&str| {
+        let words = ["error: ", "error[", "did you mean", "--> "];
+        words.iter().any(|word| line.contains(word)) && !line.starts_with("collect2")
+    };
+    let more = if ["not compile", "not link", "not build"].iter().any(|word| first.contains(word)) {
+        lines[1..].iter().filter(is_error).take(if case.program == "mine" { 2 } else { 1 }).copied().collect()
+    } else {
+        Vec::new()
+    };
+    [vec![first], more].concat().join("\n")
+}
+
+#[test]
+fn the_page_shows_what_beginners_see() {
+    let tools = format!("{} and {}", version("cc"), version("python3"));
+    let mut page = format!(
+        "# Mistakes of beginners\n\nFirst lines that `eyesim run` shows after a usual mistake, in each language where it can be made, with \
+         {tools}.\n`tests/tests/mistakes.rs` has the programs and compares; `INSTA_UPDATE=always` renews this page. `FOLDER` stands for \
+         the\nfolder of the scene.\n"
+    );
+    let rust = Scratch::new();
+    let mut last = "";
+    for case in CASES {
+        let own = Scratch::new();
+        let scratch = if case.program == "mine" { &rust } else { &own };
+        if case.mistake != last {
+            write!(page, "\n## {}{}\n", case.mistake[..1].to_uppercase(), &case.mistake[1..]).expect("a string");
+            last = case.mistake;
+        }
+        let language = match case.program {
+            "mine" => "Rust",
+            program if program.ends_with(".cpp") => "C++",
+            program if program.ends_with(".py") => "Python",
+            _ => "C",
+        };
+        let lines = first_lines(scratch, case);
+        assert!(!lines.is_empty(), "{} in {language} says nothing", case.mistake);
+        write!(page, "\n{language}:\n\n```text\n{lines}\n```\n").expect("a string");
+    }
+    let path = root().join("docs/mistakes.md");
+    if std::env::var("INSTA_UPDATE").is_ok_and(|value| value == "always") {
+        fs::write(&path, &page).expect("the page is writable");
+    }
+    let committed = fs::read_to_string(path).expect("the page");
+    if !committed.contains(&tools) {
+        println!("not compared: the page was made with other tools than {tools}");
+        return;
+    }
+    assert_eq!(committed, page, "INSTA_UPDATE=always renews docs/mistakes.md");
+}
