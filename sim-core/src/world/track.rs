@@ -35,8 +35,8 @@ pub(super) struct Track {
     bounds: Bounds,
     /// The body has been at rest throughout the published history.
     is_resting: bool,
-    /// Spare buffer for the next publication.
-    spare: Vec<Passage>,
+    /// Spare buffers for the next publications.
+    spares: Vec<Vec<Passage>>,
 }
 
 impl Track {
@@ -52,7 +52,7 @@ impl Track {
             revision: motion.revision(),
             bounds: Bounds::EMPTY,
             is_resting: false,
-            spare: Vec::new(),
+            spares: Vec::new(),
         }
     }
 
@@ -84,10 +84,10 @@ impl Track {
 
     /// Publishes the plan of `motion` for the slot from `since` to `until`.
     pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
-        let mut passages = std::mem::take(&mut self.spare);
+        let mut passages = self.spares.pop().unwrap_or_default();
         motion.passages(since, until, &mut passages);
         if passages == self.passages() {
-            self.spare = passages;
+            self.spares.push(passages);
             return;
         }
         self.is_resting = false;
@@ -98,7 +98,7 @@ impl Track {
             && passages[0].since() == last.passages[0].since()
         {
             // The plan is the same with a later end, so its past is unchanged.
-            self.spare = std::mem::replace(&mut last.passages, passages);
+            self.spares.push(std::mem::replace(&mut last.passages, passages));
         } else {
             self.revision = motion.revision();
             last.past = passages_bounds(&last.passages, last.since.max(since - HISTORY), since);
@@ -131,7 +131,7 @@ impl Track {
             return;
         }
         while self.publications.len() > 1 && self.publications[1].since <= from {
-            self.spare = self.publications.pop_front().expect("more than one publication").passages;
+            self.spares.push(self.publications.pop_front().expect("more than one publication").passages);
         }
         let last = self.publications.back().expect("a track has a publication");
         let in_force = from.max(last.since);
