@@ -67,5 +67,5 @@ fn unknown_sensor(
     let message = format!("`{}` has no sensor `{name}` that this fault could concern", robi.name);
     let list = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let expected = if known.is_empty() { "another fault: it has none".to_owned() } else { format!("one of {list}") };
-    Some((message, expected, line::nearest(name, known.into_iter()).map(str::to_owned)))
+    Some((message, expected, line::nearest(name, known).map(str::to_owned)))
 }
