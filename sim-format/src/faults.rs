@@ -32,10 +32,9 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
             }
             FaultKind::Noise { parameter, value } => {
                 let error = Profile::default().set_parameter(parameter, *value).err();
-                let names =
-                    || Profile::default().parameters().into_iter().map(|known| known.name()).collect::<Vec<_>>();
                 error.map(|error| {
-                    let names = names();
+                    let known = Profile::default().parameters();
+                    let names: Vec<String> = known.into_iter().map(|known| known.name()).collect();
                     let close = line::nearest(parameter, names.iter().map(String::as_str)).map(str::to_owned);
                     (
                         error.to_string(),
@@ -67,5 +66,5 @@ fn unknown_sensor(
     let message = format!("`{}` has no sensor `{name}` that this fault could concern", robi.name);
     let list = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let expected = if known.is_empty() { "another fault: it has none".to_owned() } else { format!("one of {list}") };
-    Some((message, expected, line::nearest(name, known.into_iter()).map(str::to_owned)))
+    Some((message, expected, line::nearest(name, known).map(str::to_owned)))
 }

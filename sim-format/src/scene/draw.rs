@@ -132,6 +132,13 @@ impl Reader {
     }
 }
 
+/// The `id` that an entry of a list states.
+fn id_of(item: &DeValue<'_>) -> Option<i64> {
+    let DeValue::Table(table) = item else { return None };
+    let DeValue::Integer(digits) = get(table, "id")?.get_ref() else { return None };
+    i64::from_str_radix(digits.as_str(), digits.radix()).ok()
+}
+
 /// The seed that a scene states.
 fn seed_of(root: &DeTable<'_>) -> Option<u64> {
     let DeValue::Table(scene) = get(root, "scene")?.get_ref() else { return None };
@@ -187,7 +194,9 @@ impl<'i> Artist<'_, 'i> {
         let mut result = DeArray::new();
         let mut names = BTreeSet::new();
         let is_list = LISTS.contains(&path);
-        for (index, item) in items.into_iter().enumerate() {
+        let given: BTreeSet<i64> = items.iter().filter_map(|item| id_of(item.get_ref())).collect();
+        let mut free = (1..).filter(|number| !given.contains(number));
+        for item in items {
             let name = match item.get_ref() {
                 DeValue::Table(table) => get(table, "name").and_then(|name| name.get_ref().as_str()),
                 _ => None,
@@ -197,7 +206,9 @@ impl<'i> Artist<'_, 'i> {
                 let message = format!("a second `{path}` is named `{name}`");
                 self.reader.sink.error(Code::SceneName, span, message, "each name once");
             }
-            let own = join(path, &name.map_or_else(|| (index + 1).to_string(), str::to_owned));
+            // The next free number is counted also by entries with a name.
+            let number = id_of(item.get_ref()).or_else(|| free.next()).unwrap_or_default();
+            let own = join(path, &name.map_or_else(|| number.to_string(), str::to_owned));
             match self.repetitions(&item, path, &own) {
                 None => {
                     self.paths.entry(path.to_owned()).or_default().push(own.clone());
