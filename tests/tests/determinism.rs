@@ -9,6 +9,22 @@ use tests::{Scratch, eyesim_path, write_crowd};
 const AVOID: &str = "%sim%/example-programs/avoid";
 const AVOID_C: &str = "%sim%/example-programs/avoid-c/avoid.c";
 
+/// Drives about without looking.
+const BUMP_C: &str = r#"
+#include "eyebot.h"
+int main(void)
+{
+  VWHandle vw = VWInit(VW_DRIVE, 1);
+  int turn = 0;
+
+  for (;;) {
+    VWSetSpeed(vw, turn % 4 == 3 ? -0.2 : 0.3, turn % 3 - 1.0);
+    turn += VWStalled(vw) ? 1 : OSMachineID() % 5 == 0;
+    OSWait(20);
+  }
+}
+"#;
+
 /// Runs `crowd.sim` of `scratch` with `binary` and returns the run's digest.
 fn digest_with(binary: &Path, scratch: &Scratch, args: &[&str]) -> String {
     let mut command = Command::new(binary);
@@ -58,11 +74,12 @@ fn c_programs_with_random_numbers_give_the_same_digest_on_one_thread_and_two() {
 #[test]
 fn the_end_of_a_slot_gives_the_same_digest_on_any_number_of_workers() {
     let scratch = Scratch::new();
+    scratch.write("bump.c", BUMP_C);
     // So many that loops over the robots are shared among the workers, and so dense that robots collide and block each other.
     let mut sim = String::from("world crowd.wld\n");
     for index in 0..160 {
         let (x, y) = (400 * (index % 16) + 300, 400 * (index / 16) + 300);
-        sim += &format!("robi %sim%/robis/ring.robi {AVOID_C} {x} {y} {}\n", index * 137 % 360);
+        sim += &format!("robi %sim%/robis/ring.robi bump.c {x} {y} {}\n", index * 137 % 360);
     }
     scratch.write("crowd.sim", &sim);
     scratch.write("crowd.wld", "floor 6600 4200\n0 0 6600 0\n6600 0 6600 4200\n6600 4200 0 4200\n0 4200 0 0\n");
