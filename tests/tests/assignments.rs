@@ -49,7 +49,8 @@ fn submission(scratch: &Scratch, suite: &str, path: &Path) {
     assert!(rows.len() >= 6, "{name}");
     for row in rows {
         assert_eq!(row["outcome"], outcome, "{name}: {row:#}");
-        let is_failure = |robot: &Value| !["finished", "running"].contains(&robot["outcome"].as_str().expect("an outcome"));
+        let is_failure =
+            |robot: &Value| !["finished", "running"].contains(&robot["outcome"].as_str().expect("an outcome"));
         let has_failed = row["robots"].as_array().expect("robots").iter().any(is_failure);
         assert_eq!(has_failed, expected == "failed", "{name}: {row:#}");
         let failed: BTreeSet<&str> = row["checks"]
