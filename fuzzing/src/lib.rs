@@ -1,7 +1,7 @@
 //! Invariants that every reader must keep for any input.
 //!
 //! Each [`Target`] passes one input to one reader and panics when the reader does, or when the reader's result breaks an invariant:
-//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. `turn` is the
+//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. `pack` reads archives, `turn` is the
 //! host's side of the channel of a robot's process. The fuzz
 //! targets in `fuzz/` only call these functions; normal tests call them with the committed inputs. This crate generates no inputs
 //! and reads no files.
@@ -42,6 +42,8 @@ pub const TARGETS: &[Target] = &[
     Target::new("noise", reader::noise),
     Target::new("mesh", reader::mesh),
     Target::new("load_scene", reader::load_scene),
+    Target::new("suite", reader::suite),
+    Target::new("pack", reader::pack),
     Target::new("turn", turn::turn),
 ];
 

@@ -3,7 +3,9 @@
 use glam::DVec3;
 use sim_core::build::MeshSource;
 use sim_core::spec::{ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
+use sim_format::suite::{MAX_CASES, SuiteSpec, read_suite};
 use sim_format::{Diagnostic, MeshReader};
+use sim_host::pack::Pack;
 
 use crate::archive::Archive;
 use crate::text::Lines;
@@ -58,6 +60,34 @@ pub fn scene(input: &[u8]) {
     let (sim, diagnostics) = sim_format::read_scene("a.scene.toml", &content);
     text::check(&content, &diagnostics);
     spec::sim(&sim, &Lines::new(&content));
+}
+
+/// A suite: its cases are those of the matrix, and its text is read again as the same suite.
+pub fn suite(input: &[u8]) {
+    let (content, _) = sim_format::decode(input);
+    let (suite, diagnostics) = read_suite("a.suite.toml", &content);
+    text::check(&content, &diagnostics);
+    assert!((0.0..=1.0).contains(&suite.pass_rate));
+    if sim_format::has_errors(&diagnostics) {
+        return;
+    }
+    let axes = suite.matrix.axes();
+    let cases = suite.matrix.cases();
+    assert!(!cases.is_empty() && cases.len() as u64 <= suite.matrix.count().min(MAX_CASES));
+    for case in cases.iter().take(100) {
+        assert!(case.len() == axes.len() && case.iter().zip(&axes).all(|(index, axis)| *index < axis.values.len()));
+        SuiteSpec::settings(&axes, case);
+        suite.arguments(&axes, case);
+    }
+}
+
+/// An archive: its files have names that lead nowhere else.
+pub fn pack(input: &[u8]) {
+    let Ok(pack) = Pack::read(input) else { return };
+    assert!(pack.files.contains_key(&pack.manifest.main));
+    for path in pack.files.keys() {
+        assert!(!path.starts_with('/') && path.split('/').all(|part| !["", ".", ".."].contains(&part)), "{path}");
+    }
 }
 
 pub fn costs(input: &[u8]) {

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use sim_core::build::MeshSource;
+use sim_format::suite::load_suite;
 use sim_format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene,
-    load_world, suite::load_suite,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, load_world,
 };
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or

@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use sim_format::{FileError, Files};
 
@@ -17,6 +18,14 @@ const MAX_MEBIBYTES: u64 = 256;
 const MAX_TEXT_MEBIBYTES: u64 = 16;
 /// Extensions of text files.
 const TEXTS: [&str; 7] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml"];
+
+/// The installation of an archive that this process has opened.
+static OF_ARCHIVE: OnceLock<PathBuf> = OnceLock::new();
+
+/// Lets [`DiskFiles::of_environment`] have the installation in `home`, for a process that runs an archive.
+pub fn use_home(home: &Path) {
+    OF_ARCHIVE.get_or_init(|| home.to_owned());
+}
 
 /// Real files, relative to the working folder.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +41,9 @@ impl DiskFiles {
     /// Files with the installation that [`HOME_VARIABLE`] names; else the folder above the running binary that contains
     /// `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
     pub fn of_environment() -> Self {
+        if let Some(home) = OF_ARCHIVE.get() {
+            return Self::with_home(home);
+        }
         let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
         let home = named.or_else(above_binary).or_else(checkout);
         Self { home: home.map(|home| slashed(&home)), ..Self::default() }

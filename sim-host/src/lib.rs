@@ -30,6 +30,7 @@ pub mod cli;
 pub mod executive;
 pub mod files;
 pub mod launch;
+pub mod pack;
 pub mod plot;
 pub mod program;
 pub mod record;

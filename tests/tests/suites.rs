@@ -148,7 +148,7 @@ fn wrong_suites_are_told() {
         ("until_s = 60", "arguments = [\"{kp}\"]", "suite-parameter"),
         ("scene = \"room.scene.toml\"", "scene = \"hall.scene.toml\"", "file-missing"),
         ("scene = \"room.scene.toml\"\n", "", "toml-missing"),
-        ("at_mm = [500, 500]", "at_mm = [500, 500]\nrobot = 7", "check-body"),
+        ("within_mm = 100", "within_mm = 100\nrobot = 7", "check-body"),
         ("seed = \"1..3\"", "seed = 1\nset = { \"robot[4].x_mm\" = [1] }", "set-path"),
         ("seed = \"1..3\"", "seed = 1\nset = { \"robot[0].xmm\" = [1] }", "toml-key"),
         ("[suite]", "[suit]", "toml-missing"),

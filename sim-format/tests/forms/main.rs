@@ -12,6 +12,7 @@ use sim_core::radio::{Medium, RadioModel};
 use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
+use sim_format::suite::{print_suite, read_suite, suite_schema};
 use sim_format::{
     Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion,
     read_robi, read_scene,
@@ -175,6 +176,27 @@ fn the_schema_of_the_docs_is_that_of_the_code() {
     }
     let committed = fs::read_to_string(&path).unwrap_or_default();
     assert_eq!(committed, scene_schema(), "write it anew with INSTA_UPDATE=always, or with `eyesim schema`");
+}
+
+#[test]
+fn the_schema_of_suites_is_that_of_the_code_and_suites_print_as_they_were_read() {
+    let path = docs().join("suite.schema.json");
+    if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
+        fs::write(&path, suite_schema()).expect("the schema is written");
+    }
+    let committed = fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(committed, suite_schema(), "write it anew with INSTA_UPDATE=always, or with `eyesim schema suite`");
+    let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/suite/all.suite.toml");
+    let (suite, diagnostics) = read_suite("a.suite.toml", &fs::read_to_string(seed).expect("a suite"));
+    assert_eq!(diagnostics, []);
+    let printed = print_suite(&suite);
+    let (mut again, diagnostics) = read_suite("a.suite.toml", &printed);
+    assert_eq!(diagnostics, [], "{printed}");
+    assert_eq!(again.matrix.cases(), suite.matrix.cases());
+    assert_eq!(print_suite(&again), printed);
+    // Only places in the text differ.
+    again.checks.clone_from(&suite.checks);
+    assert_eq!((again.keys, again.arguments, again.limits), (suite.keys, suite.arguments, suite.limits));
 }
 
 /// Keys of a type in the schema, over all its variants.

@@ -183,7 +183,7 @@ fn check_robi(name: &str, files: &dyn Files) -> Loaded {
 }
 
 /// Adds the diagnostics of the meshes and images of a scene, and of those that `others` reads.
-fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
+pub(super) fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
     let mut reader = MeshReader::new(files);
     let SceneSpec { world, robots, objects, .. } = &loaded.scene;
     drop(reader.floor(world));

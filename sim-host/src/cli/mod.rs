@@ -28,6 +28,7 @@ pub mod explain;
 mod lsp;
 pub mod new;
 pub mod output;
+pub mod pack;
 pub mod plot;
 pub mod progress;
 #[cfg(feature = "window")]
@@ -92,6 +93,8 @@ enum Command {
     Shot(Box<shot::ShotArgs>),
     /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),
+    /// Write a scene or a suite with all that its runs read into an archive, which run, view and test open
+    Pack(pack::PackArgs),
     /// Print the JSON schema of scenes or suites in TOML, from which editors complete
     Schema(convert::SchemaArgs),
     /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
@@ -120,7 +123,8 @@ enum Command {
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
-        Command::Run(args) => run::run(&args),
+        Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
+        Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
         #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),

@@ -12,13 +12,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use serde::Serialize;
 use sim_format::suite::is_suite;
 
 use super::check::walk;
 use super::output::{check_outputs, given};
+use super::pack::{self, is_archive};
 use super::progress::Building;
 use super::run::report_diagnostics;
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
@@ -121,9 +122,17 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let selection = args.select.as_deref().map(Selection::parse).transpose().context("-k")?;
     let paths = find_suites(&args.suites)?;
+    let mut unpacked = None;
     let mut runs = Vec::new();
     for path in &paths {
-        let suite = Suite::open(path, args.programs.clone());
+        let suite = if is_archive(path) {
+            // Both would have an installation of their own.
+            ensure!(paths.len() == 1, "an archive is run alone, not with other suites");
+            let archive = unpacked.insert(pack::unpack(path)?);
+            Suite::open(&archive.main(), pack::programs(archive, &args.programs)?)
+        } else {
+            Suite::open(path, args.programs.clone())
+        };
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
         let cases = suite.cases().map_err(anyhow::Error::msg).with_context(|| format!("`{}`", path.display()))?;
         runs.push(SuiteRun { suite, cases, results: BTreeMap::new(), variants: Vec::new() });
@@ -198,6 +207,10 @@ fn builder(is_quiet: bool) -> anyhow::Result<Builder> {
 fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for path in paths {
+        if is_archive(path) {
+            found.push(path.clone());
+            continue;
+        }
         if !path.is_dir() {
             let text = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
             if !is_suite(&slashed(path), &sim_format::decode(&text).0) {

@@ -20,6 +20,7 @@ use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Win
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
+use super::pack::open_for_run;
 use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
 use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
@@ -86,7 +87,8 @@ const NAP: Duration = Duration::from_millis(20);
 ///
 /// # Errors
 /// If files or arguments are wrong, or the port is taken.
-pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
+pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
+    let _unpacked = open_for_run(&mut args.run)?;
     ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
     if let Speed::Factor(factor) = args.run.speed {
         ensure!(

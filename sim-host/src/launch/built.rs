@@ -11,6 +11,7 @@ use super::{Error, Options};
 use crate::executive::load::{ProgramLoadError, load_programs, place_of};
 use crate::executive::program::Place;
 use crate::executive::spawn::{RobotOptions, Spawner};
+use crate::program::find::ProgramSource;
 use crate::program::load::Loader;
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
@@ -31,6 +32,11 @@ impl BuiltScene {
     /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
+    }
+
+    /// Sources of its programs.
+    pub fn sources(&self) -> impl Iterator<Item = &ProgramSource> {
+        self.programs.iter().map(|program| &program.source)
     }
 
     /// Messages for the user about the programs: notes of the search, output of the compiler, warnings about the guarantee of equal runs.

@@ -1,0 +1,333 @@
+//! Archives: a scene or a suite in one file, with everything that its runs read.
+//!
+//! An archive is a zip file with `eyesim-pack.json`, the [`Manifest`], and the folder `files`. [`Pack::read`] refuses archives whose entries
+//! would be written anywhere else, or are more than an archive of eyesim has.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Cursor, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+/// Name of the manifest in the archive.
+const MANIFEST: &str = "eyesim-pack.json";
+/// Folder of the files in the archive.
+const FILES: &str = "files/";
+/// Version of the manifest.
+const SCHEMA: u32 = 1;
+/// Most entries of an archive.
+const MOST_ENTRIES: usize = 10_000;
+/// Most bytes of all files together.
+const MOST_BYTES: u64 = 512 << 20;
+/// Longest name of an entry, in bytes.
+const MOST_NAME: usize = 1024;
+
+/// Contents of an archive: what its files are.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the manifest.
+    pub schema: u32,
+    /// Version of eyesim that wrote it.
+    pub eyesim_version: String,
+    /// Path of the scene or suite.
+    pub main: String,
+    /// Folder that stands for the installation (`%sim%`), if files of it are in the archive.
+    pub home: Option<String>,
+    /// Seed in place of that of the scene.
+    pub seed: Option<u64>,
+    /// Programs in place of those of the scene: the beginning of the option `--program`, such as `1=`, and the path.
+    pub programs: Vec<(String, String)>,
+}
+
+/// An archive: its manifest, and its files by their paths with slashes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pack {
+    /// What the files are.
+    pub manifest: Manifest,
+    /// Contents of the files.
+    pub files: BTreeMap<String, Vec<u8>>,
+}
+
+/// Reasons why an archive is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum PackError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is no zip file, or a broken one.
+    #[error("it is no archive that can be read: {0}")]
+    Zip(#[from] ZipError),
+    /// It has no manifest.
+    #[error("it was not written by `eyesim pack`: it has no `{MANIFEST}`")]
+    NoManifest,
+    /// The manifest cannot be read.
+    #[error("`{MANIFEST}` cannot be read: {0}")]
+    Manifest(#[from] serde_json::Error),
+    /// The manifest is of another version.
+    #[error("it was written by eyesim {version}, whose archives this eyesim cannot read")]
+    Schema {
+        /// Version of eyesim that wrote it.
+        version: String,
+    },
+    /// An entry would be written outside of the folder, or is no plain file.
+    #[error("the entry `{name}` {what}")]
+    Entry {
+        /// Name of the entry, with unprintable characters escaped.
+        name: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// Two entries have one name.
+    #[error("two of its entries have one name")]
+    Twice,
+    /// There are too many entries.
+    #[error("it has {0} entries, at most {MOST_ENTRIES} are read")]
+    Entries(usize),
+    /// The files are too large together.
+    #[error("its files have more than {} MiB", MOST_BYTES >> 20)]
+    Size,
+    /// A file that the manifest names is missing.
+    #[error("`{0}`, which the manifest names, is not in it")]
+    Missing(String),
+}
+
+/// An archive that has been unpacked; removed when dropped.
+#[derive(Debug)]
+pub struct Unpacked {
+    folder: tempfile::TempDir,
+    manifest: Manifest,
+}
+
+impl Manifest {
+    /// The manifest of this version of eyesim for the scene or suite `main`.
+    pub fn new(main: String) -> Self {
+        let eyesim_version = env!("CARGO_PKG_VERSION").to_owned();
+        Self { schema: SCHEMA, eyesim_version, main, home: None, seed: None, programs: Vec::new() }
+    }
+}
+
+impl Pack {
+    /// Bytes of the archive: equal for equal contents.
+    ///
+    /// # Errors
+    /// The files are too large, or have names that no archive may have.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, PackError> {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default());
+        writer.start_file(MANIFEST, options)?;
+        writer.write_all(&serde_json::to_vec_pretty(&self.manifest)?)?;
+        for (name, bytes) in &self.files {
+            check_path(name)?;
+            writer.start_file(format!("{FILES}{name}"), options)?;
+            writer.write_all(bytes)?;
+        }
+        Ok(writer.finish()?.into_inner())
+    }
+
+    /// Reads an archive.
+    ///
+    /// # Errors
+    /// [`PackError`]; nothing of such an archive is used.
+    pub fn read(bytes: &[u8]) -> Result<Self, PackError> {
+        let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+        if archive.len() > MOST_ENTRIES {
+            return Err(PackError::Entries(archive.len()));
+        }
+        // The reader keeps the last of several entries of one name.
+        if count_of_entries(bytes).is_some_and(|count| count != archive.len()) {
+            return Err(PackError::Twice);
+        }
+        let (mut manifest, mut files, mut left) = (None, BTreeMap::new(), MOST_BYTES);
+        for index in 0..archive.len() {
+            let mut file = archive.by_index(index)?;
+            let name = file.name().to_owned();
+            if file.is_symlink()
+                || file.unix_mode().is_some_and(|mode| !matches!(mode & 0o170_000, 0 | 0o100_000 | 0o040_000))
+            {
+                return Err(entry(&name, "is a link or a device, which an archive of eyesim has not"));
+            }
+            let path = if name == MANIFEST { None } else { Some(path_of(&name)?) };
+            if file.is_dir() {
+                continue;
+            }
+            let mut content = Vec::new();
+            let read = file.by_ref().take(left + 1).read_to_end(&mut content)? as u64;
+            left = left.checked_sub(read).ok_or(PackError::Size)?;
+            match path {
+                None => manifest = Some(serde_json::from_slice::<Manifest>(&content)?),
+                Some(path) => {
+                    if files.insert(path, content).is_some() {
+                        return Err(PackError::Twice);
+                    }
+                }
+            }
+        }
+        let manifest = manifest.ok_or(PackError::NoManifest)?;
+        if manifest.schema != SCHEMA {
+            return Err(PackError::Schema { version: manifest.eyesim_version });
+        }
+        let named = manifest.programs.iter().map(|(_, path)| path).chain([&manifest.main]);
+        if let Some(missing) = named.into_iter().find(|path| !files.contains_key(*path)) {
+            return Err(PackError::Missing(missing.clone()));
+        }
+        manifest.home.as_deref().filter(|home| !home.is_empty()).map_or(Ok(()), check_path)?;
+        // A file in place of a folder would be found only when the files are written.
+        for path in files.keys() {
+            let mut above = path.as_str();
+            while let Some((folder, _)) = above.rsplit_once('/') {
+                if files.contains_key(folder) {
+                    return Err(entry(folder, "is a file and a folder"));
+                }
+                above = folder;
+            }
+        }
+        Ok(Self { manifest, files })
+    }
+
+    /// Writes the files into a new temporary folder.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn unpack(self) -> io::Result<Unpacked> {
+        let folder = tempfile::Builder::new().prefix("eyesim-pack-").tempdir()?;
+        for (name, bytes) in &self.files {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap_or(folder.path()))?;
+            fs::write(path, bytes)?;
+        }
+        Ok(Unpacked { folder, manifest: self.manifest })
+    }
+}
+
+impl Unpacked {
+    /// What the files are.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Place of a file of the archive.
+    pub fn place(&self, path: &str) -> PathBuf {
+        self.folder.path().join(path)
+    }
+
+    /// The scene or suite.
+    pub fn main(&self) -> PathBuf {
+        self.place(&self.manifest.main)
+    }
+
+    /// The folder of the files.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Path of an entry within the folder of files.
+fn path_of(name: &str) -> Result<String, PackError> {
+    let path = name.strip_prefix(FILES).ok_or_else(|| entry(name, "lies outside of the folder `files`"))?;
+    let path = path.strip_suffix('/').unwrap_or(path);
+    if !path.is_empty() {
+        check_path(path).map_err(|_| entry(name, "has a name that leads elsewhere"))?;
+    }
+    Ok(path.to_owned())
+}
+
+/// Refuses paths with parts that are no names.
+fn check_path(path: &str) -> Result<(), PackError> {
+    let is_name = |part: &str| !part.is_empty() && part != "." && part != "..";
+    let is_plain = path.len() <= MOST_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
+    if is_plain { Ok(()) } else { Err(entry(path, "has a name that leads elsewhere")) }
+}
+
+fn entry(name: &str, what: &'static str) -> PackError {
+    PackError::Entry { name: name.chars().take(200).flat_map(char::escape_debug).collect(), what }
+}
+
+/// Number of entries as the end of the archive states it; `None` if it states none, or more than a short number.
+fn count_of_entries(bytes: &[u8]) -> Option<usize> {
+    const SIGNATURE: [u8; 4] = *b"PK\x05\x06";
+    let at = bytes.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE)?;
+    let count = bytes.get(at + 10..at + 12)?;
+    let count = u16::from_le_bytes([count[0], count[1]]);
+    (count != u16::MAX).then_some(usize::from(count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pack() -> Pack {
+        let files = [("a/x.scene.toml", "[world]"), ("b.c", "int main() {}")];
+        let files = files.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+        Pack { manifest: Manifest::new("a/x.scene.toml".into()), files: files.into_iter().collect() }
+    }
+
+    /// An archive with a manifest and these entries.
+    fn zip_of(entries: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        let manifest = serde_json::to_vec(&pack().manifest).expect("JSON");
+        let own: [(&str, &[u8]); 2] = [(MANIFEST, &manifest), ("files/a/x.scene.toml", b"[world]")];
+        for (name, bytes) in own.iter().chain(entries) {
+            writer.start_file(*name, SimpleFileOptions::default()).expect("an entry");
+            writer.write_all(bytes).expect("bytes");
+        }
+        writer.finish().expect("an archive").into_inner()
+    }
+
+    #[test]
+    fn an_archive_is_read_as_it_was_written() {
+        let bytes = pack().to_bytes().expect("an archive");
+        assert_eq!(Pack::read(&bytes).expect("an archive"), pack());
+        assert_eq!(pack().to_bytes().expect("an archive"), bytes);
+        let unpacked = pack().unpack().expect("files");
+        assert_eq!(fs::read_to_string(unpacked.main()).expect("a file"), "[world]");
+    }
+
+    #[test]
+    fn archives_that_would_write_elsewhere_are_refused() {
+        for name in
+            ["../x", "files/../../x", "/etc/x", "files//etc/x", "files/a/../x", "files/c:x", "files/a\\..\\x", "x"]
+        {
+            let error = Pack::read(&zip_of(&[(name, b"x")])).expect_err(name).to_string();
+            assert!(error.contains("the entry"), "{error}");
+        }
+        let error = Pack::read(&zip_of(&[("files/a", b"x")])).expect_err("a file and a folder").to_string();
+        assert!(error.contains("a file and a folder"), "{error}");
+    }
+
+    #[test]
+    fn links_bombs_and_other_files_are_refused() {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        writer.add_symlink("files/a", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
+        let bytes = writer.finish().expect("an archive").into_inner();
+        assert!(Pack::read(&bytes).expect_err("a link").to_string().contains("is a link"));
+        // Zeros are compressed to a thousandth.
+        let zeros = vec![0; 64 << 20];
+        let entries: Vec<(String, &[u8])> = (0..9).map(|index| (format!("files/{index}"), &zeros[..])).collect();
+        let entries: Vec<(&str, &[u8])> = entries.iter().map(|(name, bytes)| (name.as_str(), *bytes)).collect();
+        let bomb = zip_of(&entries);
+        assert!(bomb.len() < 4 << 20, "{}", bomb.len());
+        assert!(matches!(Pack::read(&bomb), Err(PackError::Size)));
+        assert!(matches!(Pack::read(b""), Err(PackError::Zip(_))));
+        assert!(matches!(Pack::read(b"PK\x05\x06"), Err(PackError::Zip(_))));
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        writer.start_file("files/a", SimpleFileOptions::default()).expect("an entry");
+        let bytes = writer.finish().expect("an archive").into_inner();
+        assert!(matches!(Pack::read(&bytes), Err(PackError::NoManifest)));
+    }
+
+    #[test]
+    fn entries_of_one_name_are_refused() {
+        // The name of the second one is changed to that of the first after writing.
+        let mut bytes = zip_of(&[("files/p", b"1"), ("files/q", b"2")]);
+        while let Some(at) = bytes.windows(7).position(|window| window == b"files/q") {
+            bytes[at + 6] = b'p';
+        }
+        assert!(Pack::read(&bytes).is_err());
+    }
+}

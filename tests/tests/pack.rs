@@ -1,0 +1,109 @@
+//! Archives: the same digests elsewhere, without the files that were packed; archives that cannot be trusted.
+
+use serde_json::Value;
+use tests::{Scratch, root};
+
+/// Folder `course/` with a scene, its world, a program with a header, a suite, and a robi.
+fn course() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write(
+        "course/worlds/room.wld",
+        "floor 3000 2000\n0 0 3000 0\n3000 0 3000 2000\n3000 2000 0 2000\n0 2000 0 0\n",
+    );
+    scratch.write(
+        "course/lab/lab.scene.toml",
+        "[world]\nfile = \"../worlds/room.wld\"\n\n[[robot]]\ntype = \"S4\"\nprogram = \"drive.c\"\nx_mm = 500\ny_mm = 500\n",
+    );
+    scratch.write("course/lab/lib/way.h", "#define WAY 700\n");
+    let program =
+        "#include \"eyebot.h\"\n#include \"lib/way.h\"\nint main() { VWStraight(WAY, 200); VWWait(); return 0; }\n";
+    scratch.write("course/lab/drive.c", program);
+    scratch.write("mine/other.c", &program.replace("#include \"lib/way.h\"\n", "").replace("WAY", "300"));
+    scratch.write(
+        "course/lab/lab.suite.toml",
+        "[suite]\nscene = \"lab.scene.toml\"\n[matrix]\nnoise = [\"none\", \"mild\"]\nseed = \"1..3\"\n\
+         [[check]]\nkind = \"reach\"\nat_mm = [1200, 500]\nwithin_mm = 60\n",
+    );
+    scratch
+}
+
+fn report(scratch: &Scratch, args: &[&str]) -> Value {
+    let ran = scratch.eyesim(&[args, &["--report", "r.json"]].concat());
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    serde_json::from_str(&scratch.read("r.json")).expect("a report")
+}
+
+/// A folder with nothing but this file of `from`.
+fn elsewhere(from: &Scratch, name: &str) -> Scratch {
+    let scratch = Scratch::new();
+    std::fs::copy(from.path().join(name), scratch.path().join(name)).expect("a copy");
+    scratch
+}
+
+#[test]
+fn a_packed_scene_has_the_same_digest_elsewhere() {
+    let course = course();
+    let program = "1=mine/other.c";
+    for programs in [&[][..], &["--program", program]] {
+        let scene = ["run", "course/lab/lab.scene.toml", "--seed", "7", "--noise", "real"];
+        let there = report(&course, &[&scene, programs].concat());
+        let pack = ["pack", "course/lab/lab.scene.toml", "-o", "lab.zip", "--seed", "7"];
+        let packed = course.eyesim(&[&pack, programs].concat());
+        assert_eq!(packed.code, Some(0), "{packed:#?}");
+        let here = report(&elsewhere(&course, "lab.zip"), &["run", "lab.zip", "--noise", "real"]);
+        assert_eq!(here["digest"], there["digest"]);
+        assert_eq!(here["seed"], 7);
+    }
+}
+
+#[test]
+fn a_packed_suite_has_the_same_rows_elsewhere() {
+    let course = course();
+    let there = report(&course, &["test", "course/lab/lab.suite.toml"]);
+    assert_eq!(course.eyesim(&["pack", "course/lab/lab.suite.toml", "-o", "lab.zip"]).code, Some(0));
+    let here = report(&elsewhere(&course, "lab.zip"), &["test", "lab.zip"]);
+    let digests = |report: &Value| -> Vec<Value> {
+        report["suites"][0]["rows"].as_array().expect("rows").iter().map(|row| row["digest"].clone()).collect()
+    };
+    assert_eq!(digests(&here), digests(&there));
+    assert_eq!(digests(&here).len(), 6);
+    // No file is left of the archive and of the processes.
+    let temporary = tempfile::tempdir().expect("a folder");
+    let other = elsewhere(&course, "lab.zip");
+    let ran =
+        other.command(&["test", "lab.zip", "-q"]).env("TMPDIR", temporary.path()).status().expect("eyesim starts");
+    assert!(ran.success());
+    let left: Vec<_> = std::fs::read_dir(temporary.path()).expect("a folder").flatten().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn a_scene_of_the_repository_is_packed_with_its_files() {
+    let scratch = Scratch::new();
+    let scene = root().canonicalize().expect("the root").join("sims/park.sim");
+    let scene = scene.to_str().expect("plain text");
+    let there = report(&scratch, &["run", scene]);
+    assert_eq!(scratch.eyesim(&["pack", scene, "-o", "park.zip"]).code, Some(0));
+    let other = elsewhere(&scratch, "park.zip");
+    assert_eq!(report(&other, &["run", "park.zip"])["digest"], there["digest"]);
+}
+
+#[test]
+fn what_cannot_be_packed_or_opened_is_told() {
+    let course = course();
+    let told = |args: &[&str], part: &str| {
+        let ran = course.eyesim(args);
+        assert_eq!(ran.code, Some(2), "{ran:#?}");
+        assert!(ran.stderr.contains(part), "{part}: {ran:#?}");
+    };
+    told(&["pack", "course/lab/lab.scene.toml", "-o", "lab.tar"], "ends in .zip");
+    let world = course.path().join("course/worlds/room.wld");
+    let text =
+        course.read("course/lab/lab.scene.toml").replace("../worlds/room.wld", world.to_str().expect("plain text"));
+    course.write("course/lab/absolute.scene.toml", &text);
+    told(&["pack", "course/lab/absolute.scene.toml", "-o", "a.zip"], "absolute path");
+    course.write("broken.zip", "PK\x03\x04 and no more");
+    told(&["run", "broken.zip"], "no archive");
+    told(&["test", "broken.zip"], "no archive");
+    told(&["run", "nowhere.zip"], "nowhere.zip");
+}
