@@ -90,8 +90,8 @@ fn hash_lanes<S: Simd>(simd: S, messages: &[&[u8]; LANES]) -> [[u8; 32]; LANES] 
         }
         value = compress(simd, value, &words, lens, flags);
         let mut is_any_done = false;
-        for lane in 0..LANES {
-            is_any_done |= block + 1 == blocks[lane];
+        for &count in &blocks {
+            is_any_done |= block + 1 == count;
         }
         if is_any_done {
             for place in 0..8 {
