@@ -25,11 +25,16 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
 
     for &(origin, direction, range) in rays {
         let mut found = Vec::new();
-        moving.along_ray(origin, direction, range, |id| found.push(id));
+        moving.along_ray(origin, direction, range, |id| {
+            found.push(id);
+            f64::INFINITY
+        });
         found.sort();
         for (id, bounds) in &sorted {
             let times = found.iter().filter(|&other| other == id).count();
-            let (must, may) = [-1e-9, 1e-9].map(|margin| meets(bounds, origin, direction, range, margin)).into();
+            // Bodies that the ray misses by less than their size may be visited, too.
+            let size = (bounds.max - bounds.min).length();
+            let (must, may) = [-1e-9, 1e-9 + size].map(|margin| meets(bounds, origin, direction, range, margin)).into();
             assert!(
                 times <= usize::from(may) && times >= usize::from(must),
                 "{id} {times} times on the ray from {origin} along {direction}, {range} m: {bounds:?}"
