@@ -43,6 +43,7 @@ fn moving(criterion: &mut Criterion) {
             for &(origin, direction) in &rays {
                 index.along_ray(origin, direction, 2.0, |id| {
                     black_box(id);
+                    2.0
                 });
             }
         });

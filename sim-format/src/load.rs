@@ -211,11 +211,8 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     };
     let is_toml = path::extension(path) == "toml";
     let Overrides { seed, dialect, maze_cell, settings } = overrides;
-    let (mut sim, diagnostics) = if is_toml {
-        read_scene_with(path, &text, settings, Draw::Seed(seed, attempt))
-    } else {
-        read_sim(path, &text)
-    };
+    let (mut sim, diagnostics) =
+        if is_toml { read_scene_with(path, &text, settings, Draw::Seed(seed, attempt)) } else { read_sim(path, &text) };
     let own = sim.clone();
     loader.diagnostics.extend(diagnostics);
     if !is_toml && !settings.is_empty() {

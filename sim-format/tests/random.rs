@@ -12,7 +12,7 @@ fn files(text: &str) -> MemoryFiles {
     [("a.scene.toml", text)].into_iter().collect()
 }
 
-fn with_seed(seed: u64) -> Overrides {
+fn with_seed(seed: u64) -> Overrides<'static> {
     Overrides { seed: Some(seed), ..Overrides::default() }
 }
 

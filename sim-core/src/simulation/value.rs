@@ -87,7 +87,17 @@ impl Simulation {
         robots.iter_mut().for_each(|robot| robot.now = now);
         let acted = robots.iter().map(|robot| robot.id).collect();
         let (roster, factory) = (Arc::new(roster), Arc::new(factory));
-        Self { environment, robots, acted, now, visuals: None, roster, factory, spare: Vec::new(), faults: Faults::default() }
+        Self {
+            environment,
+            robots,
+            acted,
+            now,
+            visuals: None,
+            roster,
+            factory,
+            spare: Vec::new(),
+            faults: Faults::default(),
+        }
     }
 
     /// Present time of all robots.

@@ -54,12 +54,7 @@ pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
 }
 
 /// Reads a scene as [`read_scene`], with `settings` in place of values of its text, and random values of this origin.
-pub(super) fn read_scene_with(
-    file: &str,
-    text: &str,
-    settings: &[Setting],
-    draw: Draw,
-) -> (SimSpec, Vec<Diagnostic>) {
+pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw: Draw) -> (SimSpec, Vec<Diagnostic>) {
     let (mut reader, mut root) = Reader::parse(file, text);
     reader.set(&mut root, settings);
     let texts = draw::Texts::default();

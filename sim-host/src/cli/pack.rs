@@ -1,5 +1,6 @@
 //! `eyesim pack`: writes a scene or a suite with everything that its runs read into one archive; the other commands open archives.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
@@ -132,9 +133,9 @@ impl Collected {
     fn add_inputs(&mut self, built: &BuiltScene) -> anyhow::Result<()> {
         for input in built.inputs() {
             let path = normal(Path::new(&input.path))?;
-            if !self.0.contains_key(&path) {
-                let bytes = read_regular(&path).with_context(|| format!("`{}`", path.display()))?;
-                self.0.insert(path, bytes);
+            if let Entry::Vacant(place) = self.0.entry(path) {
+                let bytes = read_regular(place.key()).with_context(|| format!("`{}`", place.key().display()))?;
+                place.insert(bytes);
             }
         }
         Ok(())

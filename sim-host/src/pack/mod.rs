@@ -231,8 +231,8 @@ impl Unpacked {
 fn path_of(name: &str) -> Result<String, PackError> {
     let path = name.strip_prefix(FILES).ok_or_else(|| entry(name, "lies outside of the folder `files`"))?;
     let path = path.strip_suffix('/').unwrap_or(path);
-    if !path.is_empty() {
-        check_path(path).map_err(|_| entry(name, "has a name that leads elsewhere"))?;
+    if !path.is_empty() && check_path(path).is_err() {
+        return Err(entry(name, "has a name that leads elsewhere"));
     }
     Ok(path.to_owned())
 }

@@ -58,7 +58,7 @@ impl Outline {
         }
         let holds = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
         // The root's body may be empty, but is the first table; inner tables follow the outer ones.
-        let table = self.tables.iter().filter(holds).last().unwrap_or(&self.tables[0]);
+        let table = self.tables.iter().rfind(holds).unwrap_or(&self.tables[0]);
         for entry in &table.entries {
             if entry.value.as_ref().is_some_and(|value| value.start <= offset && offset <= value.end) {
                 return Place::Value(table, entry);

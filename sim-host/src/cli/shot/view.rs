@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::camera::{Camera, Lens, View};
 use sim_core::drive::HISTORY;
+use sim_core::math;
 use sim_core::pose::Pose3;
 use sim_core::spec::{DEFAULT_FIELD_OF_VIEW, DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::time::Time;
@@ -93,7 +94,7 @@ impl ShotCamera {
 fn above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
     // Metres of the floor that a pixel covers, at the least.
     let metres = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
-    let up = 0.5 * f64::from(width) * metres / (0.5 * DEFAULT_FIELD_OF_VIEW).tan();
+    let up = 0.5 * f64::from(width) * metres / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
     let middle = (0.5 * floor).extend(0.0);
     View::looking(middle + up * DVec3::Z, middle)
         .context("the floor has no size: `--from` and `--to` say what is shown")

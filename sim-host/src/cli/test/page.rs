@@ -142,9 +142,9 @@ fn trials(run: &SuiteRun, results: &[&CaseResult]) -> Option<String> {
 
 fn failure(html: &mut String, result: &CaseResult) {
     let row = &result.row;
-    _ = write!(
+    _ = writeln!(
         html,
-        "<details id=\"{}\"><summary><b>{}</b> {}</summary>\n",
+        "<details id=\"{}\"><summary><b>{}</b> {}</summary>",
         id(row),
         escaped(&row.case),
         escaped(&row.message)
