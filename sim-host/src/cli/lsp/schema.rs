@@ -46,7 +46,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
     match outline.place(offset) {
         Place::Header(before) => {
             let forms = schema.forms(&before);
-            let tables = properties(&forms).filter(|(_, property)| !schema.forms_below(property).is_empty());
+            let tables = properties(&forms).filter(|(_, property)| schema.is_table(property));
             tables.map(|(key, property)| item(key, CompletionItemKind::MODULE, schema.description(property))).collect()
         }
         Place::Key(table, before) => {
@@ -179,6 +179,12 @@ impl Schema {
         forms
     }
 
+    /// Returns true if a value can be a table, other than one that draws a value at random.
+    fn is_table(&self, schema: &Json) -> bool {
+        let draws = self.forms_below(&self.0["$defs"]["DrawForm"]);
+        self.forms_below(schema).iter().any(|form| !draws.iter().any(|draw| std::ptr::eq(*draw, *form)))
+    }
+
     /// Visits a schema's alternatives, behind references and in arrays.
     fn visit<'s>(&'s self, schema: &'s Json, look: &mut dyn FnMut(&'s Json)) {
         look(schema);
@@ -271,6 +277,13 @@ mod tests {
             headers.iter().any(|label| label == "robot") && !headers.iter().any(|label| label == "title"),
             "{headers:?}"
         );
+        let of_world = labels(SCENE, "[world.|]");
+        assert!(
+            of_world.iter().any(|label| label == "light") && !of_world.iter().any(|label| label == "floor_mm"),
+            "{of_world:?}"
+        );
+        let draws = labels(SCENE, "[[robot]]\nx_mm = { | }");
+        assert!(draws.iter().any(|label| label == "uniform"), "{draws:?}");
         let robot = labels(SCENE, "[[robot]]\nx_mm = 1\n|");
         assert!(robot.iter().any(|key| key == "y_mm") && !robot.iter().any(|key| key == "x_mm"), "{robot:?}");
         let kinds = labels(SCENE, "[[check]]\nkind = \"|\"");
