@@ -137,14 +137,14 @@ mod tests {
                 check(Some(signed as f64));
             }
         }
-        [f64::NAN, f64::INFINITY, -0.0].map(check);
-        ["", "PSD_FRONT", "Hügel"].map(check);
+        [f64::NAN, f64::INFINITY, -0.0].into_iter().for_each(check);
+        ["", "PSD_FRONT", "Hügel"].into_iter().for_each(check);
         check([0_u8, 200, 255].as_slice());
         check([1; 300].as_slice());
         check(None::<f64>);
         check(None::<u32>);
-        [Outcome::Finished, Outcome::Removed].map(check);
-        [Obstacle::Wall, Obstacle::Robot(300), Obstacle::Object(1)].map(check);
+        [Outcome::Finished, Outcome::Removed].into_iter().for_each(check);
+        [Obstacle::Wall, Obstacle::Robot(300), Obstacle::Object(1)].into_iter().for_each(check);
         check(ActionText("{}"));
         check(Numbers::new(&[1.5_f64.to_le_bytes()]));
     }
