@@ -283,7 +283,8 @@ mod tests {
         let mut moving = BoundsIndex::default();
         moving.rebuild(&[(1, Bounds::of_disc(DVec2::ONE, 0.1)), (2, everywhere), (3, nowhere), (4, Bounds::EMPTY)]);
         assert_eq!(pairs(&moving), [(1, 2)]);
-        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [2]);
+        // The rounding of a rectangle of 10^100 m is wider than the other bodies, which may be visited too.
+        assert!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0).contains(&2));
         moving.rebuild(&[]);
         assert_eq!(pairs(&moving), []);
         assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [0; 0]);
