@@ -13,6 +13,10 @@ pub trait Canonical {
 /// Appends `value` seven bits at a time, the lowest first; all bytes but the last have the highest bit set.
 #[inline]
 fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
+    if value < 0x80 {
+        bytes.push(value as u8);
+        return;
+    }
     if value < 1 << 28 {
         // Up to four bytes at once, without a loop.
         let spread = (value & 0x7f) | (value & 0x3f80) << 1 | (value & 0x1f_c000) << 2 | (value & 0xfe0_0000) << 3;
