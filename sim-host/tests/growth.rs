@@ -102,7 +102,7 @@ fn many_runs_leave_nothing_behind() {
     assert_eq!(late.handlers, at_start.handlers, "the handlers that were there before are back");
     // Either heap may map or unmap memory at any time; a leak of one mapping per run would give two hundred.
     assert!(late.mappings.abs_diff(early.mappings) < 20, "{early:?} {late:?}");
-    // A leak of 60 KiB per run, the touched part of a thread's stack, would give 12 MiB.
+    // A leak of 60 KiB per run, the touched part of a thread's stack, would give 12 MiB; the least of fifty runs swings by 5 MiB.
     let grown = late_kib.saturating_sub(early_kib);
-    assert!(grown < 4096, "{grown} KiB more");
+    assert!(grown < 8192, "{grown} KiB more");
 }

@@ -17,7 +17,10 @@ pub fn print_scene(sim: &SimSpec) -> String {
 
 /// JSON schema of [`print_scene`]'s texts, for completion in editors.
 pub fn scene_schema() -> String {
-    schema("eyesim scene", |keys| SimSpec::default().keys(keys))
+    let mut schema = schema_value("eyesim scene", |keys| SimSpec::default().keys(keys));
+    allow_draws(&mut schema);
+    schema["$defs"]["DrawForm"] = draw_schema();
+    text_of(&schema)
 }
 
 /// JSON schema of noise profiles.
@@ -32,14 +35,20 @@ pub fn companion_schema() -> String {
 
 /// JSON schema of the files whose keys `declare` declares.
 pub(crate) fn schema(title: &str, declare: impl FnOnce(&mut Keys<'_>)) -> String {
+    text_of(&schema_value(title, declare))
+}
+
+fn schema_value(title: &str, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
     let mut definitions = Definitions::default();
     let mut schema = schema_of(&mut definitions, declare);
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = title.into();
     schema["$defs"] = definitions.into();
-    allow_draws(&mut schema);
-    schema["$defs"]["DrawForm"] = draw_schema();
-    serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
+    schema
+}
+
+fn text_of(schema: &Json) -> String {
+    serde_json::to_string_pretty(schema).unwrap_or_default() + "\n"
 }
 
 /// Allows a draw in place of each value of the schema that is a number, a text or a list of them.
