@@ -21,10 +21,10 @@ pub enum Outcome {
     Timeout,
     /// The robot has no program.
     NoProgram,
-    /// The robot died by a fault of the scene before its program ended.
-    Halted,
     /// The robot was removed from the world before its program ended.
     Removed,
+    /// The robot died by a fault of the scene before its program ended.
+    Halted,
 }
 
 impl Outcome {
