@@ -87,7 +87,7 @@ fn mistakes_in_a_program_are_found() {
 fn mistakes_in_a_scene_are_found() {
     for label in ["run", "check"] {
         let Some(found) = of_c(label, &[("maze.sim", "S4", "S5")]) else { return };
-        assert_eq!(found, ["maze.sim:4 error there is no type `S5`"]);
+        assert_eq!(found, ["maze.sim:4 error there is no type `S5`; write `S4`"]);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::record::Action;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// State of a robot's program at the end of a run.
+/// State of a robot's program at the end of a run. Digests depend on the order: new states come last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
