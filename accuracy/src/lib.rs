@@ -5,17 +5,29 @@
 //! [`slide`] integrates the sliding of a disc along walls in small steps.
 //! [`statistics`] tests samples against their distributions. [`world`] generates the random scenes, rays and mazes shared by tests
 //! and benches, [`room`] the scene for comparing cameras, [`board`] a calibration target. [`study`] measures the error and the time
-//! of each method, for `eyesim accuracy`.
+//! of each method, for `eyesim accuracy`. [`figure`] describes a chart; it alone is there without the feature `studies`.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "studies")]
 pub mod board;
+#[cfg(feature = "studies")]
 pub mod camera;
+#[cfg(feature = "studies")]
 pub mod course;
+pub mod figure;
+#[cfg(feature = "studies")]
 pub mod oracle;
+#[cfg(feature = "studies")]
 pub mod room;
+#[cfg(feature = "studies")]
 pub mod slide;
+#[cfg(feature = "studies")]
 pub mod statistics;
+#[cfg(feature = "studies")]
 pub mod study;
+#[cfg(feature = "studies")]
 pub mod touch;
+#[cfg(feature = "studies")]
 pub mod wide;
+#[cfg(feature = "studies")]
 pub mod world;

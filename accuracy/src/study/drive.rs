@@ -3,8 +3,9 @@
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::course::{self, Course, End};
+use crate::figure::{Figure, Mark, Scale, Series};
 
 pub const DRIVE: Study = Study {
     name: "drive",

@@ -6,7 +6,6 @@
 mod camera;
 mod contact;
 mod drive;
-mod figure;
 pub mod france;
 mod moving_target;
 mod noise;
@@ -21,7 +20,8 @@ mod stopwatch;
 
 use serde::Serialize;
 
-pub use figure::{Figure, Mark, Scale, Series};
+use crate::figure::Figure;
+
 pub use stopwatch::nanoseconds;
 
 /// Number of repetitions of a study.

@@ -12,7 +12,8 @@ use sim_core::math::{cos, ln};
 use sim_core::noise::{Events, Purpose, RangeErrors, RangeNoise, Stream};
 use sim_core::time::Time;
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::figure::{Figure, Mark, Scale, Series};
 use crate::statistics::{kolmogorov_distance, normal_cdf};
 
 pub const STUDY: Study =

@@ -1,7 +1,8 @@
 //! `range-sensors`: readings of the three sensors of France et al. (1999) on one walk over a floor towards a step.
 
 use super::france::{Sample, WALK, walk};
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::figure::{Figure, Mark, Scale, Series};
 
 pub const STUDY: Study = Study {
     name: "range-sensors",

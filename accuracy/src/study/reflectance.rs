@@ -6,7 +6,8 @@
 
 use sim_core::sensor::recovered_distance;
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::figure::{Figure, Mark, Scale, Series};
 
 pub const STUDY: Study = Study {
     name: "reflectance",

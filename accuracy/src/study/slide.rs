@@ -12,8 +12,9 @@ use sim_core::pose::{Pose, Twist};
 use sim_core::scene::{Segment, Walls};
 use sim_core::time::Time;
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::course::model;
+use crate::figure::{Figure, Mark, Scale, Series};
 use crate::slide::Case;
 
 pub const STUDY: Study =

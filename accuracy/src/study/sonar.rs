@@ -17,7 +17,8 @@ use sim_core::time::Time;
 use sim_core::world::{Ray, Space, World};
 use sim_core::{RobotId, sensor::RangeModel};
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::figure::{Figure, Mark, Scale, Series};
 use crate::oracle::nearest_wall;
 use crate::world::{Random, room_with_boxes};
 

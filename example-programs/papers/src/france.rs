@@ -8,7 +8,7 @@ mod walk;
 
 use std::f64::consts::PI;
 
-use accuracy::study::{Figure as Chart, Mark, Scale, Series};
+use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 
 use crate::page::{Claim, Figure, Page, Picture, Table, Weight};

@@ -6,7 +6,7 @@
 mod case;
 mod maps;
 
-use accuracy::study::{Figure as Chart, Mark, Scale, Series};
+use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 use mapping::grid::{Cell, Frame, Grid, png};
 use mapping::log_odds::{LogOddsGrid, log_odds};

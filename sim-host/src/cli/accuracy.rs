@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use accuracy::study::{Effort, Figure, Outcome, Row, STUDIES, Study};
+use accuracy::figure::Figure;
+use accuracy::study::{Effort, Outcome, Row, STUDIES, Study};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 

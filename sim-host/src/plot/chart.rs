@@ -1,6 +1,6 @@
 //! Curves over a pair of axes: the figures of `eyesim accuracy`.
 
-use accuracy::study::{Figure, Mark, Scale, Series};
+use accuracy::figure::{Figure, Mark, Scale, Series};
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;

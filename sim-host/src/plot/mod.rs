@@ -5,7 +5,6 @@
 //! depends on fonts or libraries of the machine.
 
 mod canvas;
-#[cfg(feature = "accuracy")]
 pub mod chart;
 mod colour;
 mod drawing;

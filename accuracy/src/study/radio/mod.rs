@@ -17,7 +17,8 @@ use sim_core::noise::{Purpose, RadioNoise, Stream};
 use sim_core::radio::{Address, Channel, Medium, RadioModel, SentMessage, StationInfo};
 use sim_core::time::Time;
 
-use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::figure::{Figure, Mark, Scale, Series};
 pub use latency::STUDY as LATENCY;
 
 pub const STUDY: Study =

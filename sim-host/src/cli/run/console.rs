@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use accuracy::study::{Figure, Mark, Scale, Series};
+use accuracy::figure::{Figure, Mark, Scale, Series};
 use anyhow::{Context, bail};
 use parking_lot::Mutex;
 use sim_core::build;

@@ -1,4 +1,7 @@
-use super::Row;
+//! Charts: curves over a pair of axes, rendered by whoever shows them.
+
+#[cfg(feature = "studies")]
+use crate::study::Row;
 
 /// Chart of several curves over one pair of axes.
 #[derive(Clone, Debug)]
@@ -52,6 +55,7 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
+#[cfg(feature = "studies")]
 impl Figure {
     /// Error against time of these rows, both on logarithmic axes: one curve per method, its points in the order of the rows. A
     /// method whose settings do not trade error for time gets dots only.
@@ -88,7 +92,7 @@ impl Figure {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "studies"))]
 mod tests {
     use super::*;
 
