@@ -189,7 +189,7 @@ impl Loading {
                 (Child::command(&format!("{} {}", robot.id, program.name), &library).and_then(Child::start), library)
             }
         };
-        let child = child.map_err(|error| LoadError::Process { path, what: format!("{error} ({PROCESS_HINT})") })?;
+        let child = child.map_err(|error| why_not(program, path, format!("{error} ({PROCESS_HINT})")))?;
         Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
     }
 
@@ -199,13 +199,20 @@ impl Loading {
             Self::InProcess(child, program, library) => (child, program, library),
         };
         let path = program.source.path().to_owned();
-        RemoteProgram::new(*child, program, &robot.arguments).map(RobotProgram::Process).map_err(
-            |refusal| match refusal {
-                LoadRefusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
-                LoadRefusal::Incompatible(what) => OpenError::Incompatible(what).of(&path, &library),
-                LoadRefusal::Broken(what) => LoadError::Process { path, what },
-            },
-        )
+        let remote = RemoteProgram::new(*child, Arc::clone(&program), &robot.arguments);
+        remote.map(RobotProgram::Process).map_err(|refusal| match refusal {
+            LoadRefusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
+            LoadRefusal::Incompatible(what) => OpenError::Incompatible(what).of(&path, &library),
+            LoadRefusal::Broken(what) => why_not(&program, path, what),
+        })
+    }
+}
+
+/// Reason why the process of `program` has not begun: its interpreter's, else `what`.
+fn why_not(program: &Prepared, path: PathBuf, what: String) -> LoadError {
+    match &program.code {
+        Code::Python(python) => python.check().err().map_or(LoadError::Process { path, what }, LoadError::Python),
+        Code::Library(_) => LoadError::Process { path, what },
     }
 }
 

@@ -1,5 +1,6 @@
 //! Builds a robot program that is a Cargo package; cargo decides if it is up to date.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -76,8 +77,8 @@ const FOREIGN_VARIABLES: &[&str] =
 
 /// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder is in `cache`, one for each workspace: never one that a `cargo run` or `cargo test` around this process
-/// may have locked.
+/// The target folder is in `cache`, one for each workspace and one for all packages that are in no workspace, which so share what they
+/// depend on: never one that a `cargo run` or `cargo test` around this process may have locked.
 ///
 /// # Errors
 /// [`CargoError`].
@@ -85,14 +86,69 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
     let cargo = cargo.unwrap_or(Path::new("cargo"));
     let io_error = |error| CargoError::Io { folder: folder.to_owned(), error };
     let manifest = std::fs::canonicalize(folder.join("Cargo.toml")).map_err(io_error)?;
-    let missing = |error| CargoError::Missing { cargo: cargo.to_owned(), folder: folder.to_owned(), error };
-    let workspace = workspace_manifest(cargo, &manifest).map_err(missing)?;
+    let workspace = workspace_manifest(cargo, &manifest).map_err(|error| CargoError::Missing {
+        cargo: cargo.to_owned(),
+        folder: folder.to_owned(),
+        error,
+    })?;
+    let targets = cache.folder("cargo").map_err(io_error)?;
     let name = &blake3::hash(workspace.as_os_str().as_encoded_bytes()).to_hex()[..16];
-    let target = cache.folder("cargo").map_err(io_error)?.join(name);
+    let build = |target: &Path| build_in(target, folder, &manifest, cargo);
+    if workspace == manifest {
+        build_alone(&targets.join("shared"), name, cache, &io_error, |shared| match shared {
+            Some(shared) => build(shared),
+            None => build(&targets.join(name)),
+        })
+    } else {
+        build(&targets.join(name))
+    }
+}
 
-    let mut command = cargo_command(cargo, &manifest);
+/// Builds a package in the target folder `shared` and keeps its library there under the package's own `key`.
+///
+/// Libraries of packages with one name take one place in a target folder, where cargo overwrites one with the other and calls both up to
+/// date. So the library of a package is the copy that was made when cargo last built it, and a lock covers build and copy. Without a
+/// copy a library that cargo calls up to date may be another package's: then `build(None)` builds it in a folder of its own.
+fn build_alone(
+    shared: &Path,
+    key: &str,
+    cache: &Cache,
+    io_error: &impl Fn(io::Error) -> CargoError,
+    build: impl Fn(Option<&Path>) -> Result<Package, CargoError>,
+) -> Result<Package, CargoError> {
+    let copies = shared.join("libraries").join(key);
+    fs::create_dir_all(&copies).map_err(io_error)?;
+    let lock = fs::File::create(shared.join("eyesim.lock")).map_err(io_error)?;
+    lock.lock().map_err(io_error)?;
+    // The name of the copy; absent while it may be out of date.
+    let note = copies.join("name");
+    let copy = fs::read_to_string(&note).ok().map(|name| copies.join(name)).filter(|copy| copy.exists());
+    if copy.is_some() {
+        fs::remove_file(&note).map_err(io_error)?;
+    }
+    let mut package = build(Some(shared))?;
+    let library = match copy.filter(|_| package.fresh) {
+        Some(copy) => copy,
+        None => {
+            if package.fresh {
+                package = build(None)?;
+            }
+            let copy = copies.join(package.library.file_name().unwrap_or_default());
+            let bytes = fs::read(&package.library).map_err(io_error)?;
+            cache.write_atomically(&copy, &bytes).map_err(io_error)?;
+            copy
+        }
+    };
+    let name = library.file_name().unwrap_or_default().as_encoded_bytes();
+    cache.write_atomically(&note, name).map_err(io_error)?;
+    Ok(Package { library, ..package })
+}
+
+/// Runs `cargo build` with the target folder `target`.
+fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Result<Package, CargoError> {
+    let mut command = cargo_command(cargo, manifest);
     command.args(["build", "--lib", "--release", "--message-format=json-render-diagnostics"]);
-    command.arg("--manifest-path").arg(&manifest).arg("--target-dir").arg(target);
+    command.arg("--manifest-path").arg(manifest).arg("--target-dir").arg(target);
     for (name, value) in [("DEBUG", "line-tables-only"), ("PANIC", "unwind"), ("STRIP", "none")] {
         command.env(format!("CARGO_PROFILE_RELEASE_{name}"), value);
     }
@@ -100,7 +156,11 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
         Err(error) if error.kind() == io::ErrorKind::TimedOut => {
             return Err(CargoError::Endless { folder: folder.to_owned(), error });
         }
-        output => output.map_err(missing)?,
+        output => output.map_err(|error| CargoError::Missing {
+            cargo: cargo.to_owned(),
+            folder: folder.to_owned(),
+            error,
+        })?,
     };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let messages = String::from_utf8_lossy(&output.stdout);
@@ -113,7 +173,7 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
         });
     }
     let (library, fresh) =
-        library_of(&messages, &manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
+        library_of(&messages, manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
     Ok(Package { library, output: without_progress(&said), fresh })
 }
 
@@ -180,6 +240,42 @@ mod tests {
         let messages = format!("not json\n{script}\n{other}\n{ours}\n");
         assert_eq!(library_of(&messages, manifest), Some((PathBuf::from("/t/libmaze.so"), false)));
         assert_eq!(library_of(other, manifest), None);
+    }
+
+    /// Writes a package named `robot` whose library holds `text`.
+    fn write_package(folder: &Path, text: &str) {
+        fs::create_dir_all(folder.join("src")).expect("a folder");
+        let manifest = "[package]\nname = \"robot\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n[workspace]\n";
+        fs::write(folder.join("Cargo.toml"), manifest).expect("a manifest");
+        let source = format!("#[unsafe(no_mangle)]\npub static TEXT: [u8; {}] = *b\"{text}\";\n", text.len());
+        fs::write(folder.join("src/lib.rs"), source).expect("a source");
+    }
+
+    #[test]
+    fn packages_with_one_name_share_a_target_folder_and_keep_their_own_libraries() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let cache = Cache::open(&folder.path().join("cache")).expect("a cache");
+        let [one, two] = ["one", "two"].map(|name| folder.path().join(name));
+        let cargo = std::env::var_os("CARGO").map(PathBuf::from);
+        let build = |package: &Path, text: &str, fresh: bool| {
+            let built = build_package(package, cargo.as_deref(), &cache).unwrap_or_else(|error| panic!("{error}"));
+            let bytes = fs::read(&built.library).expect("a library");
+            assert!(bytes.windows(text.len()).any(|window| window == text.as_bytes()), "{text}");
+            assert_eq!(built.fresh, fresh, "{text}");
+            built.library
+        };
+        write_package(&one, "the first of two robots");
+        write_package(&two, "the other of two robots");
+        let library = build(&one, "the first of two robots", false);
+        build(&two, "the other of two robots", false);
+        build(&one, "the first of two robots", true);
+        write_package(&one, "the first after a change");
+        build(&one, "the first after a change", false);
+        build(&two, "the other of two robots", true);
+        // As after a build that was killed before its library was copied.
+        fs::remove_file(library.with_file_name("name")).expect("a note");
+        build(&one, "the first after a change", false);
+        build(&one, "the first after a change", true);
     }
 
     #[test]

@@ -154,14 +154,14 @@ impl Compiler {
             Some(setting) => {
                 let broken = |error: String| CompilerError::Broken { language, command: setting.to_owned(), error };
                 let command = split_words(setting).map_err(|error| broken(error.to_string()))?;
-                let version = version_of(&command).map_err(|error| broken(error.to_string()))?;
+                let version = version_of(&command, cache).map_err(|error| broken(error.to_string()))?;
                 (command, version)
             }
             None => language
                 .commands()
                 .iter()
                 .map(|&name| vec![name.to_owned()])
-                .find_map(|command| Some((command.clone(), version_of(&command).ok()?)))
+                .find_map(|command| Some((command.clone(), version_of(&command, cache).ok()?)))
                 .ok_or(CompilerError::Missing { language })?,
         };
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
@@ -297,7 +297,36 @@ impl Compiler {
     }
 }
 
-fn version_of(command: &[String]) -> io::Result<String> {
+/// The version text of a compiler: from `cache` if the compiler's own file has not changed since it was asked.
+fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
+    let key = state_of(command).map(|state| format!("version-{}", &blake3::hash(state.as_bytes()).to_hex()[..32]));
+    if let Some(known) = key.as_ref().and_then(|key| cache.note(key)) {
+        return Ok(known);
+    }
+    let version = ask_version(command)?;
+    if let Some(key) = key {
+        cache.set_note(&key, &version)?;
+    }
+    Ok(version)
+}
+
+/// The command with path, size, times and inode of its file; `None` unless that is gcc or clang itself: a script or a launcher such as
+/// ccache starts a compiler that may change without it.
+fn state_of(command: &[String]) -> Option<String> {
+    use std::os::unix::fs::MetadataExt as _;
+    let path = which(command.first()?)?;
+    let name = path.file_name()?.to_str()?;
+    let mut magic = [0; 4];
+    io::Read::read_exact(&mut std::fs::File::open(&path).ok()?, &mut magic).ok()?;
+    if !["gcc", "g++", "clang"].iter().any(|compiler| name.contains(compiler)) || magic != *b"\x7fELF" {
+        return None;
+    }
+    let file = std::fs::metadata(&path).ok()?;
+    let times = [file.mtime(), file.mtime_nsec(), file.ctime(), file.ctime_nsec()];
+    Some(format!("{command:?} {} {} {} {times:?}", path.display(), file.len(), file.ino()))
+}
+
+fn ask_version(command: &[String]) -> io::Result<String> {
     let (program, arguments) =
         command.split_first().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no command"))?;
     let mut command = Command::new(program);
@@ -309,11 +338,49 @@ fn version_of(command: &[String]) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The path of the command `name` on the search path, with links resolved.
-fn which(name: &str) -> Option<std::path::PathBuf> {
+/// The path of the command `name` on the search path, with links resolved; `None` if no file there can be executed.
+pub(super) fn which(name: &str) -> Option<std::path::PathBuf> {
     if name.contains('/') {
         return std::fs::canonicalize(name).ok();
     }
     let path: OsString = std::env::var_os("PATH")?;
-    std::env::split_paths(&path).find_map(|folder| std::fs::canonicalize(folder.join(name)).ok())
+    let is_executable = |path: &std::path::PathBuf| {
+        use std::os::unix::fs::PermissionsExt as _;
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+    };
+    std::env::split_paths(&path)
+        .filter_map(|folder| std::fs::canonicalize(folder.join(name)).ok())
+        .find(is_executable)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_version_is_remembered_for_the_compilers_own_file_only() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().expect("a folder");
+        let cache = Cache::open(&folder.path().join("cache")).expect("a cache");
+        let script = folder.path().join("gcc");
+        let write = |version: &str| {
+            std::fs::write(&script, format!("#!/bin/sh\necho {version}\n")).expect("a script");
+            std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).expect("an executable script");
+        };
+        let command = [script.display().to_string()];
+        for version in ["1.0", "2.0"] {
+            write(version);
+            assert_eq!(version_of(&command, &cache).expect("a version").trim(), version);
+        }
+        assert_eq!(state_of(&["sh".to_owned()]), None, "no compiler");
+        assert_eq!(state_of(&["no-such-command".to_owned()]), None);
+        let own = std::env::current_exe().expect("this program");
+        let binary = folder.path().join("clang-99");
+        std::fs::copy(own, &binary).expect("a binary");
+        let command = [binary.display().to_string()];
+        let before = state_of(&command).expect("its own file");
+        assert_eq!(state_of(&command).as_ref(), Some(&before));
+        std::fs::write(&binary, b"\x7fELF and something else").expect("another binary");
+        assert_ne!(state_of(&command), Some(before));
+    }
 }

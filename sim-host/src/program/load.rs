@@ -21,6 +21,7 @@ use super::constructors;
 use super::float;
 use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
+use super::python::PythonError;
 use super::run_folder::RunFolder;
 use super::share::share_pages;
 use super::shared::{SharedCopy, Variables};
@@ -102,6 +103,9 @@ pub enum LoadError {
         /// Description of the event.
         what: String,
     },
+    /// The interpreter of a Python program does not fit.
+    #[error(transparent)]
+    Python(#[from] PythonError),
     /// The copies need more memory mappings than the kernel allows one process.
     #[error(
         "{robots} robots need about {needed} memory mappings for copies of their programs and for their stacks, and \

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, output_within};
+use super::compiler::which;
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
@@ -44,23 +45,36 @@ pub enum PythonError {
 }
 
 impl Python {
-    /// Checks the interpreter and writes `eye.py` into `cache`.
+    /// Looks for the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`] says later why a program
+    /// did not start.
     ///
     /// # Errors
     /// [`PythonError`].
     pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
         let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
+        if interpreter.to_str().and_then(which).is_none() {
+            let error = io::Error::from_raw_os_error(libc::ENOENT);
+            return Err(PythonError::Missing { interpreter, error });
+        }
+        Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
+    }
+
+    /// Starts the interpreter and asks for its version.
+    ///
+    /// # Errors
+    /// [`PythonError`] if it does not start, is too old, or is no Python.
+    pub fn check(&self) -> Result<(), PythonError> {
+        let interpreter = self.interpreter.clone();
         let mut command = Command::new(&interpreter);
         command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
-        let asked = output_within(&mut command, COMMAND_TIMEOUT)
-            .map_err(|error| PythonError::Missing { interpreter: interpreter.clone(), error })?;
+        let asked = match output_within(&mut command, COMMAND_TIMEOUT) {
+            Ok(asked) => asked,
+            Err(error) => return Err(PythonError::Missing { interpreter, error }),
+        };
         let said = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
         let mut version = said.split(' ').map(str::parse);
         let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= MINOR);
-        if !asked.status.success() || !fits {
-            return Err(PythonError::Unfit { interpreter, said });
-        }
-        Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
+        if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
     }
 
     /// The command that runs `program` as a robot's child process. Its environment is fixed where it would make runs differ.
