@@ -135,6 +135,21 @@ impl Progress {
         bar.tick();
     }
 
+    /// Shows what programs compute within a slot, in place of the robots' states; `None` if the bar is hidden.
+    pub fn computing(&self) -> Option<impl FnMut(&str) + Send + use<>> {
+        let bar = self.bar.clone()?;
+        let (mut time, mut shown) = (String::new(), String::new());
+        Some(move |words: &str| {
+            let message = bar.message();
+            if message != shown {
+                time = message.split_inclusive(", ").next().unwrap_or_default().to_owned();
+            }
+            shown = format!("{time}{words}");
+            bar.set_message(shown.clone());
+            bar.tick();
+        })
+    }
+
     /// Removes the bar from the screen for good.
     pub fn clear(&mut self) {
         if let Some(bar) = self.bar.take() {
@@ -268,6 +283,23 @@ mod tests {
         }
         let most = 1 + begin.elapsed().as_millis() / PERIOD.as_millis();
         assert!((1..=most).contains(&drawn), "{drawn} times, at the most {most}");
+    }
+
+    #[test]
+    fn what_computes_is_shown_with_the_time_until_the_next_slot() {
+        let (mut progress, screen) = progress(Time::NEVER);
+        let mut computing = progress.computing().unwrap();
+        for place in ["loop.c:5", "loop.c:6"] {
+            computing(&format!("r1 computes at {place}"));
+            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("r1 computes at {place}"));
+        }
+        progress.update(Time::from_millis(2_500), || Counts { running: 1, waiting: 0, ended: 0 });
+        for place in ["loop.c:5", "loop.c:6"] {
+            computing(&format!("r1 computes at {place}"));
+            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("2.500 s, r1 computes at {place}"));
+            assert!(screen.0.lock().contains(&format!("2.500 s, r1 computes at {place}")), "{:?}", screen.0.lock());
+        }
+        assert!(Progress::hidden().computing().is_none());
     }
 
     #[test]

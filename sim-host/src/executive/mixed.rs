@@ -106,6 +106,10 @@ impl Executor for MixedExecutor {
         self.of(robot).is_overdue(robot, timeout)
     }
 
+    fn place(&self, robot: RobotId) -> Vec<usize> {
+        self.of(robot).place(robot)
+    }
+
     fn break_overdue(&self, robot: RobotId) {
         self.of(robot).break_overdue(robot);
     }

@@ -259,14 +259,18 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     let location = if broken.place.is_empty() {
-        let addresses = without_stale(&broken.addresses, program);
-        program.own_source_line(&addresses).map(|line| line.to_string()).unwrap_or_default()
+        line_of(&broken.addresses, program).unwrap_or_default()
     } else {
         broken.place.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
     let what = reason_of_trap(broken, program).map_or_else(|| broken.what.clone(), str::to_owned);
     FaultReport { what, location, last_call }
+}
+
+/// The line in the program's own sources to which the addresses of a break or of a place lead: `maze.c:88`.
+pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<String> {
+    program.own_source_line(&without_stale(addresses, program)).map(|line| line.to_string())
 }
 
 /// The addresses of a break without the words of the stack that lie below the call in progress: those may be left over from earlier

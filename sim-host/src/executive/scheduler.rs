@@ -47,6 +47,8 @@ pub struct Scheduler {
     has_requested_exit: bool,
     /// Faults of the scene that are still to come.
     faults: Faults,
+    /// Hears which programs compute for long.
+    listener: Option<Box<dyn FnMut(&str) + Send>>,
 }
 
 /// State of a run after it was advanced.
@@ -165,6 +167,9 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// The shortest wait for the notifier.
 const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 
+/// Processor time without a call after which a program is said to compute, and the interval at which that is said.
+const LONG: Duration = Duration::from_secs(1);
+
 /// Time in which a stopped program must react before its flow is abandoned.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -191,6 +196,7 @@ impl Scheduler {
             stopping: Vec::new(),
             has_requested_exit: false,
             faults,
+            listener: None,
         };
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_requested_exit = true;
@@ -199,6 +205,12 @@ impl Scheduler {
             return Err(error);
         }
         Ok(scheduler)
+    }
+
+    /// Sets what hears once a second which programs compute for a second and longer without a call: `r1 computes at loop.c:5`. It is called
+    /// on the thread that advances the run, and does not change the run.
+    pub fn listen_to_computing(&mut self, listener: impl FnMut(&str) + Send + 'static) {
+        self.listener = Some(Box::new(listener));
     }
 
     /// State that the robots' flows share.
@@ -311,6 +323,7 @@ impl Scheduler {
     /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
         let mut last_check = Instant::now();
+        let mut last_told = last_check;
         let mut interrupted: Option<Instant> = None;
         loop {
             let left = deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
@@ -353,6 +366,10 @@ impl Scheduler {
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
+                if last_told.elapsed() >= LONG {
+                    last_told = Instant::now();
+                    self.tell_computing(&running);
+                }
                 for id in self.unresponsive(&running) {
                     self.handle_broken(id, Broken::unstoppable(), deadline);
                     self.abandoned.push(id);
@@ -403,6 +420,23 @@ impl Scheduler {
                     self.stopping.push((*id, Instant::now()));
                 }
             }
+        }
+    }
+
+    /// Tells the listener which of the `running` programs have computed for [`LONG`], and where.
+    fn tell_computing(&mut self, running: &[RobotId]) {
+        /// Most programs told.
+        const MAX: usize = 3;
+        let (run, Some(listener)) = (&self.run, &mut self.listener) else { return };
+        let is_long = |id: &&RobotId| run.executor().is_overdue(**id, LONG.as_secs_f64()) && !run.is_removed(**id);
+        let words = running.iter().filter(is_long).take(MAX).map(|id| {
+            let place =
+                run.program(*id).and_then(|program| program_status::line_of(&run.executor().place(*id), program));
+            place.map_or(format!("{id} computes"), |place| format!("{id} computes at {place}"))
+        });
+        let words = words.collect::<Vec<_>>().join(", ");
+        if !words.is_empty() {
+            listener(&words);
         }
     }
 

@@ -12,8 +12,9 @@ use std::io;
 use std::ptr;
 use std::sync::Arc;
 use std::sync::atomic::{
-    AtomicBool, AtomicI32, AtomicU16, AtomicU32, AtomicU64, AtomicUsize, Ordering, compiler_fence,
+    AtomicBool, AtomicI32, AtomicU8, AtomicU16, AtomicU32, AtomicU64, AtomicUsize, Ordering, compiler_fence,
 };
+use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 
@@ -37,6 +38,10 @@ pub struct FlowBlock {
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
+    /// State of a request for the place, see [`place`].
+    place: AtomicU8,
+    /// Program counter and stack pointer of the place.
+    place_registers: [AtomicUsize; 2],
     fault_signal: AtomicI32,
     fault_code: AtomicI32,
     fault_address: AtomicUsize,
@@ -52,6 +57,12 @@ pub struct FlowBlock {
 
 /// See [`FlowBlock::is_at`].
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
+
+/// No request for the place is open.
+const PLACE_KNOWN: u8 = 0;
+
+/// The signal that asks for the place is under way.
+const PLACE_ASKED: u8 = 1;
 
 /// Action at a fault.
 enum OnFault {
@@ -132,6 +143,8 @@ impl FlowBlock {
             in_host: AtomicBool::new(false),
             float_environment: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
+            place: AtomicU8::new(PLACE_KNOWN),
+            place_registers: Default::default(),
             fault_signal: AtomicI32::new(0),
             fault_code: AtomicI32::new(0),
             fault_address: AtomicUsize::new(0),
@@ -551,6 +564,27 @@ pub fn stop_overdue(block: &FlowBlock) {
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
 }
 
+/// Program counter and stack pointer of the flow of `block`, which runs; its thread goes on at once. `None` if the host works for the
+/// program, or the flow does not run any more.
+pub fn place(block: &FlowBlock) -> Option<[usize; 2]> {
+    /// Time in which a running thread takes the signal.
+    const TIMEOUT: Duration = Duration::from_millis(20);
+    block.place.store(PLACE_ASKED, Ordering::Relaxed);
+    let tid = block.tid.load(Ordering::Relaxed);
+    // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
+    unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
+    let start = Instant::now();
+    while block.place.load(Ordering::Acquire) == PLACE_ASKED {
+        if start.elapsed() > TIMEOUT {
+            // The signal may still come: then it finds no request.
+            block.place.store(PLACE_KNOWN, Ordering::Relaxed);
+            return None;
+        }
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    Some([0, 1].map(|index| block.place_registers[index].load(Ordering::Relaxed)))
+}
+
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
     if block.is_null() || !FlowBlock::is_at(block) {
@@ -561,7 +595,15 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     let block = unsafe { &*block };
     if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
         // The signal may be late: another fiber runs on the thread by now. Within the host, the thread stops when it leaves that.
-        if !block.overdue.load(Ordering::Relaxed) || block.in_host.load(Ordering::Relaxed) {
+        let in_host = block.in_host.load(Ordering::Relaxed);
+        if block.place.load(Ordering::Relaxed) == PLACE_ASKED && !in_host {
+            // SAFETY: `context` is what the kernel passed to this SA_SIGINFO handler.
+            let (pc, sp) = unsafe { registers(context) };
+            block.place_registers[0].store(pc, Ordering::Relaxed);
+            block.place_registers[1].store(sp, Ordering::Relaxed);
+            block.place.store(PLACE_KNOWN, Ordering::Release);
+        }
+        if !block.overdue.load(Ordering::Relaxed) || in_host {
             return;
         }
     }

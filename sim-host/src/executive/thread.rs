@@ -371,6 +371,12 @@ impl Executor for ThreadExecutor {
         sample.is_some_and(|sample| flow.timer.lock().is_overdue(&sample, timeout))
     }
 
+    fn place(&self, robot: RobotId) -> Vec<usize> {
+        let threads = self.robot(robot);
+        let flow = threads.active_flow().filter(|_| threads.child.get().is_none());
+        flow.map(|flow| place(&flow.block)).unwrap_or_default()
+    }
+
     fn break_overdue(&self, robot: RobotId) {
         let threads = self.robot(robot);
         match (threads.child.get(), threads.active_flow()) {
@@ -379,6 +385,13 @@ impl Executor for ThreadExecutor {
             (_, None) => {}
         }
     }
+}
+
+/// See [`Executor::place`]; a flow that sleeps in the kernel is left alone, since the signal would end its sleep.
+pub(super) fn place(block: &FlowBlock) -> Vec<usize> {
+    let computes = FlowSample::at_thread(block).is_some_and(|sample| !sample.is_asleep);
+    let Some([pc, sp]) = computes.then(|| signal::place(block)).flatten() else { return Vec::new() };
+    std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }
 
 /// Describes the fault that the flow of `block` has had, if any; `task` is named.

@@ -603,6 +603,10 @@ impl Executor for FiberExecutor {
         sample.is_some_and(|sample| fiber.timer.lock().is_overdue(&sample, timeout))
     }
 
+    fn place(&self, robot: RobotId) -> Vec<usize> {
+        self.running_fiber(robot).map(|fiber| threads::place(&fiber.block)).unwrap_or_default()
+    }
+
     fn break_overdue(&self, robot: RobotId) {
         if let Some(fiber) = self.running_fiber(robot) {
             signal::stop_overdue(&fiber.block);
