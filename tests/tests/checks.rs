@@ -358,3 +358,25 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
     let chart = scratch.read("run-in-touch.svg");
     assert!(chart.contains("simulated time, s") && chart.contains("polyline"), "{chart}");
 }
+
+#[test]
+fn what_a_program_prints_as_a_metric_is_in_the_report_and_decides_no_check() {
+    let check = "[[check]]\nkind = \"metric\"\npath = \"robots[0].metrics.laps\"\nmin = 1\n";
+    let scratch =
+        scene("printf(\"METRIC laps=1\\nMETRIC laps=4\\nMETRIC oops\\n\"); VWStraight(2000, 300); VWWait();", check);
+    scratch.write("drive.c", &scratch.read("drive.c").replace("int main", "#include <stdio.h>\nint main"));
+    let ran = scratch.eyesim(&["run", "a.scene.toml", "--report", "-"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    let report: Value = serde_json::from_str(&ran.stdout).expect("standard output has the report alone");
+    let robot = &report["robots"][0];
+    assert_eq!(robot["metrics"], serde_json::json!({"laps": 4.0}));
+    let message = report["checks"][0]["message"].as_str().expect("a message");
+    assert!(message.contains("the program prints its metrics itself"), "{message}");
+    assert!(ran.stderr.contains("`METRIC oops` is not kept: expected `METRIC name=value`"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("finished"), "the table: {}", ran.stderr);
+    // It starts at 500 mm, and runs into the wall at 2 m.
+    assert_eq!((&robot["start"]["x_m"], &robot["contacts"]), (&serde_json::json!(0.5), &serde_json::json!(1)));
+    let times = robot["contact_times_s"].as_array().expect("times");
+    let at = times[0].as_f64().expect("a time");
+    assert!(times.len() == 1 && (4.0..6.0).contains(&at), "1.4 m at 0.3 m/s: {times:?}");
+}

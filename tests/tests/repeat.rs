@@ -444,3 +444,45 @@ fn what_is_no_trace_is_told_before_anything_runs() {
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("would overwrite"), "{ran:#?}");
 }
+
+#[test]
+fn compressed_and_filtered_traces_repeat_a_run() {
+    let scratch = Scratch::new();
+    scratch.write("twice.c", TWICE);
+    write_scene(&scratch, &["twice.c"]);
+    let actions = [(1.0, place_robot(1, 2.0, 2.5, 0.0))];
+    let report = run(&scratch, "scene.sim", &actions, &[], 0);
+    let digest = report["digest"].as_str().expect("a digest");
+    let write = |hand: &str, args: &[&str]| {
+        let repeated = scratch.report("scene.sim", &[&["--repeat", hand][..], args].concat(), 0);
+        assert_eq!(repeated["digest"], digest, "{args:?}");
+    };
+    write("hand.jsonl", &["--trace", "whole.jsonl.zst"]);
+    let bytes = |name: &str| std::fs::read(scratch.path().join(name)).expect("a file");
+    assert!(bytes("whole.jsonl.zst").len() < bytes("trace.jsonl").len());
+    let diff = scratch.eyesim(&["diff", "trace.jsonl", "whole.jsonl.zst"]);
+    assert_eq!((diff.code, diff.stdout.as_str()), (Some(0), "equal runs\n"), "{diff:#?}");
+    write("whole.jsonl.zst", &[]);
+    let verified = verify(&scratch, "whole.jsonl.zst", &[]);
+    assert_eq!((verified.code, verified.stderr.as_str()), (Some(0), ""), "{verified:#?}");
+    assert!(verified.stdout.contains(digest), "{verified:#?}");
+    let html = scratch.eyesim(&["replay", "whole.jsonl.zst", "--html", "whole.html"]);
+    assert_eq!(html.code, Some(0), "{html:#?}");
+
+    write("hand.jsonl", &["--trace", "few.jsonl", "--trace-only", "contact, program_started"]);
+    let lines = scratch.trace("few.jsonl");
+    let kinds: std::collections::BTreeSet<&str> = lines.iter().filter_map(|line| line["event"].as_str()).collect();
+    assert_eq!(
+        kinds.into_iter().collect::<Vec<_>>(),
+        ["end", "header", "intervention", "program_ended", "program_started", "slot"]
+    );
+    assert_eq!(lines[0]["only"], json!(["contact", "program_started"]));
+    write("few.jsonl", &[]);
+    let verified = verify(&scratch, "few.jsonl", &[]);
+    assert_eq!(verified.code, Some(0), "{verified:#?}");
+    assert!(verified.stdout.contains(digest), "{verified:#?}");
+    assert!(verified.stderr.contains("only what `--trace-only contact,program_started` has left"), "{verified:#?}");
+    let diff = scratch.eyesim(&["diff", "trace.jsonl", "few.jsonl"]);
+    assert_eq!(diff.code, Some(2), "{diff:#?}");
+    assert!(diff.stderr.contains("all kinds of events in A, `contact,program_started` in B"), "{diff:#?}");
+}

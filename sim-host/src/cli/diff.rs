@@ -122,6 +122,16 @@ fn diff_traces(args: &DiffArgs) -> anyhow::Result<bool> {
         check_outputs(&[("--plot", picture)], inputs.iter().map(String::as_str))?;
     }
     let readers = [TraceReader::open(&args.a)?, TraceReader::open(&args.b)?];
+    let only = readers.each_ref().map(|reader| reader.header().only.join(","));
+    let kinds = only
+        .each_ref()
+        .map(|only| if only.is_empty() { "all kinds of events".to_owned() } else { format!("`{only}`") });
+    ensure!(
+        only[0] == only[1],
+        "the traces hold different events (--trace-only): {} in A, {} in B: compare two that hold the same",
+        kinds[0],
+        kinds[1]
+    );
     let scene = readers[0].header().run.first().cloned();
     let diff = TraceDiff::of(readers)?;
     print(&describe(&diff)?)?;

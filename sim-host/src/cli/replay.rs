@@ -32,6 +32,7 @@ use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
 use crate::executive::spawn::roster_of;
 use crate::launch::{Error, Observers, Scene};
+use crate::record::read::read_text;
 use crate::record::report::{Input, write_atomically};
 use crate::record::{RecordError, Recorded, Sink, TraceReader};
 use crate::scenery::SpawnedEntity;
@@ -88,7 +89,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let window = open_window(page, Access::Local, Ipv4Addr::LOCALHOST.into(), args.port, &title)?;
     window.offer("recording.json", Download::new("application/json", move || Ok(recording.as_bytes().to_vec())));
     let trace = args.trace.clone();
-    let trace = move || std::fs::read(&trace).map_err(|error| error.to_string());
+    let trace = move || read_text(&trace).map_err(|error| error.to_string());
     window.offer("trace.jsonl", Download::new("application/jsonl", trace));
     let url = window.url();
     print(&format!("{url}\n"))?;
@@ -257,6 +258,13 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     let (version, own) = (&recorded.version, env!("CARGO_PKG_VERSION"));
     if version != own {
         remarks.push(format!("the trace was recorded by eyesim {version}, this is {own}"));
+    }
+    if !recorded.header.only.is_empty() {
+        remarks.push(format!(
+            "the trace holds only what `--trace-only {}` has left: the digests of its slots tell in which slot two runs part, not what \
+             differs, and the page and `diff` show nothing else; for more, record it without --trace-only",
+            recorded.header.only.join(",")
+        ));
     }
     let name = |path: &str| Path::new(path).file_name().map(|name| name.to_owned());
     for old in &recorded.header.inputs {

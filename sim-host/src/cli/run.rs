@@ -31,10 +31,12 @@ use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
 use crate::program::words::quoted;
-use crate::record::Report;
+use crate::record::{Report, TraceFilter};
 use sim_core::record::Outcome;
 
 pub(super) use console::report_diagnostics;
+#[cfg(feature = "window")]
+pub(super) use console::trails;
 pub use console::{ConsoleRun, Ran};
 #[cfg(feature = "window")]
 pub(super) use console::{build, open};
@@ -48,15 +50,18 @@ pub struct RunArgs {
     /// Do not run a scene that has warnings
     #[arg(long)]
     pub strict: bool,
-    /// Write the report as JSON
+    /// Write the report as JSON; `-`: to standard output, and everything else to standard error
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Repeat the user interventions of the run that this trace recorded, at the same times
     #[arg(long, value_name = "TRACE")]
     pub repeat: Option<PathBuf>,
-    /// Write every event as a line of JSON while the run goes on
+    /// Write every event as a line of JSON while the run goes on, compressed if the name ends with `.zst`
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// With --trace only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as `contact,stdout`
+    #[arg(long, value_name = "KINDS", value_parser = TraceFilter::parse, requires = "trace")]
+    pub trace_only: Option<TraceFilter>,
     /// Write the run as MCAP, which Foxglove and rerun open, while it goes on
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
@@ -173,6 +178,16 @@ impl RunArgs {
         Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
     }
 
+    /// Returns true if the report goes to standard output, which holds nothing else then.
+    pub fn prints_report(&self) -> bool {
+        self.report.as_deref() == Some(Path::new("-"))
+    }
+
+    /// The file of the report, if it goes to a file.
+    fn report_file(&self) -> Option<PathBuf> {
+        self.report.clone().filter(|_| !self.prints_report())
+    }
+
     /// Options of the run itself.
     pub fn options(&self) -> Options {
         Options {
@@ -242,8 +257,12 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let streams = StandardStreams::now();
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
-    print(&table::render(&ran.finished.report, TableScreen::of_stdout()))?;
-    print(&view_command(&ran.finished.report).map(|line| format!("{line}\n")).unwrap_or_default())?;
+    let table = table::render(&ran.finished.report, TableScreen::of_stdout());
+    let view = view_command(&ran.finished.report).map(|line| format!("{line}\n")).unwrap_or_default();
+    match args.prints_report() {
+        true => eprint!("{table}{view}"),
+        false => print(&(table + &view))?,
+    }
     explain(&ran.finished);
     written?;
     streams.check()?;
@@ -299,7 +318,8 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 
 /// Prints on standard error the reason of the run's end if the table does not show it, and the reasons of failed robots.
 pub fn explain(finished: &Finished) {
-    let Finished { settings, ended, report, .. } = finished;
+    let Finished { settings, ended, report, remarks, .. } = finished;
+    remarks.iter().for_each(say);
     match &ended.end {
         End::Until if settings.is_until_default => {
             say(format_args!(
@@ -328,9 +348,19 @@ pub fn explain(finished: &Finished) {
 /// time a second before.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
-    const OUTPUT: [&str; 9] =
-        ["--report", "--trace", "--record", "--plot", "--frames", "--only", "--quiet", "-q", "--verbose"];
-    const WITH_VALUE: usize = 6;
+    const OUTPUT: [&str; 10] = [
+        "--report",
+        "--trace",
+        "--trace-only",
+        "--record",
+        "--plot",
+        "--frames",
+        "--only",
+        "--quiet",
+        "-q",
+        "--verbose",
+    ];
+    const WITH_VALUE: usize = 7;
     let at =
         report.checks.iter().filter(|check| !check.passed).filter_map(|check| check.at_s).min_by(f64::total_cmp)?;
     let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);

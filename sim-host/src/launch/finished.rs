@@ -12,6 +12,7 @@ use sim_core::world::Lifetime;
 use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
 use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
+use crate::record::notes::Notes;
 use crate::record::report::{DrawnReport, Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trail::BodyTrails;
 use crate::record::{Report, Trails};
@@ -29,6 +30,8 @@ pub struct Finished {
     pub ended: Ended,
     /// The results as a report, which can be written to a file.
     pub report: Report,
+    /// Messages to the user about what programs printed as metrics, a line each.
+    pub remarks: Vec<String>,
 }
 
 impl Finished {
@@ -68,7 +71,13 @@ impl Finished {
 }
 
 /// Report of the run with these inputs.
-pub(super) fn report(settings: &Settings, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
+pub(super) fn report(
+    settings: &Settings,
+    scene: &SceneSpec,
+    ended: &Ended,
+    inputs: Vec<Input>,
+    notes: &Notes,
+) -> Report {
     let spawner = ended.run.spawner();
     let world = ended.run.world();
     let added = |lifetime: Lifetime| (lifetime.since >= Time::ZERO).then(|| lifetime.since.seconds());
@@ -81,11 +90,14 @@ pub(super) fn report(settings: &Settings, scene: &SceneSpec, ended: &Ended, inpu
         reason: end.reason.clone(),
         exit_code: end.exit_code,
         virtual_time_s: end.virtual_time.seconds(),
+        start: spec.start.into(),
         pose: end.pose.into(),
         depth_m: end.depth,
         odometry: Some(end.odometry.into()),
         path_m: end.path,
         contacts: u64::from(end.contacts),
+        contact_times_s: notes.of(spec.id).contact_times.clone(),
+        metrics: notes.of(spec.id).metrics.clone(),
         left_floor_s: end.left_floor.map(Time::seconds),
         footfalls: end.steps.map(|[footfalls, _]| footfalls),
         touches: end.steps.map(|[_, touches]| touches),

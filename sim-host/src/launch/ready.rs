@@ -25,6 +25,7 @@ use crate::executive::scheduler::{Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
 use crate::files::slashed;
 use crate::record::frame::{FrameFailures, Frames};
+use crate::record::notes::Notes;
 use crate::record::report::Input;
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{RecordError, Sink, Sinks};
@@ -104,6 +105,7 @@ impl Ready {
             robots: self.scene.robots.iter().map(robot).collect(),
             run: self.words(),
             inputs: self.inputs.clone(),
+            only: Vec::new(),
         }
     }
 
@@ -123,8 +125,9 @@ impl Ready {
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
         let tally = Tally::new(&scene).map(|tally| Arc::new(Mutex::new(tally)));
         let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
-        let sinks: Sinks<'_> =
-            [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(counts).chain(failures).collect();
+        let notes = Arc::new(Mutex::new(Notes::default()));
+        let own = [Box::new(watch) as Box<dyn Sink>, Box::new(Arc::clone(&notes))];
+        let sinks: Sinks<'_> = own.into_iter().chain(sinks).chain(counts).chain(failures).collect();
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
         let noise = |id: RobotId| robots.get(id.index()).map(|robot| robot.noise().clone()).unwrap_or_default();
         let faults = Faults::new(&scene.faults, settings.seed, settings.until, noise);
@@ -153,7 +156,7 @@ impl Ready {
         if let Some(tally) = &tally {
             record_calls(&tally.lock(), &scheduler);
         }
-        Ok(Running { scheduler, settings, scene, scenery, inputs, tally })
+        Ok(Running { scheduler, settings, scene, scenery, inputs, tally, notes })
     }
 
     /// Starts the run and advances it to its end.
@@ -221,19 +224,21 @@ pub struct Running {
     scenery: Arc<LazyScenery>,
     inputs: Vec<Input>,
     tally: Option<Arc<Mutex<Tally>>>,
+    notes: Arc<Mutex<Notes>>,
 }
 
 impl Running {
     /// Ends the run and completes its record.
     pub fn finish(self) -> Finished {
-        let Self { scheduler, settings, scene, scenery, mut inputs, tally } = self;
+        let Self { scheduler, settings, scene, scenery, mut inputs, tally, notes } = self;
         let ended = scheduler.finish();
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
             inputs.extend(new);
         }
-        let report = finished::report(&settings, &scene, &ended, inputs);
+        let notes = std::mem::take(&mut *notes.lock());
+        let report = finished::report(&settings, &scene, &ended, inputs, &notes);
         let checks = {
             let environment = ended.run.environment.read();
             let findings = environment.monitor().into_iter().flat_map(Monitor::findings);
@@ -245,7 +250,7 @@ impl Running {
             checks
         };
         let report = report.with_checks(checks);
-        Finished { settings, scene, scenery, ended, report }
+        Finished { settings, scene, scenery, ended, report, remarks: notes.remarks }
     }
 }
 

@@ -10,12 +10,14 @@ pub mod frame;
 pub mod log;
 #[cfg(feature = "window")]
 pub mod mcap;
+pub mod notes;
 pub mod png;
 pub mod read;
 pub mod report;
 pub mod sink;
 pub mod trace;
 pub mod trail;
+mod zstd;
 
 pub use event_store::EventStore;
 pub use log::Log;
@@ -24,5 +26,5 @@ pub use mcap::Mcap;
 pub use read::{Recorded, TraceError, TraceReader};
 pub use report::Report;
 pub use sink::{RecordError, Sink, Sinks};
-pub use trace::Trace;
+pub use trace::{Trace, TraceFilter};
 pub use trail::Trails;

@@ -12,6 +12,7 @@ use sim_core::record::{Action, Digest, Kind, Outcome};
 use sim_core::time::Time;
 
 use super::trace::{TRACE_SCHEMA, TraceHeader};
+use super::zstd::{Frames, MAGIC};
 
 /// Length in bytes of the longest line that is accepted: longer than any that is written.
 const MAX_LINE: u64 = 1 << 26;
@@ -114,15 +115,31 @@ struct Head {
     digest: Option<Digest>,
 }
 
-impl TraceReader<BufReader<File>> {
-    /// Opens the trace `path`.
+impl TraceReader<Box<dyn BufRead>> {
+    /// Opens the trace `path`, which may be compressed.
     ///
     /// # Errors
     /// [`TraceError`] if it cannot be read or is no trace.
     pub fn open(path: &Path) -> Result<Self, TraceError> {
-        let file = File::open(path).map_err(|source| TraceError::Read { path: path.to_owned(), source })?;
-        Self::new(BufReader::new(file), path)
+        let text = open_text(path).map_err(|source| TraceError::Read { path: path.to_owned(), source })?;
+        Self::new(text, path)
     }
+}
+
+/// Reads the text of the trace `path`, which may be compressed.
+///
+/// # Errors
+/// The file cannot be read, or its compression is damaged.
+pub fn read_text(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_text(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn open_text(path: &Path) -> io::Result<Box<dyn BufRead>> {
+    let mut file = BufReader::new(File::open(path)?);
+    let is_compressed = file.fill_buf()?.starts_with(&MAGIC);
+    Ok(if is_compressed { Box::new(BufReader::new(Frames::new(file))) } else { Box::new(file) })
 }
 
 impl<R: BufRead> TraceReader<R> {
@@ -131,7 +148,7 @@ impl<R: BufRead> TraceReader<R> {
     /// # Errors
     /// [`TraceError`] if it cannot be read or is no trace.
     pub fn new(input: R, path: &Path) -> Result<Self, TraceError> {
-        let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![] };
+        let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![], only: vec![] };
         let path = path.to_owned();
         let mut reader = Self { input, path, header, version: String::new(), line: 0, bytes: vec![], has_ended: false };
         let no_trace =

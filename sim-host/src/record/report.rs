@@ -1,5 +1,6 @@
 //! The report of a run: one JSON file at its end. Its schema is `docs/report.md`.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -148,6 +149,8 @@ pub struct RobotReport {
     /// Virtual time of the robot, s.
     #[serde(serialize_with = "finite")]
     pub virtual_time_s: f64,
+    /// Its pose at the start, or where it was added.
+    pub start: PlanarPose,
     /// Its true pose.
     pub pose: PlanarPose,
     /// Depth of its hull under the surface of the water, m; none for a robot on dry land.
@@ -159,6 +162,10 @@ pub struct RobotReport {
     pub path_m: f64,
     /// Number of contacts that began.
     pub contacts: u64,
+    /// Instants at which the first [`MAX_CONTACT_TIMES`](super::notes::MAX_CONTACT_TIMES) contacts of the trace began, s.
+    pub contact_times_s: Vec<f64>,
+    /// Last values of the metrics that its program printed, by name: the program's own word, by which no check judges.
+    pub metrics: BTreeMap<String, f64>,
     /// Time at which its centre first left the floor, s; none if it did not.
     pub left_floor_s: Option<f64>,
     /// Number of footfalls; none for a robot without legs.
@@ -278,11 +285,14 @@ mod tests {
             reason: Some("waits for KEY4 since 2.31 s at maze.c:88 (try --keys \"3:KEY4\")".into()),
             exit_code: None,
             virtual_time_s: 2.35,
+            start: Pose::new(0.5, 0.5, 0.0).into(),
             pose: Pose::new(0.1, 0.2, 7.0).into(),
             depth_m: None,
             odometry: None,
             path_m: 1.6,
             contacts: 2,
+            contact_times_s: vec![1.25, 2.0],
+            metrics: [("error_mm".to_owned(), 12.5)].into(),
             left_floor_s: None,
             footfalls: Some(7),
             touches: None,

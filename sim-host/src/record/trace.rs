@@ -14,6 +14,7 @@ use sim_core::time::Time;
 use super::file::{Proof, RecordFile};
 use super::report::Input;
 use super::sink::{RecordError, Sink};
+use super::zstd;
 use sim_core::record::{Digest, Kind, KindSet, Record};
 
 /// Version of the trace's schema.
@@ -34,6 +35,84 @@ pub struct TraceHeader {
     /// Every file that determines the run, as far as known at the start.
     #[serde(default)]
     pub inputs: Vec<Input>,
+    /// Kinds of events, or groups of kinds, that the trace holds; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only: Vec<String>,
+}
+
+/// Kinds of events that a trace holds, as the user names them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TraceFilter(Vec<String>);
+
+/// Kinds of the group `poses`.
+const POSES: &[Kind] = &[
+    Kind::Pose,
+    Kind::Object,
+    Kind::Placed,
+    Kind::ObjectPlaced,
+    Kind::Joint,
+    Kind::Link,
+    Kind::BodyHeight,
+    Kind::Posture,
+];
+
+/// Kinds of the group `readings`.
+const READINGS: &[Kind] = &[
+    Kind::Distance,
+    Kind::Angle,
+    Kind::Reading,
+    Kind::Odometry,
+    Kind::OdometrySpeed,
+    Kind::Scan,
+    Kind::Signal,
+    Kind::Frame,
+];
+
+/// Kinds that every trace holds: without them a run cannot be repeated.
+const ALWAYS: &[Kind] = &[Kind::Intervention, Kind::ProgramEnded];
+
+impl TraceFilter {
+    /// Parses names of kinds and of the groups `poses`, `readings` and `events` (all others), with commas between them.
+    ///
+    /// # Errors
+    /// A name is unknown; the message lists the known ones.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let words: Vec<String> = text.split(',').map(|word| word.trim().to_owned()).collect();
+        match words.iter().find(|word| kinds_of(word).is_none()) {
+            Some(unknown) => Err(format!(
+                "`{unknown}` is neither a group (poses, readings, events) nor a kind of event: {}",
+                Kind::ALL
+                    .iter()
+                    .filter(|kind| **kind != Kind::Call)
+                    .map(|kind| kind.name())
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            )),
+            None => Ok(Self(words)),
+        }
+    }
+
+    /// The names.
+    pub fn words(&self) -> &[String] {
+        &self.0
+    }
+}
+
+/// Kinds of a group, or the kind of this name.
+fn kinds_of(word: &str) -> Option<KindSet> {
+    match word {
+        "poses" => Some(KindSet::of(POSES)),
+        "readings" => Some(KindSet::of(READINGS)),
+        "events" => Some(POSES.iter().chain(READINGS).fold(KindSet::ALL, |set, kind| set.without(*kind))),
+        _ => Kind::ALL.iter().find(|kind| kind.name() == word && **kind != Kind::Call).map(|kind| kind.set()),
+    }
+}
+
+/// Kinds of a trace whose header says `only`.
+fn kinds_of_trace(only: &[String]) -> KindSet {
+    let kinds = only.iter().filter_map(|word| kinds_of(word));
+    let kinds = kinds.reduce(KindSet::union).map_or(KindSet::ALL, |kinds| kinds.union(KindSet::of(ALWAYS)));
+    kinds.without(Kind::Call)
 }
 
 /// A robot in the first line of a trace.
@@ -52,6 +131,9 @@ pub struct Trace {
     out: BufWriter<Box<dyn Write + Send>>,
     path: PathBuf,
     has_new_lines: bool,
+    kinds: KindSet,
+    /// Lines that are not compressed yet; `None` for a trace of plain text.
+    uncompressed: Option<Vec<u8>>,
     /// Checked at the end, if the trace is a file.
     proof: Option<Arc<Proof>>,
 }
@@ -77,14 +159,16 @@ enum ControlLine<'a> {
 }
 
 impl Trace {
-    /// Creates the file `path`, or empties it, and writes the first line.
+    /// Creates the file `path`, or empties it, and writes the first line. If the name ends with `.zst`, the trace is compressed, and lines
+    /// are written as soon as they fill a frame of 1 MiB.
     ///
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written.
     pub fn create(path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
         let file = RecordFile::create(path).map_err(|source| RecordError::write("trace", path, source))?;
         let proof = Some(file.proof());
-        Ok(Self { proof, ..Self::new(Box::new(file), path, header)? })
+        let is_compressed = path.extension().is_some_and(|extension| extension == "zst");
+        Ok(Self { proof, ..Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))? })
     }
 
     /// Trace that is written to `out`; error messages call it `path`.
@@ -92,10 +176,21 @@ impl Trace {
     /// # Errors
     /// [`RecordError::Write`] if the first line cannot be written.
     pub fn new(out: Box<dyn Write + Send>, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
+        Self::begin(out, path, header, None)
+    }
+
+    fn begin(
+        out: Box<dyn Write + Send>,
+        path: &Path,
+        header: &TraceHeader,
+        uncompressed: Option<Vec<u8>>,
+    ) -> Result<Self, RecordError> {
         let mut trace = Self {
             out: BufWriter::with_capacity(1 << 16, out),
             path: path.to_owned(),
             has_new_lines: false,
+            kinds: kinds_of_trace(&header.only),
+            uncompressed,
             proof: None,
         };
         trace.write_line(&ControlLine::Header {
@@ -109,12 +204,24 @@ impl Trace {
 
     fn write_line(&mut self, line: &impl Serialize) -> Result<(), RecordError> {
         self.has_new_lines = true;
-        let written = serde_json::to_writer(&mut self.out, line).map_err(io::Error::from);
-        written.and_then(|()| self.out.write_all(b"\n")).map_err(|source| self.error(source))
+        let written = match &mut self.uncompressed {
+            Some(text) => write_json(text, line),
+            None => write_json(&mut self.out, line),
+        };
+        written.map_err(|source| self.error(source))
+    }
+
+    /// Writes the lines that are not compressed yet as a frame, if they are at least `least` bytes.
+    fn compress(&mut self, least: usize) -> Result<(), RecordError> {
+        let Some(text) = self.uncompressed.as_mut().filter(|text| text.len() >= least) else { return Ok(()) };
+        let frame = zstd::frame(text);
+        text.clear();
+        self.out.write_all(&frame).map_err(|source| self.error(source))
     }
 
     fn flush(&mut self) -> Result<(), RecordError> {
         self.has_new_lines = false;
+        self.compress(zstd::FRAME)?;
         self.out.flush().map_err(|source| self.error(source))
     }
 
@@ -125,7 +232,7 @@ impl Trace {
 
 impl Sink for Trace {
     fn interest(&self) -> KindSet {
-        KindSet::ALL.without(Kind::Call)
+        self.kinds
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
@@ -142,9 +249,15 @@ impl Sink for Trace {
     /// Writes the last line, which marks the trace as complete.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
+        self.compress(1)?;
         self.flush()?;
         self.proof.as_ref().map_or(Ok(()), |proof| proof.check()).map_err(|source| self.error(source))
     }
+}
+
+fn write_json(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
+    serde_json::to_writer(&mut out, line)?;
+    out.write_all(b"\n")
 }
 
 #[cfg(test)]
@@ -184,6 +297,7 @@ pub(super) mod tests {
             robots: vec![robot(1, "eve"), robot(2, "S4")],
             run: ["a.sim", "--seed", "42"].map(str::to_owned).to_vec(),
             inputs: vec![Input::new(Path::new("a.sim"), b"robi eve.robi")],
+            only: Vec::new(),
         }
     }
 
@@ -348,6 +462,44 @@ pub(super) mod tests {
         recorder.collect(&mut journal);
         let message = sinks.take_slot(&mut recorder, Time(1)).unwrap_err().to_string();
         assert_eq!(message, "cannot write the trace `t.jsonl`: no storage space");
+    }
+
+    #[test]
+    fn a_filter_names_kinds_and_groups() {
+        let kinds = |text: &str| kinds_of_trace(TraceFilter::parse(text).expect("a filter").words());
+        let poses = kinds("poses, contact");
+        for kind in [Kind::Pose, Kind::Object, Kind::Contact, Kind::Intervention, Kind::ProgramEnded] {
+            assert!(poses.contains(kind), "{kind:?}");
+        }
+        assert!(![Kind::Stdout, Kind::Distance, Kind::Call].iter().any(|kind| poses.contains(*kind)));
+        let all = kinds("poses,readings,events");
+        assert!(Kind::ALL.iter().all(|kind| all.contains(*kind) == (*kind != Kind::Call)));
+        assert_eq!(kinds_of_trace(&[]), KindSet::ALL.without(Kind::Call));
+        for wrong in ["pose,posse", "", "call"] {
+            let error = TraceFilter::parse(wrong).expect_err("no filter");
+            assert!(error.contains("is neither a group (poses, readings, events)"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_compressed_trace_reads_as_the_plain_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let texts = ["a.jsonl", "a.jsonl.zst"].map(|name| {
+            let path = folder.path().join(name);
+            let mut recorder = Recorder::new(42, Time(50_000), KindSet::ALL);
+            let mut sinks = Sinks::one(Trace::create(&path, &header()).expect("a trace"));
+            let mut journal = Journal::new(RobotId(1), false);
+            for event in every_event() {
+                journal.record(Time(0), &event);
+            }
+            recorder.collect(&mut journal);
+            sinks.take_slot(&mut recorder, Time(50_000)).expect("a slot");
+            sinks.finish_record(&mut recorder, Time(50_000)).1.expect("an end");
+            let bytes = std::fs::read(&path).expect("a file");
+            assert_eq!(bytes.starts_with(&zstd::MAGIC), name.ends_with("zst"));
+            crate::record::read::read_text(&path).expect("a trace")
+        });
+        assert!(texts[0].ends_with(b"}\n") && texts[0] == texts[1]);
     }
 
     #[test]

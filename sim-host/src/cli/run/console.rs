@@ -28,6 +28,7 @@ use crate::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, Run
 use crate::plot;
 use crate::record::log::{Filter, Pattern};
 use crate::record::report::Input;
+use crate::record::trace::TraceHeader;
 use crate::record::{Log, RecordError, Recorded, Report, Sink, Trace, Trails};
 use sim_core::RobotId;
 
@@ -94,8 +95,8 @@ fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> 
 
 /// Checks before the run that its output files overwrite no input and lie in existing folders.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
-    let outputs =
-        [("--report", &args.report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
+    let report = args.report_file();
+    let outputs = [("--report", &report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
     let repeated = args.repeat.as_deref().map(slashed);
     let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
     output::check_outputs(&given(&outputs), inputs)?;
@@ -123,12 +124,14 @@ impl ConsoleRun {
         let progress = if is_hidden { Progress::hidden() } else { Progress::new(ready.settings().until) };
         let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
         if !args.is_silent {
-            sinks.push(Box::new(Log::new(filter(args, ready.scene())?, progress.stdout(), progress.stderr())));
+            let out = if args.prints_report() { progress.stderr() } else { progress.stdout() };
+            sinks.push(Box::new(Log::new(filter(args, ready.scene())?, out, progress.stderr())));
         }
         let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(trails(ready.scene()))));
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
         if let Some(path) = &args.trace {
-            sinks.push(Box::new(Trace::create(path, &ready.trace_header())?));
+            let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
+            sinks.push(Box::new(Trace::create(path, &TraceHeader { only, ..ready.trace_header() })?));
         }
         #[cfg(feature = "window")]
         if let Some(path) = &args.record {
@@ -146,7 +149,10 @@ impl ConsoleRun {
             let written = text.map_err(std::io::Error::other).and_then(|text| err.write_all(text.as_bytes()));
             written.map_err(|source| RecordError::Print { stream: "standard error", source })
         };
-        let running = ready.start(Observers { sinks, diagnostics: Some(Box::new(tell)), ..observers })?;
+        let mut running = ready.start(Observers { sinks, diagnostics: Some(Box::new(tell)), ..observers })?;
+        if let Some(computing) = progress.computing() {
+            running.scheduler.listen_to_computing(computing);
+        }
         Ok(Self { running, progress, trails })
     }
 
@@ -189,7 +195,8 @@ impl Ran {
         let Self { finished, trails } = self;
         if finished.scenery.built().is_some() {
             // Images that cameras have loaded during the run are inputs, too.
-            let outputs = [("--report", &args.report), ("--plot", &args.plot)];
+            let report = args.report_file();
+            let outputs = [("--report", &report), ("--plot", &args.plot)];
             output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
         }
         let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
@@ -197,7 +204,10 @@ impl Ran {
             write_charts(&finished.report, &finished.scene, path)
         };
         let written = [
-            args.report.as_ref().map(|path| Ok(finished.report.write(path)?)),
+            args.report.as_ref().map(|path| match args.prints_report() {
+                true => super::print(&finished.report.to_json()?),
+                false => Ok(finished.report.write(path)?),
+            }),
             args.plot.as_ref().zip(trails.as_ref()).map(plot),
         ];
         written.into_iter().flatten().collect()
@@ -261,7 +271,7 @@ pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter
 }
 
 /// Sink that collects the paths of the robots and movable objects of `scene`.
-fn trails(scene: &SceneSpec) -> Trails {
+pub(in crate::cli) fn trails(scene: &SceneSpec) -> Trails {
     let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
     let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
     Trails::new(&starts, &objects)

@@ -1,0 +1,135 @@
+//! Contacts and metrics of a run, collected for its report.
+
+use std::collections::BTreeMap;
+
+use sim_core::RobotId;
+use sim_core::record::{Digest, Event, Kind, KindSet, Record};
+use sim_core::time::Time;
+
+use super::sink::{RecordError, Sink};
+
+/// Most instants of contacts that are kept for a robot.
+pub const MAX_CONTACT_TIMES: usize = 1000;
+
+/// Most metrics that are kept for a robot.
+const MAX_METRICS: usize = 200;
+
+/// Most remarks that are kept.
+const MAX_REMARKS: usize = 20;
+
+/// Beginning of a line by which a program tells a metric.
+const METRIC: &str = "METRIC ";
+
+/// Sink that collects the instants of contacts, and the metrics that programs print: lines `METRIC name=value`.
+#[derive(Clone, Debug, Default)]
+pub struct Notes {
+    robots: BTreeMap<RobotId, RobotNotes>,
+    /// Lines that begin as a metric and are none.
+    pub remarks: Vec<String>,
+}
+
+/// Notes of one robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RobotNotes {
+    /// Instants at which its contacts began, s.
+    pub contact_times: Vec<f64>,
+    /// Last value of each metric.
+    pub metrics: BTreeMap<String, f64>,
+}
+
+impl Notes {
+    /// The notes of a robot.
+    pub fn of(&self, robot: RobotId) -> &RobotNotes {
+        static NONE: RobotNotes = RobotNotes { contact_times: Vec::new(), metrics: BTreeMap::new() };
+        self.robots.get(&robot).unwrap_or(&NONE)
+    }
+
+    fn take_line(&mut self, robot: RobotId, line: &str) {
+        let Some(text) = line.strip_prefix(METRIC) else { return };
+        let metrics = &mut self.robots.entry(robot).or_default().metrics;
+        let refused = match parse(text) {
+            Ok((name, value)) if metrics.contains_key(name) || metrics.len() < MAX_METRICS => {
+                metrics.insert(name.to_owned(), value);
+                return;
+            }
+            Ok(_) => format!("a robot has at most {MAX_METRICS} metrics"),
+            Err(why) => why,
+        };
+        if self.remarks.len() < MAX_REMARKS {
+            self.remarks.push(format!("{robot}: `{}` is not kept: {refused}", line.trim_end()));
+        }
+    }
+}
+
+/// Name and value of `name=value`.
+fn parse(text: &str) -> Result<(&str, f64), String> {
+    const EXPECTED: &str = "expected `METRIC name=value`, such as `METRIC error_mm=12.5`";
+    let (name, value) = text.split_once('=').ok_or(EXPECTED)?;
+    let (name, value) = (name.trim(), value.trim());
+    let is_name = |name: &str| name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
+    if name.is_empty() || !is_name(name) {
+        return Err(format!("`{name}` is no name of letters, digits, `_`, `-` and `.`; {EXPECTED}"));
+    }
+    let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.map(|number| (name, number)).ok_or_else(|| format!("`{value}` is no finite number; {EXPECTED}"))
+}
+
+impl Sink for Notes {
+    fn interest(&self) -> KindSet {
+        KindSet::of(&[Kind::Contact, Kind::Stdout])
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        match record.event {
+            Event::Contact { at_s, .. } => {
+                let times = &mut self.robots.entry(record.robot).or_default().contact_times;
+                if times.len() < MAX_CONTACT_TIMES {
+                    times.push(at_s);
+                }
+            }
+            Event::Stdout { text } => text.lines().for_each(|line| self.take_line(record.robot, line)),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_value_of_each_metric_counts() {
+        let (mut notes, robot) = (Notes::default(), RobotId(1));
+        for line in ["METRIC error_mm=12.5", "hello", "METRIC laps = 2", "METRIC error_mm=-3e1", "METRICS are fine"] {
+            notes.take_line(robot, line);
+        }
+        let expected = [("error_mm".to_owned(), -30.0), ("laps".to_owned(), 2.0)].into();
+        assert_eq!(notes.of(robot).metrics, expected);
+        assert_eq!((notes.of(RobotId(2)).metrics.len(), notes.remarks.len()), (0, 0));
+    }
+
+    #[test]
+    fn a_line_that_is_no_metric_is_told() {
+        let (mut notes, robot) = (Notes::default(), RobotId(3));
+        for line in ["METRIC 12.5", "METRIC error=", "METRIC error=nan", "METRIC my error=1", "METRIC =1"] {
+            notes.take_line(robot, line);
+        }
+        assert!(notes.of(robot).metrics.is_empty());
+        assert_eq!(notes.remarks.len(), 5);
+        assert_eq!(
+            notes.remarks[0],
+            "r3: `METRIC 12.5` is not kept: expected `METRIC name=value`, such as `METRIC error_mm=12.5`"
+        );
+        assert!(notes.remarks[2].contains("`nan` is no finite number"), "{}", notes.remarks[2]);
+        for number in 0..2 * MAX_METRICS {
+            notes.take_line(robot, &format!("METRIC m{number}=1"));
+        }
+        assert_eq!((notes.of(robot).metrics.len(), notes.remarks.len()), (MAX_METRICS, MAX_REMARKS));
+        assert!(notes.remarks[19].contains("at most 200 metrics"), "{}", notes.remarks[19]);
+    }
+}

@@ -1,0 +1,97 @@
+//! Zstandard as traces use it: whole frames, one after the other.
+
+use std::io::{self, BufRead, Read};
+
+use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
+/// First bytes of a frame.
+pub const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+
+/// Length of the text in a frame, in bytes; our choice: a longer one compresses hardly better.
+pub const FRAME: usize = 1 << 20;
+
+/// The frame that holds `text`.
+pub fn frame(text: &[u8]) -> Vec<u8> {
+    compress_to_vec(text, CompressionLevel::Fastest)
+}
+
+/// Reads the text of all frames of `input`. A last frame that is not complete, as of a run that was killed, is left out.
+pub struct Frames<R> {
+    input: R,
+    decoder: FrameDecoder,
+    is_open: bool,
+}
+
+impl<R: BufRead> Frames<R> {
+    /// Reader of the frames of `input`.
+    pub fn new(input: R) -> Self {
+        Self { input, decoder: FrameDecoder::new(), is_open: false }
+    }
+
+    /// The error of a frame, unless the input ended within it.
+    fn error(&mut self, error: impl std::fmt::Display) -> io::Result<usize> {
+        self.is_open = false;
+        if self.input.fill_buf()?.is_empty() {
+            return Ok(0);
+        }
+        Err(io::Error::new(io::ErrorKind::InvalidData, format!("its compression (Zstandard) is damaged: {error}")))
+    }
+}
+
+impl<R: BufRead> Read for Frames<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        while !buffer.is_empty() {
+            if self.is_open && self.decoder.can_collect() > 0 {
+                return self.decoder.read(buffer);
+            }
+            if self.is_open && !self.decoder.is_finished() {
+                let strategy = BlockDecodingStrategy::UptoBytes(buffer.len());
+                if let Err(error) = self.decoder.decode_blocks(&mut self.input, strategy) {
+                    return self.error(error);
+                }
+                continue;
+            }
+            self.is_open = false;
+            if self.input.fill_buf()?.is_empty() {
+                break;
+            }
+            if let Err(error) = self.decoder.reset(&mut self.input) {
+                return self.error(error);
+            }
+            self.is_open = true;
+        }
+        Ok(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(bytes: &[u8]) -> io::Result<String> {
+        let mut text = String::new();
+        Frames::new(bytes).read_to_string(&mut text).map(|_| text)
+    }
+
+    #[test]
+    fn frames_give_their_text_back() {
+        let long: String = (0..100_000).map(|line| format!("{{\"t_s\":{line},\"event\":\"pose\"}}\n")).collect();
+        let bytes = [frame(long.as_bytes()), frame(b""), frame(b"the end")].concat();
+        assert!(bytes.starts_with(&MAGIC));
+        assert!(bytes.len() * 4 < long.len(), "{} of {}", bytes.len(), long.len());
+        assert_eq!(read(&bytes).expect("frames"), long.clone() + "the end");
+        assert_eq!(read(b"").expect("no frame"), "");
+        // A run was killed while it wrote the last frame.
+        let cut = [frame(b"whole"), frame(long.as_bytes())].concat();
+        let text = read(&cut[..cut.len() - 1000]).expect("a cut frame");
+        assert!(text.starts_with("whole") && (long + "whole").len() > text.len(), "{}", text.len());
+    }
+
+    #[test]
+    fn a_damaged_frame_is_told() {
+        let bytes = [frame(b"whole"), b"no frame at all, but long enough".to_vec()].concat();
+        let error = read(&bytes).expect_err("damaged").to_string();
+        assert!(error.starts_with("its compression (Zstandard) is damaged: "), "{error}");
+    }
+}
