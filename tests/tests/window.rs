@@ -417,15 +417,35 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
     scratch.write("rover.c", WAITER);
     page.until("the new run", |page| page.run() == 2 && page.state() == Some(&RunState::Idle));
     assert_eq!(page.seed(), "9");
+    // How long a change takes to be seen is printed: it is no matter of right or wrong.
+    scratch.write("rover.c", &format!("{ROVER}// changed\n"));
+    let saved = std::time::Instant::now();
+    page.until("the change", |page| page.run() == 3 && page.t_s() > 0.0);
+    println!("a change of a C file drives in the window after {:.2} s", saved.elapsed().as_secs_f64());
+}
+
+#[test]
+fn a_page_that_comes_late_gets_the_trails() {
+    let scratch = scene_of(&[("rover.c", ROVER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let mut page = served.page();
+    page.until("some way", |page| page.t_s() > 1.0);
+    let trails: serde_json::Value = serde_json::from_slice(&served.get("/files/trails.json")).expect("trails");
+    assert_eq!(trails["run"], 1);
+    let line = trails["trails"][0][0].as_array().expect("a line");
+    let robots = page.scene.as_ref().expect("a scene").robots.len();
+    assert_eq!(trails["trails"].as_array().map(Vec::len), Some(robots));
+    assert!(line.len() > 1 && line[0] != line[line.len() - 1], "{trails}");
+    assert!(line.iter().all(|point| point.as_array().is_some_and(|point| point.len() == 2)), "{trails}");
 }
 
 #[test]
 fn a_class_watches_and_the_teacher_acts() {
     let scratch = scene_of(&[("waiter.c", WAITER)]);
     let served = Served::start(&scratch, &["view", "scene.sim", "--listen", "127.0.0.1"]);
-    let (_, token) = served.lines[0].split_once("#token=").expect("the teacher's token");
-    assert!(served.lines[0].starts_with("teacher: ") && token.len() >= 32, "{:?}", served.lines);
-    assert!(served.lines[1].starts_with("class: ") && !served.lines[1].contains("token"), "{:?}", served.lines);
+    let (_, token) = served.lines[1].split_once("#token=").expect("the teacher's token");
+    assert!(served.lines[1].starts_with("teacher: ") && token.len() >= 32, "{:?}", served.lines);
+    assert!(served.lines[0].starts_with("class: ") && !served.lines[0].contains("token"), "{:?}", served.lines);
     let mut pupil = served.page();
     pupil.until("a welcome", |page| page.welcome.is_some());
     assert!(pupil.welcome.as_ref().is_some_and(|welcome| !welcome.may_act));

@@ -21,7 +21,7 @@ use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
 use super::pack::open_for_run;
-use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
+use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds, trails};
 use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
@@ -29,7 +29,7 @@ use crate::executive::program::Exec;
 use crate::files::DiskFiles;
 use crate::launch::settings::TYPED;
 use crate::launch::{Error, Observers, Ready, Rejected};
-use crate::record::{EventStore, Sink, TraceReader};
+use crate::record::{EventStore, Sink, TraceReader, Trails};
 use crate::window::control::Control;
 use crate::window::control_panel::{ControlPanel, RunStarter, SPEEDS};
 use crate::window::driver::Driver;
@@ -54,9 +54,9 @@ pub struct ViewArgs {
     /// Port at which pages find the run, 0 for any free one [default: 7351, or any free one if that is taken]
     #[arg(long, value_name = "NUMBER")]
     port: Option<u16>,
-    /// For a class: let others watch over the network at this address of this machine, 0.0.0.0 for all
-    #[arg(long, value_name = "ADDRESS")]
-    listen: Option<IpAddr>,
+    /// For a class: let others watch over the network at this address of this machine, 0.0.0.0 for all; with a port `0.0.0.0:7412`
+    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = parse_listen)]
+    listen: Option<ListenAddress>,
     /// Token with which a page may act, with --listen; pages without it only watch [default: a random one]
     #[arg(long, value_name = "TOKEN", requires = "listen", value_parser = parse_token)]
     token: Option<String>,
@@ -72,13 +72,21 @@ pub struct ViewArgs {
 }
 
 const AFTER_HELP: &str = "The window stays open when the run is over, until Ctrl-C. `--listen 0.0.0.0` prints two addresses: the \
-                          teacher's, which may act, and the class's, which only watches.";
+                          class's, which only watches, and the teacher's, which may act.";
+
+/// Address at which a class watches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct ListenAddress {
+    ip: IpAddr,
+    /// The port, if the address has one.
+    port: Option<u16>,
+}
 
 /// Default port of the window.
 const PORT: u16 = 7351;
 
 /// Interval between two checks for changed files with --watch.
-const WATCH_PERIOD: Duration = Duration::from_millis(300);
+const WATCH_PERIOD: Duration = Duration::from_millis(50);
 
 /// Interval between two checks for requests once the run is over.
 const NAP: Duration = Duration::from_millis(20);
@@ -144,7 +152,12 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
         (None, Some(_)) => Access::Class { token: random_token()? },
         (None, None) => Access::Local,
     };
-    open_window(page, access, args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), args.port, title)
+    let port = args.listen.and_then(|listen| listen.port);
+    if let (Some(one), Some(other)) = (port, args.port) {
+        ensure!(one == other, "--listen has the port {one}, and --port says {other}: give one of them");
+    }
+    let ip = args.listen.map_or(Ipv4Addr::LOCALHOST.into(), |listen| listen.ip);
+    open_window(page, access, ip, port.or(args.port), title)
 }
 
 /// Opens a window at `ip` and `port`; without a port at `PORT`, or at any free port if that is taken.
@@ -166,7 +179,7 @@ pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, ti
 fn announce_address(args: &ViewArgs, window: &Window) {
     let url = window.url();
     if args.listen.is_some() {
-        println!("teacher: {url}\nclass:   {}", window.public_url());
+        println!("class:   {}\nteacher: {url}", window.public_url());
     } else {
         println!("{url}");
     }
@@ -216,7 +229,9 @@ impl Session {
                 (requests.is_over, requests.is_ending, requests.steps) = (false, false, 0);
             });
             let event_store = self.offer(&ready, &show)?;
-            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(event_store)];
+            let trails = Arc::new(Mutex::new(trails(ready.scene())));
+            self.offer_trails(number, &trails);
+            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(event_store), Box::new(trails)];
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
@@ -263,6 +278,20 @@ impl Session {
             feed: Arc::clone(&feed),
         });
         (Arc::new(Mutex::new(show)), feed)
+    }
+
+    /// Offers the robots' trails of run `number` so far, for pages that come late.
+    fn offer_trails(&self, number: u32, trails: &Arc<Mutex<Trails>>) {
+        let trails = Arc::clone(trails);
+        let json = move || {
+            let lines: Vec<Vec<Vec<[f64; 2]>>> = {
+                let trails = trails.lock();
+                let line = |line: Vec<glam::DVec2>| line.into_iter().map(<[f64; 2]>::from).collect();
+                trails.trails().iter().map(|body| body.lines().into_iter().map(line).collect()).collect()
+            };
+            serde_json::to_vec(&serde_json::json!({"run": number, "trails": lines})).map_err(|error| error.to_string())
+        };
+        self.window.offer("trails.json", Download::new("application/json", json));
     }
 
     /// Offers the downloads of the run to pages; returns the temporary file that holds its trace.
@@ -482,8 +511,34 @@ fn file_state(path: &Path) -> Option<(SystemTime, u64)> {
     Some((metadata.modified().ok()?, metadata.len()))
 }
 
+fn parse_listen(text: &str) -> Result<ListenAddress, String> {
+    let alone = text.parse::<IpAddr>().map(|ip| ListenAddress { ip, port: None });
+    let with_port =
+        |text: &str| text.parse::<SocketAddr>().map(|at| ListenAddress { ip: at.ip(), port: Some(at.port()) });
+    alone.or_else(|_| with_port(text)).map_err(|_| {
+        "expected an address of this machine, alone or with a port: `0.0.0.0` (all), `192.168.1.20:7412`, `[::]:7412`".to_owned()
+    })
+}
+
 fn parse_token(text: &str) -> Result<String, String> {
     let is_word =
         !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
     if is_word { Ok(text.to_owned()) } else { Err("expected letters, digits, `-`, `_` and `.`".into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_listens_at_an_address_with_or_without_a_port() {
+        let parsed = |text| parse_listen(text).map(|ListenAddress { ip, port }| (ip.to_string(), port));
+        assert_eq!(parsed("0.0.0.0"), Ok(("0.0.0.0".to_owned(), None)));
+        assert_eq!(parsed("0.0.0.0:7412"), Ok(("0.0.0.0".to_owned(), Some(7412))));
+        assert_eq!(parsed("[::1]:7412"), Ok(("::1".to_owned(), Some(7412))));
+        assert_eq!(parsed("::"), Ok(("::".to_owned(), None)));
+        for wrong in ["7412", "localhost", "0.0.0.0:", "1.2.3.4:99999"] {
+            assert!(parsed(wrong).is_err_and(|why| why.contains("`192.168.1.20:7412`")), "{wrong}");
+        }
+    }
 }

@@ -24,6 +24,7 @@ line.append(connectionStatus(model));
 const view = element("main", { className: "view" }, [scene.element, line]);
 const side = element("aside", { className: "side", label: "Panels" });
 for (const panel of panels(model)) (panel.classList.contains("bar") ? bar : side).append(panel);
+document.getElementById("loading")?.remove();
 document.body.append(bar, view, side);
 
 model.subscribe("scene", () => {

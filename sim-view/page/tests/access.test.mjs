@@ -97,6 +97,11 @@ test("an idle run waits for its user; all by keyboard", { skip }, async () => {
   await page.keyboard.press("4");
   await heard.until("the end", ({ snapshot }) => snapshot.state.is === "ended");
   assert.match(heard.snapshot.state.digest, /^[0-9a-f]{64}$/);
+  await control("run-pause").getByText("Run again").waitFor();
+  const { run } = heard.scene;
+  await control("run-pause").click();
+  await heard.until("another run", ({ scene, snapshot }) => scene.run === run + 1 && snapshot.run === scene.run);
+  await control("run-pause").getByText("Pause").waitFor();
   await close();
   await eyesim.stop();
 });
@@ -136,4 +141,27 @@ test("a line typed on the page reaches the program", { skip }, async () => {
   await close();
   await eyesim.stop();
   assert.deepEqual(heard.errors, []);
+});
+
+test("a page that comes late shows the trails from the start", { skip }, async () => {
+  const program = '#include "eyebot.h"\nint main(void) { VWSetSpeed(200, 0); while (1) OSWait(100); }\n';
+  writeFileSync(join(folder, "drive.c"), program);
+  const scene = readFileSync(join(folder, "wait.scene.toml"), "utf8").replace("wait.c", "drive.c").replace("api = 6", "api = 7");
+  writeFileSync(join(folder, "drive.scene.toml"), scene);
+  const eyesim = await Eyesim.start(["view", "drive.scene.toml", "--no-open", "--port", "0"], { cwd: folder });
+  const first = await open(browser, eyesim.url);
+  await first.heard.until("some way", ({ snapshot }) => snapshot?.t_s > 1);
+  await first.control("run-pause").click();
+  await first.heard.until("paused", ({ snapshot }) => snapshot.state.is === "paused");
+  // Nothing moves any more: what is drawn is what was before.
+  const graphical = await launch(true);
+  const late = await open(graphical, eyesim.url);
+  await late.heard.until("the run", ({ snapshot }) => snapshot);
+  await late.page.waitForFunction(() => globalThis.eyesim.view.trails.used > 0);
+  assert.equal(await late.page.locator("#loading").count(), 0);
+  await late.close();
+  await graphical.close();
+  await first.close();
+  await eyesim.stop();
+  assert.deepEqual([...first.heard.errors, ...late.heard.errors], []);
 });

@@ -139,8 +139,10 @@ export class Eyesim {
     const address = new Promise((done, fail) => {
       const hear = (data) => {
         eyesim.output += data;
-        const found = eyesim.output.match(/https?:\/\/[\w.:[\]-]+\/(#token=\S+)?/);
-        if (found) done(found[0]);
+        // For a class: the teacher's address, which comes second.
+        const before = args.includes("--listen") ? "teacher: +" : "";
+        const found = eyesim.output.match(new RegExp(`${before}(https?://[\\w.:[\\]-]+/(#token=\\S+)?)`));
+        if (found) done(found[1]);
       };
       eyesim.child.stdout.on("data", hear);
       eyesim.child.stderr.on("data", hear);

@@ -4,18 +4,18 @@ mod socket;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
@@ -30,9 +30,11 @@ use crate::page::Page;
 
 /// Most pages served at a time.
 const MAX_PAGES: usize = 64;
+/// Most pages of one address: no machine takes all places. A class behind one router shares these; this machine has no such limit.
+const MAX_PAGES_OF_ADDRESS: usize = 48;
 /// Most pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
 const MAX_REFUSED: usize = 32;
-/// Most connections that are not pages yet; a new one replaces the oldest.
+/// Most connections that are not pages yet; a new one replaces the oldest of the address that has most.
 const MAX_CONNECTIONS: usize = 128;
 /// Most connections accepted in each tenth of a second.
 const ACCEPTS: u32 = 100;
@@ -77,6 +79,8 @@ pub(super) struct Server {
     files: Mutex<BTreeMap<String, Download>>,
     /// Number of open sockets, including those being refused.
     sockets: AtomicUsize,
+    /// Number of open sockets of each address.
+    addresses: Mutex<BTreeMap<IpAddr, usize>>,
     /// Permits for downloads that are made at the same time.
     making: Arc<Semaphore>,
     closing: watch::Sender<bool>,
@@ -93,6 +97,7 @@ impl Server {
             hub,
             files: Mutex::default(),
             sockets: AtomicUsize::new(0),
+            addresses: Mutex::default(),
             making: Arc::new(Semaphore::new(2)),
             closing: watch::Sender::new(false),
         })
@@ -133,11 +138,11 @@ pub(super) async fn serve(server: Arc<Server>, listener: std::net::TcpListener) 
 }
 
 async fn accept(listener: TcpListener, routes: Router) {
-    let mut connections: VecDeque<AbortHandle> = VecDeque::new();
+    let mut connections: VecDeque<(IpAddr, AbortHandle)> = VecDeque::new();
     let mut accepted = 0;
     let mut window = Instant::now();
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
+        let Ok((stream, peer)) = listener.accept().await else {
             // Out of file descriptors, or the client has disconnected already.
             sleep(Duration::from_millis(50)).await;
             continue;
@@ -149,14 +154,23 @@ async fn accept(listener: TcpListener, routes: Router) {
         if accepted > ACCEPTS {
             sleep_until(window + Duration::from_millis(100)).await;
         }
-        connections.retain(|connection| !connection.is_finished());
-        if connections.len() == MAX_CONNECTIONS
-            && let Some(oldest) = connections.pop_front()
-        {
-            oldest.abort();
+        let address = peer.ip().to_canonical();
+        connections.retain(|(_, connection)| !connection.is_finished());
+        if connections.len() == MAX_CONNECTIONS {
+            let oldest = to_replace(connections.iter().map(|(address, _)| *address));
+            connections.remove(oldest).into_iter().for_each(|(_, connection)| connection.abort());
         }
-        connections.push_back(tokio::spawn(timeout(REQUESTS_TIMEOUT, talk(stream, routes.clone()))).abort_handle());
+        let routes = routes.clone().layer(Extension(address));
+        connections.push_back((address, tokio::spawn(timeout(REQUESTS_TIMEOUT, talk(stream, routes))).abort_handle()));
     }
+}
+
+/// Index of the oldest connection of the address that has most of them, among connections from the oldest to the newest.
+fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
+    let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
+    addresses.clone().for_each(|address| *counts.entry(address).or_default() += 1);
+    let most = counts.values().copied().max();
+    addresses.clone().position(|address| counts.get(&address).copied() == most).unwrap_or(0)
 }
 
 /// Serves the requests of one connection. A connection that becomes a socket continues in a separate task.
@@ -255,11 +269,17 @@ fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect()
 }
 
-async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
-    let place = SocketGuard::take(server);
+async fn open_socket(
+    State(server): State<Arc<Server>>,
+    Extension(address): Extension<IpAddr>,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let place = SocketGuard::take(server, address);
     let open = place.server.sockets.load(Ordering::Relaxed);
-    if open > MAX_PAGES + MAX_REFUSED {
-        return (StatusCode::SERVICE_UNAVAILABLE, format!("{MAX_PAGES} pages are open already")).into_response();
+    let refused = why_full(open, place.of_address, address.is_loopback());
+    if open > MAX_PAGES + MAX_REFUSED || place.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2 && refused.is_some()
+    {
+        return (StatusCode::SERVICE_UNAVAILABLE, refused.unwrap_or_default()).into_response();
     }
     upgrade
         .max_message_size(socket::MAX_MESSAGE_BYTES)
@@ -267,28 +287,77 @@ async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrad
         .read_buffer_size(16 * 1024)
         .write_buffer_size(0)
         .on_upgrade(move |socket| async move {
-            if open > MAX_PAGES {
-                socket::refuse(socket, &format!("{MAX_PAGES} pages are open already")).await;
-            } else {
-                socket::serve(socket, &place.server).await;
+            match refused {
+                Some(why) => socket::refuse(socket, &why).await,
+                None => socket::serve(socket, &place.server).await,
             }
         })
+}
+
+/// Reason why a page has no place, of `open` pages of which `of_address` have its address, itself included.
+fn why_full(open: usize, of_address: usize, is_own_machine: bool) -> Option<String> {
+    match () {
+        () if open > MAX_PAGES => Some(format!("{MAX_PAGES} pages are open already")),
+        () if of_address > MAX_PAGES_OF_ADDRESS && !is_own_machine => {
+            Some(format!("{MAX_PAGES_OF_ADDRESS} pages of your machine or network are open already"))
+        }
+        () => None,
+    }
 }
 
 /// Guard that counts one open socket.
 struct SocketGuard {
     server: Arc<Server>,
+    address: IpAddr,
+    /// Open sockets of the address, this one included.
+    of_address: usize,
 }
 
 impl SocketGuard {
-    fn take(server: Arc<Server>) -> SocketGuard {
+    fn take(server: Arc<Server>, address: IpAddr) -> SocketGuard {
         server.sockets.fetch_add(1, Ordering::Relaxed);
-        SocketGuard { server }
+        let of_address = {
+            let mut addresses = lock(&server.addresses);
+            let count = addresses.entry(address).or_default();
+            *count += 1;
+            *count
+        };
+        SocketGuard { server, address, of_address }
     }
 }
 
 impl Drop for SocketGuard {
     fn drop(&mut self) {
         self.server.sockets.fetch_sub(1, Ordering::Relaxed);
+        let mut addresses = lock(&self.server.addresses);
+        if let Some(count) = addresses.get_mut(&self.address) {
+            *count -= 1;
+            if *count == 0 {
+                addresses.remove(&self.address);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_address_leaves_places_for_others() {
+        assert_eq!(why_full(48, 48, false), None);
+        assert_eq!(why_full(49, 49, false), Some("48 pages of your machine or network are open already".to_owned()));
+        assert_eq!(why_full(50, 1, false), None, "another address");
+        assert_eq!(why_full(64, 64, true), None, "the teacher's own machine");
+        assert_eq!(why_full(65, 1, false), Some("64 pages are open already".to_owned()));
+    }
+
+    #[test]
+    fn a_connection_replaces_one_of_the_address_that_has_most() {
+        let address = |number| IpAddr::from([10, 0, 0, number]);
+        let of = |numbers: &[u8]| to_replace(numbers.iter().map(|number| address(*number)));
+        assert_eq!(of(&[1, 2, 3, 2, 2, 1]), 1);
+        assert_eq!(of(&[1, 2, 3]), 0);
+        assert_eq!(of(&[1, 2, 2, 2, 3, 3]), 1);
     }
 }

@@ -18,6 +18,6 @@ export function buildPanel(model: Model): HTMLElement {
     panel.dataset["is"] = build.state;
     output.hidden = build.state !== "failed";
     setText(output, build.state === "failed" ? build.output : "");
-    setText(title, build.state === "failed" ? "The program was not built; the run before goes on" : "Building the program …");
+    setText(title, build.state === "failed" ? "The program was not built; the run before goes on" : "Building the program …; then the run starts again");
   }
 }

@@ -54,10 +54,15 @@ export function runPanel(model: Model): HTMLElement {
     return player ? player.isPlaying : snapshot?.state.is === "running" || snapshot?.state.is === "idle";
   }
 
+  function isOver(): boolean {
+    return !model.player && model.snapshot?.state.is === "ended";
+  }
+
   function runOrPause(): void {
     const { player } = model;
     const run = !isRunning();
-    if (!player) void (whyNot(model) || send(model, { command: run ? "run" : "pause" }));
+    if (isOver()) void (whyNot(model) || start("same"));
+    else if (!player) void (whyNot(model) || send(model, { command: run ? "run" : "pause" }));
     else if (run) player.play();
     else player.pause();
   }
@@ -90,7 +95,7 @@ export function runPanel(model: Model): HTMLElement {
 
   function drawNow(): void {
     const { snapshot, scene } = model;
-    setText(toggle, isRunning() ? "Pause" : "Run");
+    setText(toggle, isOver() ? "Run again" : isRunning() ? "Pause" : "Run");
     const speed = snapshot?.speed ?? null;
     setValue(exact, speed === null ? "" : String(speed));
     if (document.activeElement !== slider || slider.ariaValueText === null) {

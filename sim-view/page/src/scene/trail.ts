@@ -14,10 +14,29 @@ const FASTEST_M_PER_S = 3;
 /** Longest time between two frames over which the path is interpolated. */
 const BLINK_S = 0.5;
 
+/** Trails of a run so far: for each robot its lines, of points in metres. */
+export interface TrailsBefore {
+  run: number;
+  trails: [number, number][][][];
+}
+
+/** Asks the server for the trails of the run so far; again after a while if others ask as well. */
+export async function trailsBefore(): Promise<TrailsBefore | null> {
+  for (let attempt = 0; attempt < 8; attempt++) {
+    const answer = await fetch("files/trails.json").catch(() => null);
+    if (answer?.ok) return (await answer.json()) as TrailsBefore;
+    if (answer?.status !== 503) return null;
+    await new Promise((done) => setTimeout(done, 200 + 800 * Math.random()));
+  }
+  return null;
+}
+
 export class Trails {
   readonly group = new THREE.Group();
   private readonly places = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
   private readonly colours = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
+  /** The run of the ribbons. */
+  private run = 0;
   private readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial>;
   private next = 0;
   private used = 0;
@@ -26,7 +45,11 @@ export class Trails {
   private t_s = 0;
   private hasChanged = false;
 
-  constructor(private readonly bodies: Bodies) {
+  /** `before` gives the trails of a run that goes on, up to now; null if there are none. */
+  constructor(
+    private readonly bodies: Bodies,
+    private readonly before: (run: number) => Promise<TrailsBefore | null>,
+  ) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", this.places.setUsage(THREE.DynamicDrawUsage));
     geometry.setAttribute("color", this.colours.setUsage(THREE.DynamicDrawUsage));
@@ -41,6 +64,23 @@ export class Trails {
     this.mesh.renderOrder = 1;
     this.group.add(this.mesh);
     this.rebuild();
+  }
+
+  /** Restarts the ribbons for a run that is shown from its middle on: as it was so far. */
+  async join(run: number): Promise<void> {
+    this.run = run;
+    const before = await this.before(run);
+    if (before?.run !== run || this.run !== run) return;
+    before.trails.forEach((lines, i) => {
+      const body = this.bodies.robots[i];
+      if (!body) return;
+      for (const line of lines) {
+        for (let k = 1; k < line.length; k++) {
+          const [[x, y], [x0, y0]] = [line[k]!, line[k - 1]!];
+          this.lay(body, x, y, x - x0, y - y0);
+        }
+      }
+    });
   }
 
   /** Restarts all ribbons. */
@@ -71,16 +111,15 @@ export class Trails {
     if (way < STEP * radius) return;
     const isThere = body.isThere && !body.held;
     const seen_s = Math.min(BLINK_S, this.t_s - last[i + 2]!);
-    if (isThere && way < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, dx, dy, way);
+    if (isThere && way < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, x_m, y_m, dx, dy);
     last[i] = isThere ? x_m : NaN;
     last[i + 1] = y_m;
     last[i + 2] = this.t_s;
   }
 
-  /** Adds the piece that ends at the robot. */
-  private lay(body: Shown, dx: number, dy: number, way: number): void {
-    const { x_m, y_m } = body.pose;
-    const half = (HALF_WIDTH * body.extent.radius_m) / way;
+  /** Adds the piece of a robot's ribbon that ends at a point. */
+  private lay(body: Shown, x_m: number, y_m: number, dx: number, dy: number): void {
+    const half = (HALF_WIDTH * body.extent.radius_m) / Math.max(Math.hypot(dx, dy), 1e-9);
     const [acrossX, acrossY] = [-dy * half, dx * half];
     const first = 4 * this.next;
     this.places.setXY(first, x_m - dx - acrossX, y_m - dy - acrossY);

@@ -12,7 +12,7 @@ import { DragControl } from "./drag";
 import { EventEffects } from "./effect";
 import { layerList, type Layer } from "./layer";
 import { Marks } from "./marks";
-import { Trails } from "./trail";
+import { Trails, trailsBefore } from "./trail";
 import { World } from "./world";
 
 // Colours are mixed as in the simulator's cameras: without conversion of colour spaces.
@@ -59,7 +59,7 @@ export class View {
   constructor(private readonly model: Model) {
     this.bodies = new Bodies(model);
     this.marks = new Marks(model, this.bodies);
-    this.trails = new Trails(this.bodies);
+    this.trails = new Trails(this.bodies, async () => (model.player ? null : trailsBefore()));
     this.beams = new Beams(model, this.bodies);
     this.effects = new EventEffects(model, this.bodies);
     this.canvas = element("canvas", { testid: "canvas", tabIndex: 0 });
@@ -155,9 +155,12 @@ export class View {
     this.world = new World(scene, this.bodies, () => (this.isStale = true));
     this.scene.add(this.world.group);
     this.marks.rebuild();
-    if (this.lastRun !== scene.run) this.marks.restart();
-    this.lastRun = scene.run;
     this.trails.rebuild();
+    if (this.lastRun !== scene.run) {
+      this.marks.restart();
+      void this.trails.join(scene.run);
+    }
+    this.lastRun = scene.run;
     this.beams.rebuild();
     this.effects.rebuild();
     this.guides.rebuild(scene);
