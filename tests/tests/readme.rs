@@ -68,3 +68,19 @@ fn the_first_program_in_rust_runs() {
     scratch.write("hello.sim", &block("text").replace("hello.c", "hello"));
     check(&scratch.report("hello.sim", &[], 0));
 }
+
+#[test]
+fn the_unit_test_of_a_new_program_in_rust_passes() {
+    for api in ["6", "7"] {
+        let scratch = Scratch::new();
+        let ran = scratch.eyesim(&["new", "hello", "--lang", "rust", "--api", api]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut test = std::process::Command::new(cargo);
+        test.args(["test", "--offline", "--target-dir"]).arg(env!("CARGO_TARGET_TMPDIR")).arg("--manifest-path");
+        test.arg(scratch.path().join("hello/Cargo.toml"));
+        let output = test.output().expect("cargo runs");
+        let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && said.contains("it_turns_before_four_walls ... ok"), "{said}");
+    }
+}

@@ -26,3 +26,27 @@ fn main(robot: &Robot) -> Result {
     writeln!(robot.lcd(), "x {x_mm:.0} y {y_mm:.0} mm");
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robios_api::fake::{Fake, Moment};
+
+    /// Distance from the wall ahead in a room of 2 m, in the middle of which the robot starts.
+    fn ahead(now: &Moment) -> Option<Length> {
+        let to_wall = |at: Length, along: f64| match along {
+            -1e-6..1e-6 => f64::INFINITY,
+            _ => (along.signum() - at.as_metres()) / along,
+        };
+        let at = now.position;
+        Some(to_wall(at.x, at.phi.cos()).min(to_wall(at.y, at.phi.sin())).metres())
+    }
+
+    /// `cargo test` runs it on a fake robot, without eyesim.
+    #[test]
+    fn it_turns_before_four_walls() {
+        let run = Fake::new().psd(PsdAt::Front, ahead).run(main).expect_finished();
+        assert_eq!(run.lcd_line(4), "wall 4");
+        assert!(run.position().x.as_metres().abs() < 1.0, "{:?}", run.position());
+    }
+}
