@@ -156,11 +156,9 @@ fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Resu
         Err(error) if error.kind() == io::ErrorKind::TimedOut => {
             return Err(CargoError::Endless { folder: folder.to_owned(), error });
         }
-        output => output.map_err(|error| CargoError::Missing {
-            cargo: cargo.to_owned(),
-            folder: folder.to_owned(),
-            error,
-        })?,
+        output => {
+            output.map_err(|error| CargoError::Missing { cargo: cargo.to_owned(), folder: folder.to_owned(), error })?
+        }
     };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let messages = String::from_utf8_lossy(&output.stdout);

@@ -258,6 +258,7 @@ impl<'a> Compilation<'a> {
         for (index, source) in self.sources.iter().enumerate() {
             let (object, output) = self.compile_source(index, source, variant, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
+            compiled.output.push_str(&remark_on_encoding(source, &fs::read(source)?));
             compiled.output.push_str(&output);
             objects.push(object);
         }
@@ -498,6 +499,19 @@ fn returns_nothing_from_main(output: &str) -> bool {
     })
 }
 
+/// Message about a source whose text is not UTF-8, at its first such byte: a line, or empty.
+fn remark_on_encoding(source: &Path, text: &[u8]) -> String {
+    let Err(error) = std::str::from_utf8(text) else { return String::new() };
+    let (before, rest) = text.split_at(error.valid_up_to());
+    let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+    let (name, byte) = (source.file_name().unwrap_or_default().display(), rest.first().copied().unwrap_or_default());
+    // Latin-1 has each of these bytes as the character of the same number; below 0xA0 it has none that are printed.
+    let letter = if byte >= 0xA0 { format!(" (`{}` in Latin-1)", char::from(byte)) } else { String::new() };
+    format!(
+        "{name}:{line}: the byte 0x{byte:X}{letter} is no UTF-8, and appears as `\u{FFFD}` where it is printed: save the file as UTF-8\n"
+    )
+}
+
 /// The files named by a dependency list of `-MD` (a rule of make).
 fn parse_dependencies(text: &str) -> Vec<PathBuf> {
     let mut paths = Vec::new();
@@ -532,6 +546,17 @@ mod tests {
         let text = "o: maze.c \\\n /usr/include/stdio.h my\\ map.h \\\n  a\\#b.h cost$$.h\n";
         let expected = ["maze.c", "/usr/include/stdio.h", "my map.h", "a#b.h", "cost$.h"].map(PathBuf::from);
         assert_eq!(parse_dependencies(text), expected);
+    }
+
+    #[test]
+    fn a_source_in_latin_1_is_told() {
+        let remark = |text: &[u8]| remark_on_encoding(Path::new("/p/maze.c"), text);
+        assert_eq!(remark("int main(void) { return 0; } // größer".as_bytes()), "");
+        assert_eq!(
+            remark(b"int i;\n// gr\xF6\xDFer\n"),
+            "maze.c:2: the byte 0xF6 (`\u{F6}` in Latin-1) is no UTF-8, and appears as `\u{FFFD}` where it is printed: save the file as UTF-8\n"
+        );
+        assert!(remark(b"\x80").starts_with("maze.c:1: the byte 0x80 is no UTF-8"));
     }
 
     #[test]
