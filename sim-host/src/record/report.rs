@@ -292,7 +292,7 @@ mod tests {
             path_m: 1.6,
             contacts: 2,
             contact_times_s: vec![1.25, 2.0],
-            metrics: [("error_mm".to_owned(), 12.5)].into(),
+            metrics: BTreeMap::new(),
             left_floor_s: None,
             footfalls: Some(7),
             touches: None,
