@@ -36,6 +36,14 @@ pub fn fusion(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     comparison::page(job, terrains.unwrap_or(COMPARED))
 }
 
+/// Computes a row of the published errors of maps again, from the published settings (`docs/papers/fusion-settings.csv`).
+///
+/// # Errors
+/// A table without settings for all methods; a scene that does not run to its end.
+pub fn fusion_sample(job: &Job, settings: &str) -> anyhow::Result<String> {
+    comparison::sample(job, settings)
+}
+
 /// Makes the page that compares the planner's equations, over `terrains` terrains, 40 if not given.
 ///
 /// # Errors

@@ -103,6 +103,7 @@ fn reproduce(args: &Args) -> anyhow::Result<ExitCode> {
         fails |= page.has_failed();
         if let Some(doc) = &mut doc {
             doc.set(name, &page).context("--doc")?;
+            doc.write_linked(&page).context("--doc")?;
         }
         if let Some(checked) = &checked {
             for difference in checked.differences(name, &page).context("--check")? {

@@ -153,6 +153,14 @@ impl Page {
         })
     }
 
+    /// The figures, from top to bottom.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Figure(figure) => Some(figure),
+            _ => None,
+        })
+    }
+
     /// Returns true if a claim that must hold does not.
     pub fn has_failed(&self) -> bool {
         self.claims.iter().any(|claim| claim.weight == Weight::Must && !claim.holds)

@@ -100,6 +100,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     page.table(settings(&results));
     page.table(errors_table(&results));
     page.table(pairs_table(&results));
+    page.table(exact_settings(&results));
     page.table(raw(&results, &held_out[0]));
     page.figure(intervals(&results));
     page.figure(chart);
@@ -148,6 +149,40 @@ fn settings(results: &[Results]) -> Table {
         }
     }
     table
+}
+
+/// The settings with all digits, from which others may make the maps again: values in the order of the parameters.
+fn exact_settings(results: &[Results]) -> Table {
+    let caption = "Parameters of each method, in the order of the table of settings, cut and cells last";
+    let mut table = Table::new("fusion-settings", caption, &["method", "readings", "setting"]);
+    for result in results {
+        for (method, tuned) in METHODS.iter().zip(&result.tuned) {
+            let values: Vec<String> = tuned.setting.iter().map(f64::to_string).collect();
+            table.row([method.name.to_owned(), result.readings.to_string(), values.join(" ")]);
+        }
+    }
+    table
+}
+
+/// Computes one row of the table of all errors again, from the table of exact settings: the first held-out terrain as assumed, with
+/// the smaller number of readings.
+///
+/// # Errors
+/// A table without settings for all methods; a scene that does not run to its end.
+pub fn sample(job: &Job, settings: &str) -> anyhow::Result<String> {
+    let condition = Condition::AsAssumed;
+    let survey = &measure(job, HELD_OUT..HELD_OUT + 1, condition)?[0];
+    let readings = READINGS[1];
+    let is_of = |line: &&str| line.rsplit(',').nth(1) == Some(&readings.to_string());
+    let lines: Vec<&str> = settings.lines().filter(is_of).collect();
+    anyhow::ensure!(lines.len() == METHODS.len(), "{} methods with {readings} readings", lines.len());
+    let mut row = vec![condition.name().to_owned(), readings.to_string(), survey.seed.to_string()];
+    for (method, line) in METHODS.iter().zip(lines) {
+        let values = line.rsplit(',').next().unwrap_or_default().split(' ').map(str::parse);
+        let setting: Vec<f64> = values.collect::<Result<_, _>>().with_context(|| line.to_owned())?;
+        row.push(format!("{:.4}", 100.0 * method.error(&setting, survey, readings)?));
+    }
+    Ok(row.join(","))
 }
 
 fn errors_table(results: &[Results]) -> Table {

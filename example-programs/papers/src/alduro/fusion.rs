@@ -16,7 +16,7 @@ use super::survey::{HEIGHT, Reading, SIDE, Survey};
 /// Numbers of readings of a terrain: many and few.
 pub const READINGS: [usize; 2] = [500, 174];
 /// Rules of the search for parameters, for all methods alike.
-pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 8, tolerance: 0.02 };
+pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 5, tolerance: 0.03 };
 /// Number of training terrains on which times are taken, and factors on the number of cells along a side there.
 const TIMED: usize = 6;
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
