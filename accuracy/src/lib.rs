@@ -3,7 +3,7 @@
 //! [`oracle`] solves the problems of `sim_core` by brute force, [`camera`] renders with one ray per image point, [`course`] is a
 //! long drive whose end is known to 30 digits (by numbers of two doubles, [`wide`]), [`touch`] has contacts at known instants, and
 //! [`slide`] integrates the sliding of a disc along walls in small steps.
-//! [`statistics`] tests samples against their distributions. [`world`] generates the random scenes, rays and mazes shared by tests
+//! [`comparison`] tunes methods alike and compares them on held-out cases; [`statistics`] tests samples against their distributions. [`world`] generates the random scenes, rays and mazes shared by tests
 //! and benches, [`room`] the scene for comparing cameras, [`board`] a calibration target. [`study`] measures the error and the time
 //! of each method, for `eyesim accuracy`. [`figure`] describes a chart; it alone is there without the feature `studies`.
 #![forbid(unsafe_code)]
@@ -12,6 +12,8 @@
 pub mod board;
 #[cfg(feature = "studies")]
 pub mod camera;
+#[cfg(feature = "studies")]
+pub mod comparison;
 #[cfg(feature = "studies")]
 pub mod course;
 pub mod figure;

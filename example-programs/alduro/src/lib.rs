@@ -2,7 +2,7 @@
 //!
 //! Arguments `survey DISTANCE`: drives straight ahead for this many metres and measures on the way; maps are made afterwards.
 //!
-//! Arguments `X Y`: the goal in the world, in metres. The operator on board sees the goal and gives its direction, to whole
+//! Arguments `X Y` and, if wanted, the equations that correct its steps, `both`, `eq4`, `eq5` or `none`: the goal in the world, in metres. The operator on board sees the goal and gives its direction, to whole
 //! degrees, and its distance; both come from the true pose, since odometry is lost after tens of metres. All other parts of
 //! the program, such as the map, use only odometry, sonars and the encoders of the legs.
 
@@ -17,7 +17,7 @@ use body::{Pose, SONARS};
 use mapping::local_map::LocalMap;
 use mapping::math;
 use nalgebra::{Rotation3, Vector3};
-use planner::{LegState, Planner, Reading};
+use planner::{Corrections, LegState, Planner, Reading};
 use robios_api::robios7::prelude::*;
 use robios_api::robios7::{Leg, LegLink, Legs, Psd, TruePose};
 
@@ -39,8 +39,9 @@ fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let words: Vec<&str> = robot.arguments().iter().map(String::as_str).collect();
     match words[..] {
         ["survey", distance] => survey(robot, metres(distance)?),
-        [x, y] => walk(robot, (metres(x)?, metres(y)?)),
-        _ => Err("usage: alduro X Y or alduro survey DISTANCE, in metres".into()),
+        [x, y] => walk(robot, (metres(x)?, metres(y)?), Corrections::Both),
+        [x, y, equations] => walk(robot, (metres(x)?, metres(y)?), corrections(equations)?),
+        _ => Err("usage: alduro X Y [both|eq4|eq5|none] or alduro survey DISTANCE, in metres".into()),
     }
 }
 
@@ -48,6 +49,11 @@ fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
 fn metres(word: &str) -> std::result::Result<f64, String> {
     let value = word.parse().ok().filter(|metres: &f64| metres.abs() <= 10_000.0);
     value.ok_or_else(|| format!("`{word}`: expected a number of metres from -10000 to 10000"))
+}
+
+/// Parses the third argument: the equations that correct the steps.
+fn corrections(word: &str) -> std::result::Result<Corrections, String> {
+    Corrections::named(word).ok_or_else(|| format!("`{word}`: expected `both`, `eq4`, `eq5` or `none`"))
 }
 
 /// Measures with all sonars while it drives straight ahead.
@@ -66,10 +72,14 @@ fn survey(robot: &Robot, distance: f64) -> std::result::Result<(), Box<dyn std::
 }
 
 /// Walks to `goal`, m in the world.
-fn walk(robot: &Robot, goal: (f64, f64)) -> std::result::Result<(), Box<dyn std::error::Error>> {
+fn walk(
+    robot: &Robot,
+    goal: (f64, f64),
+    corrections: Corrections,
+) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let legs = robot.legs()?;
     let sonars = sonars(robot)?;
-    let mut planner = Planner::new(pose(robot, &legs)?.ground.heading);
+    let mut planner = Planner::new(pose(robot, &legs)?.ground.heading, corrections);
     let ticker = robot.ticker(CYCLE);
     for cycle in 0.. {
         let pose = pose(robot, &legs)?;
@@ -162,6 +172,7 @@ mod tests {
     fn arguments_are_places_that_can_be_walked_to() {
         assert_eq!(metres("-3.5"), Ok(-3.5));
         for word in ["", "x", "nan", "inf", "1e9"] {
+            assert!(corrections(word).unwrap_err().contains("expected `both`"), "{word}");
             assert!(metres(word).unwrap_err().contains("expected a number of metres"), "{word}");
         }
     }

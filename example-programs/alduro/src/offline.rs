@@ -12,7 +12,7 @@ use mapping::pose::{self, Point, rotated};
 use nalgebra::{Vector2, Vector3};
 
 use crate::body::{self, Pose, SONARS};
-use crate::planner::{LegState, Planner, Reading};
+use crate::planner::{Corrections, LegState, Planner, Reading};
 
 /// Pseudo-random numbers in [0, 1), determined by the seed.
 struct Numbers(u64);
@@ -148,7 +148,7 @@ struct Outcome {
 
 /// Simulates a walk with 1 % of the echoes lost, errors of 0.5 %, and a drift of the heading that odometry does not see.
 fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
-    let mut planner = Planner::new(0.0);
+    let mut planner = Planner::new(0.0, Corrections::Both);
     let mut truth = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };
     let mut believed = truth;
     let mut outcome = Outcome { length: 0.0, under: 0.0, left: 36.0 };

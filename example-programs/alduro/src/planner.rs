@@ -91,10 +91,37 @@ pub struct Orders {
     pub corrections: Vec<Vector3<f64>>,
 }
 
+/// The perception vectors that correct the steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corrections {
+    /// P_H of Eq. 4 and P_L of Eq. 5.
+    Both,
+    /// P_H alone: footholds and body move away from high points.
+    High,
+    /// P_L alone: feet are lifted over low points.
+    Low,
+    /// None: the steps follow the operator's path.
+    Neither,
+}
+
+impl Corrections {
+    /// The corrections with this name: `both`, `eq4`, `eq5` or `none`.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "both" => Some(Self::Both),
+            "eq4" => Some(Self::High),
+            "eq5" => Some(Self::Low),
+            "none" => Some(Self::Neither),
+            _ => None,
+        }
+    }
+}
+
 /// The planner, with its map.
 #[derive(Clone, Debug)]
 pub struct Planner {
     map: LocalMap,
+    corrections: Corrections,
     /// The heading that is held, rad.
     heading: f64,
     /// Last commanded velocity, in the odometry frame, m/s.
@@ -103,7 +130,7 @@ pub struct Planner {
 
 impl Planner {
     /// A planner with an empty map, which holds `heading`, rad.
-    pub fn new(heading: f64) -> Self {
+    pub fn new(heading: f64, corrections: Corrections) -> Self {
         // Tuned to rise quickly at a possible obstacle rather than for accuracy: a rock ahead is heard only a few times before the robot
         // reaches it. Old readings are forgotten, since odometry drifts.
         let settings = Settings {
@@ -118,7 +145,7 @@ impl Planner {
         // Without the edge of the beam, where a single reading is uncertain and would close gaps.
         let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, MAP_HALF_WIDTH, model, settings);
-        Self { map, heading, velocity: Vector2::zeros() }
+        Self { map, corrections, heading, velocity: Vector2::zeros() }
     }
 
     /// The local map.
@@ -172,9 +199,13 @@ impl Planner {
         let above = |patch: &Patch| patch.z - pose.lift;
         let shank = pose.place(&leg.shank);
         let high = patches.iter().map(|patch| (*patch, HEIGHTS.high(above(patch))));
-        let away = -SHIFT * perception::high(shank.xy(), HIGH_REACH, high);
+        let away = match self.corrections {
+            Corrections::Both | Corrections::High => -SHIFT * perception::high(shank.xy(), HIGH_REACH, high),
+            Corrections::Low | Corrections::Neither => Vector2::zeros(),
+        };
         let shift = limited(away, LEG_LIMIT);
-        let lift = match leg.is_in_the_air {
+        let is_lifted = leg.is_in_the_air && matches!(self.corrections, Corrections::Both | Corrections::Low);
+        let lift = match is_lifted {
             true => {
                 // A foot in the air moves about twice as fast as the body.
                 let ahead = 2.0 * AHEAD_S * self.velocity;
@@ -221,11 +252,13 @@ mod tests {
 
     #[test]
     fn a_foothold_moves_away_from_high_points_and_the_body_takes_the_excess() {
-        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.3, 0.8)]);
+        let (correction, excess) =
+            Planner::new(0.0, Corrections::Both).correct(&pose(), &leg(false), &[patch(1.0, 1.3, 0.8)]);
         // P_H is (1.6 - 0.8) / 1.6 = 1/2 to the left: 0.3 m to the right, of which the leg takes 0.2 m.
         assert!((correction - Vector3::new(0.0, -LEG_LIMIT, 0.0)).norm() < 1e-12, "{correction}");
         assert!((excess - Vector2::new(0.1, 0.0)).norm() < 1e-12, "to the robot's right: {excess}");
-        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.9, 0.8)]);
+        let (correction, excess) =
+            Planner::new(0.0, Corrections::Both).correct(&pose(), &leg(false), &[patch(1.0, 1.9, 0.8)]);
         assert!((correction - Vector3::new(0.0, -0.075, 0.0)).norm() < 1e-12, "{correction}");
         assert!(excess.norm() < 1e-12, "{excess}");
     }
@@ -233,15 +266,31 @@ mod tests {
     #[test]
     fn a_foot_in_the_air_is_lifted_over_low_points() {
         let low = [patch(1.5, 0.5, 0.19), patch(1.0, 0.5, 0.0)];
-        let (correction, excess) = Planner::new(0.0).correct(&pose(), &leg(true), &low);
+        let (correction, excess) = Planner::new(0.0, Corrections::Both).correct(&pose(), &leg(true), &low);
         assert!(correction.z > 0.1 && correction.xy().norm() == 0.0, "{correction}");
         assert_eq!(excess, Vector2::zeros());
-        assert_eq!(Planner::new(0.0).correct(&pose(), &leg(false), &low).0, Vector3::zeros(), "on the ground");
+        assert_eq!(
+            Planner::new(0.0, Corrections::Both).correct(&pose(), &leg(false), &low).0,
+            Vector3::zeros(),
+            "on the ground"
+        );
+    }
+
+    #[test]
+    fn corrections_that_are_off_are_zero() {
+        let patches = [patch(1.0, 1.3, 0.8), patch(1.5, 0.5, 0.19)];
+        let of = |corrections| Planner::new(0.0, corrections).correct(&pose(), &leg(true), &patches).0;
+        let [both, high, low, neither] =
+            [Corrections::Both, Corrections::High, Corrections::Low, Corrections::Neither].map(of);
+        assert!(both.xy().norm() > 0.1 && both.z > 0.05, "{both}");
+        assert_eq!((high.xy(), high.z), (both.xy(), 0.0));
+        assert_eq!((low.xy(), low.z), (Vector2::zeros(), both.z));
+        assert_eq!(neither, Vector3::zeros());
     }
 
     #[test]
     fn a_phantom_is_cleared_down_to_the_least_blocking_height() {
-        let mut planner = Planner::new(0.0);
+        let mut planner = Planner::new(0.0, Corrections::Both);
         let pose = Pose { ground: Planar::new(0.0, 0.0, 0.0), lift: 0.0 };
         let reading = |distance| Reading { sonar: 0, pose, distance };
         let height = |planner: &Planner| planner.map.height(2.3, 0.1).unwrap();

@@ -111,19 +111,9 @@ impl SonarModel {
     ///
     /// Source: Gois and Hiller, section 3 (R neglected, the projection in closed form).
     pub fn shadow(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<Shadow> {
-        let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
-        let square = measured * measured - dx * dx - dy * dy;
-        if square < 0.0 || measured <= 0.0 {
-            return None;
-        }
-        let is_upper = side == Side::MostPossible && sonar.axis.z > 0.0;
-        let rise = if is_upper { square.sqrt() } else { -square.sqrt() };
-        let cosine = (dx * sonar.axis.x + dy * sonar.axis.y + rise * sonar.axis.z) / measured;
-        if cosine <= 0.0 {
-            return None;
-        }
+        let (cosine, height) = cap_point(sonar, measured, x, y, side)?;
         let membership = self.membership_of_alpha(math::acos(cosine));
-        (membership >= self.least).then_some(Shadow { membership, height: sonar.origin.z + rise })
+        (membership >= self.least).then_some(Shadow { membership, height })
     }
 
     /// Shadow that includes R: the supremum of S over `steps` heights around the cap. For comparison: it costs `steps` times as much.
@@ -143,6 +133,20 @@ impl SonarModel {
     pub fn aperture(&self) -> f64 {
         (self.half_angle * (-math::ln(self.least) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
     }
+}
+
+/// Point above or below (x, y) of the cap of a reading, if the cap is there and before the sonar: the cosine of its angle from the line of
+/// sight, above 0, and its height, m.
+pub fn cap_point(sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<(f64, f64)> {
+    let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
+    let square = measured * measured - dx * dx - dy * dy;
+    if square < 0.0 || measured <= 0.0 {
+        return None;
+    }
+    let is_upper = side == Side::MostPossible && sonar.axis.z > 0.0;
+    let rise = if is_upper { square.sqrt() } else { -square.sqrt() };
+    let cosine = (dx * sonar.axis.x + dy * sonar.axis.y + rise * sonar.axis.z) / measured;
+    (cosine > 0.0).then_some((cosine, sonar.origin.z + rise))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::inverse::{Side, SonarModel, SonarPose};
+use crate::inverse::{Side, SonarModel, SonarPose, cap_point};
 use crate::math;
 use crate::rls::Rls;
 
@@ -169,6 +169,8 @@ pub fn activations(
     measured: f64,
     side: Side,
 ) -> Vec<Activation> {
+    // A little less, so that rounding drops no point at the edge of the beam.
+    let least = math::cos(model.aperture()) - 1e-9;
     let offset = |look: usize| ((look as f64 + 0.5) / LOOKS as f64 - 0.5) * partition.cell;
     let look_at = |place: Place| {
         let slot = partition.slot(place)?;
@@ -176,9 +178,19 @@ pub fn activations(
         let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
         // A level sonar hears best at the rim of the cap, whose band is narrower than the distance between two sampling points.
         let rim = rim(sonar, measured, centre).filter(|(x, y)| partition.place(*x, *y) == place);
-        within
+        let points: Vec<(f64, f64, f64)> = within
             .chain(rim)
-            .filter_map(|(x, y)| {
+            .filter_map(|(x, y)| cap_point(sonar, measured, x, y, side).map(|(cosine, _)| (x, y, cosine)))
+            .collect();
+        let greatest = points.iter().fold(0.0, |greatest: f64, (.., cosine)| greatest.max(*cosine));
+        if greatest < least {
+            return None;
+        }
+        // The membership falls with the angle: it is computed only for points that rounding may let share the greatest.
+        points
+            .into_iter()
+            .filter(|(.., cosine)| *cosine >= greatest - 1e-12)
+            .filter_map(|(x, y, _)| {
                 let shadow = model.shadow(sonar, measured, x, y, side)?;
                 Some(Activation { place, slot, weight: shadow.membership, x, y, height: shadow.height })
             })

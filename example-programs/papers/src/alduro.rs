@@ -1,32 +1,55 @@
 //! Gois and Hiller: local maps from sonar for the walking machine ALDURO, and the planner that uses them.
 
+mod comparison;
+mod fusion;
 mod ground;
 mod picture;
+mod planner;
+mod ridge;
 mod survey;
 mod walk;
 
 use crate::page::Page;
 use crate::run::Job;
 
-/// Number of random terrains in each study.
-const TERRAINS: usize = 20;
+/// Number of random terrains on which the robot walks.
+const WALKS: usize = 20;
+/// Number of training and of held-out terrains in the comparison of maps.
+const COMPARED: usize = 20;
+/// Number of terrains in the comparison of the planner's equations.
+const PLANNED: usize = 14;
 
-/// Makes the page.
+/// Makes the page of the walks of section 5, over `terrains` terrains, 20 if not given.
 ///
 /// # Errors
 /// A scene that does not run to its end.
-pub fn run(job: &Job) -> anyhow::Result<Page> {
-    run_over(job, TERRAINS, TERRAINS)
+pub fn run(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
+    let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
+    let mut page = Page::new("A walk over unstructured terrain", source);
+    walk::add(job, &mut page, terrains.unwrap_or(WALKS))?;
+    Ok(page)
 }
 
-/// Makes the page of so many surveys and walks, at least one of each.
+/// Makes the page that compares maps of sections 3 and 4, with `terrains` training and as many held-out terrains, 20 if not given.
+///
+/// # Errors
+/// A scene that does not run to its end; a search that does not enclose the optimum.
+pub fn fusion(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
+    comparison::page(job, terrains.unwrap_or(COMPARED))
+}
+
+/// Computes a row of the published errors of maps again, from the published settings (`docs/papers/fusion-settings.csv`).
+///
+/// # Errors
+/// A table without settings for all methods; a scene that does not run to its end.
+pub fn fusion_sample(job: &Job, settings: &str) -> anyhow::Result<String> {
+    comparison::sample(job, settings)
+}
+
+/// Makes the page that compares the planner's equations, over `terrains` terrains, 14 if not given.
 ///
 /// # Errors
 /// A scene that does not run to its end.
-pub fn run_over(job: &Job, surveys: usize, walks: usize) -> anyhow::Result<Page> {
-    let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
-    let mut page = Page::new("Maps of unstructured terrain from sonar", source);
-    survey::add(job, &mut page, surveys)?;
-    walk::add(job, &mut page, walks)?;
-    Ok(page)
+pub fn planner(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
+    planner::page(job, terrains.unwrap_or(PLANNED))
 }

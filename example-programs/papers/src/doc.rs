@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 
-use crate::page::Page;
+use crate::page::{Page, Picture};
 
 /// A Markdown page.
 #[derive(Clone, Debug)]
@@ -38,6 +38,25 @@ impl Doc {
         // From the last to the first, so that the earlier places stay valid.
         for (place, table) in self.places(paper, page)?.into_iter().rev() {
             self.text.replace_range(place, &table);
+        }
+        Ok(())
+    }
+
+    /// Writes the figures and tables to which the page has a link into the folder `papers` beside it.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_linked(&self, page: &Page) -> anyhow::Result<()> {
+        let folder = self.path.with_file_name("papers");
+        let svgs = page.figures().filter_map(|figure| match &figure.picture {
+            Picture::Svg(svg) => Some((format!("{}.svg", figure.name), svg.clone())),
+            Picture::Png { .. } => None,
+        });
+        let csvs = page.tables().map(|table| (format!("{}.csv", table.name), table.csv()));
+        for (name, text) in svgs.chain(csvs).filter(|(name, _)| self.text.contains(&format!("](papers/{name})"))) {
+            fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+            let path = folder.join(name);
+            fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
         }
         Ok(())
     }

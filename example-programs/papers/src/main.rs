@@ -32,6 +32,9 @@ struct Args {
     /// Seed of all random numbers
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
+    /// Number of random terrains of each kind, if not as on the page of the docs
+    #[arg(long, value_name = "NUMBER", value_parser = at_least_one)]
+    terrains: Option<usize>,
     /// Write the tables into a Markdown page: each between its `<!-- papers: PAPER -->` and `<!-- end -->`
     #[arg(long, value_name = "FILE")]
     doc: Option<PathBuf>,
@@ -47,23 +50,37 @@ const EXIT_CODES: &str = "Exit codes: 0 every claim that must hold does, 1 one d
 enum Choice {
     /// France et al. 1999: proximity sensors on a walking robot
     France,
-    /// Gois and Hiller: sonar maps for the walking machine ALDURO
+    /// Gois and Hiller: walks of ALDURO by a map from sonar
     Alduro,
+    /// Gois and Hiller: comparison of maps from sonar
+    Fusion,
+    /// Gois and Hiller: the planner's equations, one by one
+    Planner,
     /// Wu et al. 2013: grid maps from seven sonars
     Wu,
-    /// All three
+    /// All of them
     All,
 }
 
-type Reproduce = fn(&Job) -> anyhow::Result<Page>;
+type Reproduce = fn(&Job, Option<usize>) -> anyhow::Result<Page>;
 
 impl Choice {
     fn papers(self) -> Vec<(&'static str, Reproduce)> {
-        let all: [(Self, &str, Reproduce); 3] =
-            [(Self::France, "france", france::run), (Self::Alduro, "alduro", alduro::run), (Self::Wu, "wu", wu::run)];
+        let all: [(Self, &str, Reproduce); 5] = [
+            (Self::France, "france", |job, _| france::run(job)),
+            (Self::Alduro, "alduro", alduro::run),
+            (Self::Fusion, "fusion", alduro::fusion),
+            (Self::Planner, "planner", alduro::planner),
+            (Self::Wu, "wu", |job, _| wu::run(job)),
+        ];
         let chosen = all.into_iter().filter(|(choice, ..)| self == Self::All || self == *choice);
         chosen.map(|(_, name, reproduce)| (name, reproduce)).collect()
     }
+}
+
+/// Parses a number of terrains.
+fn at_least_one(word: &str) -> Result<usize, String> {
+    word.parse().ok().filter(|number| *number > 0).ok_or_else(|| "expected a number from 1".to_owned())
 }
 
 fn main() -> ExitCode {
@@ -80,12 +97,13 @@ fn reproduce(args: &Args) -> anyhow::Result<ExitCode> {
     let mut fails = false;
     for (name, reproduce) in args.paper.papers() {
         let job = Job::new(name, &args.out.join(name), args.seed)?;
-        let page = reproduce(&job)?;
+        let page = reproduce(&job, args.terrains)?;
         let index = page.write(job.folder())?;
         print!("{}  {}\n\n", page.summary(), index.display());
         fails |= page.has_failed();
         if let Some(doc) = &mut doc {
             doc.set(name, &page).context("--doc")?;
+            doc.write_linked(&page).context("--doc")?;
         }
         if let Some(checked) = &checked {
             for difference in checked.differences(name, &page).context("--check")? {

@@ -97,6 +97,17 @@ pub struct Claim {
     pub holds: bool,
     /// Consequence if it does not agree.
     pub weight: Weight,
+    /// Origin of our result.
+    pub basis: Basis,
+}
+
+/// Origin of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// It could have come out otherwise.
+    Found,
+    /// It follows from what we have chosen or defined; the claim shows only that the scene is as intended.
+    Set,
 }
 
 /// Consequence of a claim that does not hold.
@@ -142,6 +153,14 @@ impl Page {
         })
     }
 
+    /// The figures, from top to bottom.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Figure(figure) => Some(figure),
+            _ => None,
+        })
+    }
+
     /// Returns true if a claim that must hold does not.
     pub fn has_failed(&self) -> bool {
         self.claims.iter().any(|claim| claim.weight == Weight::Must && !claim.holds)
@@ -149,10 +168,10 @@ impl Page {
 
     /// The claims as a table.
     pub fn claims_table(&self) -> Table {
-        let head = ["where", "the paper says", "we find", "number", "holds"].map(str::to_owned).to_vec();
+        let head = ["where", "the paper says", "we find", "number", "basis", "holds"].map(str::to_owned).to_vec();
         let row = |claim: &Claim| {
             let Claim { place, paper, ours, number, .. } = claim;
-            [place, paper, ours, number, claim.verdict()].map(str::to_owned).to_vec()
+            [place, paper, ours, number, claim.basis(), claim.verdict()].map(str::to_owned).to_vec()
         };
         let rows = self.claims.iter().map(row).collect();
         Table { name: "claims".to_owned(), caption: "What the paper says, and what we find".to_owned(), head, rows }
@@ -220,6 +239,14 @@ impl Page {
 }
 
 impl Claim {
+    /// `found` or `set`.
+    pub fn basis(&self) -> &'static str {
+        match self.basis {
+            Basis::Found => "found",
+            Basis::Set => "set",
+        }
+    }
+
     /// `yes`, `no`, or `FAILS` for a claim that must hold and does not.
     pub fn verdict(&self) -> &'static str {
         match (self.holds, self.weight) {
@@ -334,7 +361,7 @@ mod tests {
 
     fn claim(holds: bool, weight: Weight) -> Claim {
         let [place, paper, ours, number] = ["6.3", "a < b", "a & b", "1 mm"].map(str::to_owned);
-        Claim { place, paper, ours, number, holds, weight }
+        Claim { place, paper, ours, number, holds, weight, basis: Basis::Found }
     }
 
     #[test]

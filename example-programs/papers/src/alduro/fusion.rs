@@ -1,0 +1,289 @@
+//! Sections 3 and 4: maps of heights from the same sonar readings by an occupancy grid, by TSK systems as printed and by ours, compared
+//! by the protocol of `accuracy::comparison`.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use accuracy::comparison::{Difference, Interval, Parameter, Search, Tuned, Verdict, tune};
+use anyhow::Context as _;
+use mapping::inverse::{Side, SonarModel};
+use mapping::occupancy::OccupancyGrid;
+use mapping::tsk::{Activation, Fusion, Order, Partition, Settings, Tsk, activations};
+
+use super::ridge::Equations;
+use super::survey::{HEIGHT, Reading, SIDE, Survey};
+
+/// Numbers of readings of a terrain: many and few.
+pub const READINGS: [usize; 2] = [500, 174];
+/// Rules of the search for parameters, for all methods alike.
+pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 5, tolerance: 0.03 };
+/// Number of training terrains on which times are taken, and factors on the number of cells along a side there.
+const TIMED: usize = 6;
+const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
+
+/// Projection of the grid's boxes to heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Projection {
+    /// The highest occupied box, as in the paper.
+    Highest,
+    /// The most certainly occupied box.
+    Likeliest,
+    /// The mean of the occupied boxes.
+    Mean,
+}
+
+/// A way to a map. All have the parameters cut (least membership that counts) and cells, behind their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Occupancy grid. Parameters: band, box.
+    Grid(Projection),
+    /// TSK, Eq. 3. Parameter: ridge.
+    Printed(Order),
+    /// TSK, Eq. 3, with the ridge of greatest evidence.
+    Evidence(Order),
+    /// TSK with an equation for each cell, our choice. Parameters: weight of equations that raise, error of a reading.
+    Cells(Order),
+}
+
+/// A method of fusing readings.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    /// Name in tables.
+    pub name: &'static str,
+    kind: Kind,
+}
+
+/// The methods, in the order of the tables.
+pub const METHODS: [Method; 9] = [
+    Method { name: "grid, highest box", kind: Kind::Grid(Projection::Highest) },
+    Method { name: "grid, likeliest box", kind: Kind::Grid(Projection::Likeliest) },
+    Method { name: "grid, mean of boxes", kind: Kind::Grid(Projection::Mean) },
+    Method { name: "TSK constants, Eq. 3, ridge tuned", kind: Kind::Printed(Order::Zero) },
+    Method { name: "TSK planes, Eq. 3, ridge tuned", kind: Kind::Printed(Order::One) },
+    Method { name: "TSK constants, Eq. 3, ridge by evidence", kind: Kind::Evidence(Order::Zero) },
+    Method { name: "TSK planes, Eq. 3, ridge by evidence", kind: Kind::Evidence(Order::One) },
+    Method { name: "our cells, constants", kind: Kind::Cells(Order::Zero) },
+    Method { name: "our cells, planes", kind: Kind::Cells(Order::One) },
+];
+/// Places of the methods in the list.
+pub const GRIDS: [usize; 3] = [0, 1, 2];
+/// TSK as printed with a tuned ridge: constants, planes.
+pub const PRINTED: [usize; 2] = [3, 4];
+/// Our cells: constants, planes.
+pub const OURS: [usize; 2] = [7, 8];
+
+const CELLS: Parameter = Parameter { name: "cells", start: 20.0, ratio: std::f64::consts::SQRT_2, most: f64::INFINITY };
+const CUT: Parameter = Parameter { name: "cut", start: 0.05, ratio: 2.0, most: 1.0 };
+const BOX: Parameter = Parameter { name: "box, m", start: 0.1, ratio: std::f64::consts::SQRT_2, most: HEIGHT };
+const BAND: Parameter = Parameter { name: "band", start: 0.03, ratio: 2.0, most: 1.0 };
+const RIDGE: Parameter = Parameter { name: "ridge", start: 1.0, ratio: 4.0, most: f64::INFINITY };
+const ABOVE: Parameter = Parameter { name: "raise", start: 0.1, ratio: 2.0, most: 1.0 };
+const SIGMA: Parameter = Parameter { name: "sigma, m", start: 0.1, ratio: 2.0, most: f64::INFINITY };
+
+impl Method {
+    /// Its free parameters.
+    pub fn parameters(&self) -> &'static [Parameter] {
+        match self.kind {
+            Kind::Grid(_) => &[BAND, BOX, CUT, CELLS],
+            Kind::Printed(_) => &[RIDGE, CUT, CELLS],
+            Kind::Evidence(_) => &[CUT, CELLS],
+            Kind::Cells(_) => &[ABOVE, SIGMA, CUT, CELLS],
+        }
+    }
+
+    /// The map of readings with a setting of the parameters; `None` if rounding leaves none.
+    pub fn map(&self, setting: &[f64], readings: &[Reading]) -> Option<Surface> {
+        let [own @ .., least, cells] = setting else { return None };
+        let count = cells.round().max(1.0) as usize;
+        let partition = Partition { cell: SIDE / count as f64, columns: count, rows: count, low: (0, 0) };
+        let model = SonarModel { least: *least, ..SonarModel::srf08() };
+        match self.kind {
+            Kind::Grid(projection) => {
+                let model = SonarModel { epsilon: own[0], ..model };
+                let layers = (HEIGHT / own[1]).ceil() as usize;
+                let mut grid = OccupancyGrid::new(partition, 0.0, own[1], layers);
+                readings.iter().for_each(|(sonar, distance)| {
+                    grid.fuse(&model, sonar, *distance);
+                });
+                Some(Surface::Grid(grid, projection))
+            }
+            Kind::Printed(order) => {
+                let equations = printed(&partition, &model, order, readings);
+                let parameters = equations.solve(count * count * order.parameters(), own[0])?;
+                Some(Surface::Rules { partition, order, parameters })
+            }
+            Kind::Evidence(order) => {
+                let equations = printed(&partition, &model, order, readings);
+                let unknowns = count * count * order.parameters();
+                let parameters = equations.solve(unknowns, equations.likeliest_ridge(unknowns)?)?;
+                Some(Surface::Rules { partition, order, parameters })
+            }
+            Kind::Cells(order) => {
+                let fusion = Fusion::Cells { above: own[0] };
+                let settings = Settings { order, fusion, reading_sigma: own[1], floor: 0.0, ..Settings::default() };
+                let mut tsk = Tsk::new(partition, settings);
+                readings.iter().for_each(|(sonar, distance)| {
+                    tsk.fuse(&model, sonar, *distance);
+                });
+                Some(Surface::Tsk(tsk))
+            }
+        }
+    }
+
+    /// Error of its map of a survey, m; NaN without a map.
+    ///
+    /// # Errors
+    /// Too few readings.
+    pub fn error(&self, setting: &[f64], survey: &Survey, readings: usize) -> anyhow::Result<f64> {
+        let map = self.map(setting, &survey.readings(readings)?);
+        Ok(map.map_or(f64::NAN, |map| survey.rms(|x, y| map.height(x, y))))
+    }
+
+    /// A setting in words.
+    pub fn words(&self, setting: &[f64]) -> String {
+        let cells = setting.last().map_or(0.0, |cells| cells.round());
+        let word = |(parameter, value): (&Parameter, &f64)| match parameter.name.split_once(", ") {
+            Some((name, unit)) => format!("{name} {} {unit}", significant(*value)),
+            None => format!("{} {}", parameter.name, significant(*value)),
+        };
+        let others = self.parameters().iter().zip(setting).take(setting.len() - 1).map(word).collect::<Vec<_>>();
+        format!("{cells} x {cells}, {}", others.join(", "))
+    }
+}
+
+/// A number with three significant digits.
+fn significant(value: f64) -> String {
+    let digits = (2 - value.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Eq. 3: for each reading one equation, the average of the outputs of the rules that it activates at the point (x_k, y_k, z_k), weighted by
+/// the activations, and the height of this point.
+///
+/// The point is the one with the membership 1, the reading's distance ahead of the sonar. The sum is divided by that of the weights: the
+/// text says average, the print omits it. Planes are relative to the middle of their cell, in m, so that a ridge means the same everywhere.
+fn printed(partition: &Partition, model: &SonarModel, order: Order, readings: &[Reading]) -> Equations {
+    let mut equations = Equations::default();
+    for (sonar, distance) in readings {
+        let rules = activations(partition, model, sonar, *distance, Side::MostPossible);
+        let total: f64 = rules.iter().map(|rule| rule.weight).sum();
+        if total <= 0.0 {
+            continue;
+        }
+        let point = sonar.ahead(*distance);
+        let term = |rule: &Activation| {
+            let (x, y) = partition.centre(rule.place);
+            let base = rule.slot * order.parameters();
+            let factors = [1.0, point.x - x, point.y - y].into_iter().take(order.parameters()).enumerate();
+            let share = rule.weight / total;
+            factors.map(move |(index, factor)| (base + index, share * factor)).collect::<Vec<_>>()
+        };
+        equations.terms.push(rules.iter().flat_map(term).collect());
+        equations.values.push(point.z.max(0.0));
+    }
+    equations
+}
+
+/// Map of heights by a method.
+pub enum Surface {
+    /// Occupancy grid.
+    Grid(OccupancyGrid, Projection),
+    /// Outputs of rules.
+    Rules {
+        /// The cells.
+        partition: Partition,
+        /// Output function.
+        order: Order,
+        /// Parameters of the rules, those of a slot side by side.
+        parameters: Vec<f64>,
+    },
+    /// Surface by recursive least squares.
+    Tsk(Tsk),
+}
+
+impl Surface {
+    /// Height at (x, y), m. All methods take unmeasured places as ground at 0, and know that the ground lies between 0 and the sonars.
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        let height = match self {
+            Self::Grid(grid, Projection::Highest) => grid.height(x, y),
+            Self::Grid(grid, Projection::Likeliest) => grid.likeliest_height(x, y),
+            Self::Grid(grid, Projection::Mean) => grid.mean_height(x, y),
+            Self::Rules { partition, order, parameters } => {
+                let place = partition.place(x, y);
+                partition.slot(place).map(|slot| {
+                    let own = &parameters[slot * order.parameters()..][..order.parameters()];
+                    let (middle_x, middle_y) = partition.centre(place);
+                    own.iter()
+                        .zip([1.0, x - middle_x, y - middle_y])
+                        .map(|(parameter, factor)| parameter * factor)
+                        .sum()
+                })
+            }
+            Self::Tsk(tsk) => tsk.height(x, y),
+        };
+        height.unwrap_or(0.0).clamp(0.0, HEIGHT)
+    }
+}
+
+/// Searches the parameters of a method on the training terrains.
+///
+/// # Errors
+/// A search that does not enclose the optimum; too few readings.
+pub fn tuned(method: &Method, training: &[Survey], readings: usize) -> anyhow::Result<Tuned> {
+    let search = Search { cases: training.len(), ..SEARCH };
+    // Too few readings are told by the first case: all searches begin with it.
+    let error = |setting: &[f64], case: usize| method.error(setting, &training[case], readings).unwrap_or(f64::NAN);
+    tune(method.parameters(), search, error).with_context(|| format!("{}, {readings} readings", method.name))
+}
+
+/// Errors of a method on terrains, m.
+///
+/// # Errors
+/// No map, or too few readings.
+pub fn errors(method: &Method, setting: &[f64], surveys: &[Survey], readings: usize) -> anyhow::Result<Vec<f64>> {
+    let one = |survey: &Survey| {
+        let error = method.error(setting, survey, readings)?;
+        anyhow::ensure!(error.is_finite(), "{}: no map of terrain {}", method.name, survey.seed);
+        Ok(error)
+    };
+    surveys.iter().map(one).collect()
+}
+
+/// Time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
+///
+/// # Errors
+/// No map, or too few readings.
+pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usize) -> anyhow::Result<Vec<(f64, f64)>> {
+    let training = &training[..training.len().min(TIMED)];
+    let point = |fineness: &f64| {
+        let mut setting = setting.to_vec();
+        setting.iter_mut().rev().take(1).for_each(|cells| *cells = (*cells * fineness).max(1.0));
+        let error = Interval::of(&errors(method, &setting, training, readings)?).mean;
+        let time = |survey: &Survey| -> anyhow::Result<f64> {
+            let taken = survey.readings(readings)?;
+            let begin = Instant::now();
+            black_box(method.map(&setting, &taken));
+            Ok(begin.elapsed().as_secs_f64() / readings as f64)
+        };
+        // The shortest of all terrains: other programs on the machine only lengthen it.
+        let times = training.iter().map(time).collect::<anyhow::Result<Vec<f64>>>()?;
+        Ok((times.into_iter().fold(f64::INFINITY, f64::min), error))
+    };
+    FINENESS.iter().map(point).collect()
+}
+
+/// A mean with its interval, in cm.
+pub fn centimetres(interval: &Interval) -> String {
+    let Interval { mean, low, high, .. } = interval;
+    format!("{:.1} ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
+}
+
+/// A difference in words: which is closer, by the rule of decision.
+pub fn closer(difference: &Difference) -> &'static str {
+    match difference.verdict() {
+        Verdict::First => "first",
+        Verdict::Second => "second",
+        Verdict::Open => "open",
+    }
+}

@@ -1,0 +1,140 @@
+//! Linear equations with more unknowns than equations: ridge regression, with a given ridge or one chosen by evidence.
+//!
+//! Recursive least squares without forgetting has the same solution (`mapping::rls`); all equations at once cost n^3 operations for n
+//! equations, whatever the number of unknowns.
+
+use nalgebra::linalg::SymmetricTridiagonal;
+use nalgebra::{DMatrix, DVector};
+
+/// Equations: each the sum of factor times unknown over its terms, and its value.
+#[derive(Clone, Debug, Default)]
+pub struct Equations {
+    /// Terms of each equation: index of an unknown, at most once in each, and factor.
+    pub terms: Vec<Vec<(usize, f64)>>,
+    /// Value of each equation.
+    pub values: Vec<f64>,
+}
+
+/// Ridges among which the evidence chooses, as powers of two.
+const RIDGES: std::ops::RangeInclusive<i32> = -40..=40;
+
+impl Equations {
+    /// The `unknowns` numbers that minimise the sum of the squared errors plus `ridge` times the sum of the squared unknowns; `None` if
+    /// rounding leaves no solution.
+    pub fn solve(&self, unknowns: usize, ridge: f64) -> Option<Vec<f64>> {
+        let mut gram = self.gram(unknowns);
+        for index in 0..gram.nrows() {
+            gram[(index, index)] += ridge;
+        }
+        let weights = gram.cholesky()?.solve(&DVector::from_column_slice(&self.values));
+        let mut solution = vec![0.0; unknowns];
+        for (terms, weight) in self.terms.iter().zip(weights.iter()) {
+            for (unknown, factor) in terms {
+                solution[*unknown] += weight * factor;
+            }
+        }
+        Some(solution)
+    }
+
+    /// The ridge under which the values are most probable, if unknowns and errors are independent normal numbers with mean 0 and the
+    /// ridge is the ratio of the errors' variance to that of the unknowns. `None` if no ridge between 2^-40 and 2^40 is the best.
+    ///
+    /// Source: the evidence of MacKay 1992, *Bayesian interpolation*, with the scale at its most probable value.
+    pub fn likeliest_ridge(&self, unknowns: usize) -> Option<f64> {
+        let count = self.values.len();
+        let tridiagonal = SymmetricTridiagonal::new(self.gram(unknowns));
+        let values = tridiagonal.q().tr_mul(&DVector::from_column_slice(&self.values));
+        let (diagonal, beside) = (tridiagonal.diagonal(), tridiagonal.off_diagonal());
+        let evidence = |ridge: f64| {
+            // L D L^T of the tridiagonal matrix with the ridge on its diagonal.
+            let (mut pivot, mut solved) = (diagonal[0] + ridge, values[0]);
+            let (mut logarithms, mut square) = (pivot.ln(), solved * solved / pivot);
+            for index in 1..count {
+                let below = beside[index - 1] / pivot;
+                solved = values[index] - below * solved;
+                pivot = diagonal[index] + ridge - below * beside[index - 1];
+                logarithms += pivot.ln();
+                square += solved * solved / pivot;
+            }
+            -0.5 * (logarithms + count as f64 * square.ln())
+        };
+        let all: Vec<(i32, f64)> = RIDGES.map(|power| (power, evidence(2.0_f64.powi(power)))).collect();
+        let finite = all.into_iter().filter(|(_, evidence)| evidence.is_finite());
+        let (power, _) = finite.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (power > *RIDGES.start() && power < *RIDGES.end()).then(|| 2.0_f64.powi(power))
+    }
+
+    /// Products of the equations with each other.
+    fn gram(&self, unknowns: usize) -> DMatrix<f64> {
+        let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); unknowns];
+        for (equation, terms) in self.terms.iter().enumerate() {
+            for (unknown, factor) in terms {
+                columns[*unknown].push((equation, *factor));
+            }
+        }
+        let count = self.values.len();
+        let mut gram = DMatrix::zeros(count, count);
+        for column in &columns {
+            for (place, (i, a)) in column.iter().enumerate() {
+                for (j, b) in &column[..=place] {
+                    gram[(*i, *j)] += a * b;
+                }
+            }
+        }
+        // Equations come in order in each column: only the lower triangle is filled.
+        gram.fill_upper_triangle_with_lower_triangle();
+        gram
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mapping::rls::Rls;
+
+    use super::*;
+
+    /// Numbers in [-1, 1), always the same.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 1_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn equations(count: usize, unknowns: usize, noise: f64) -> Equations {
+        let mut next = numbers();
+        let truth: Vec<f64> = (0..unknowns).map(|_| next()).collect();
+        let mut equations = Equations::default();
+        for _ in 0..count {
+            let terms: Vec<(usize, f64)> = (0..unknowns).map(|unknown| (unknown, next())).collect();
+            let value: f64 = terms.iter().map(|(unknown, factor)| factor * truth[*unknown]).sum();
+            equations.values.push(value + noise * next());
+            equations.terms.push(terms);
+        }
+        equations
+    }
+
+    #[test]
+    fn it_is_what_recursive_least_squares_comes_to() {
+        let equations = equations(20, 30, 0.1);
+        let mut rls = Rls::new(&[0.0; 30], &[4.0; 30], 1.0);
+        for (terms, value) in equations.terms.iter().zip(&equations.values) {
+            rls.update(terms, *value, 0.36).expect("an equation");
+        }
+        let solution = equations.solve(30, 0.09).expect("a solution");
+        for (ours, recursive) in solution.iter().zip(rls.parameters()) {
+            assert!((ours - recursive).abs() < 1e-10, "{ours} {recursive}");
+        }
+    }
+
+    /// The unknowns have the variance 1/3, the errors `noise`^2 / 3.
+    #[test]
+    fn evidence_finds_the_ratio_of_the_variances() {
+        for noise in [0.1, 1.0] {
+            let ridge = equations(300, 100, noise).likeliest_ridge(100).expect("a ridge");
+            let ratio = ridge / (noise * noise);
+            assert!((0.4..2.5).contains(&ratio), "{ridge} at {noise}");
+        }
+    }
+}
