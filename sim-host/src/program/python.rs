@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, output_within};
+use crate::host;
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
@@ -13,7 +14,7 @@ const MINOR: u32 = 7;
 /// Interpreter and module that run Python programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
-    /// The interpreter: `$PYTHON`, else `python3` on the search path.
+    /// The interpreter: `$PYTHON`, else that of the [host](host), else `python3` on the search path.
     interpreter: PathBuf,
     /// The module `eye`, which, run as a script, runs a program.
     eye: PathBuf,
@@ -49,7 +50,8 @@ impl Python {
     /// # Errors
     /// [`PythonError`].
     pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
-        let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
+        let of_host = || host::current().and_then(|host| host.python.as_deref());
+        let interpreter = interpreter.or_else(of_host).unwrap_or(Path::new("python3")).to_owned();
         let mut command = Command::new(&interpreter);
         command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
         let asked = output_within(&mut command, COMMAND_TIMEOUT)
@@ -61,6 +63,11 @@ impl Python {
             return Err(PythonError::Unfit { interpreter, said });
         }
         Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
+    }
+
+    /// The interpreter.
+    pub fn interpreter(&self) -> &Path {
+        &self.interpreter
     }
 
     /// The command that runs `program` as a robot's child process. Its environment is fixed where it would make runs differ.
