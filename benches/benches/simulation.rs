@@ -1,15 +1,16 @@
-//! The simulation as a value: a step of one robot that reads eight range sensors, and setting it back.
+//! The simulation as a value: a step of one robot that reads eight range sensors, setting it back, and beginning anew.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use sim_core::RobotId;
 use sim_core::drive::Command;
 use sim_core::pose::Twist;
 use sim_core::simulation::{Options, Simulation};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::{MemoryFiles, load_scene};
 
 /// A closed room of 20 m with a robot that looks in eight directions.
-fn simulation() -> Simulation {
+fn scene() -> SceneSpec {
     let corners = ["[0, 0]", "[20000, 0]", "[20000, 20000]", "[0, 20000]"];
     let wall = |place: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[place], corners[(place + 1) % 4]);
     let walls: Vec<String> = (0..4).map(wall).collect();
@@ -26,7 +27,11 @@ fn simulation() -> Simulation {
     let files: MemoryFiles = [("eight.scene.toml", scene)].into_iter().collect();
     let loaded = load_scene("eight.scene.toml", &files);
     assert!(!loaded.has_errors(), "{:#?}", loaded.diagnostics);
-    let mut simulation = Simulation::new(&loaded.scene, &Options::default()).expect("a robot that can be simulated");
+    loaded.scene
+}
+
+fn simulation() -> Simulation {
+    let mut simulation = Simulation::new(&scene(), &Options::default()).expect("a robot that can be simulated");
     // The robot drives a circle for ever.
     simulation.command(RobotId(1), Command::Twist(Twist::new(0.3, 0.5))).expect("it drives");
     simulation
@@ -46,6 +51,10 @@ fn bench(criterion: &mut Criterion) {
     restored.advance_to(Time::from_millis(5_000));
     let snapshot = restored.clone();
     group.bench_function("restore", |bencher| bencher.iter(|| restored.clone_from(&snapshot)));
+    let scene = scene();
+    group.bench_function("restart", |bencher| {
+        bencher.iter(|| restored.restarted(&scene, &Options::default()).expect("robots that can be simulated"))
+    });
     group.finish();
 }
 

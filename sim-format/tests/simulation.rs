@@ -209,6 +209,31 @@ fn another_seed_is_another_run() {
 }
 
 #[test]
+fn a_restart_is_a_new_simulation() {
+    let mut old = simulation(1, 50);
+    steps(&mut old, 0, STEPS);
+    let mut scene = SceneSpec::clone(&CROWD);
+    scene.robots[1].start = scene.robots[0].start.moved(Twist::new(0.5, 0.3));
+    let options = Options { seed: Some(2), slot: Some(Time::from_millis(20)) };
+    let digest = |made: Result<Simulation, _>| {
+        let mut simulation: Simulation = made.expect("robots that can be simulated");
+        for step in 0..STEPS {
+            (1..=3).for_each(|id| simulation.with_robot(RobotId(id), |robot, world| act_unseen(robot, world, step)));
+            simulation.advance_to(simulation.now() + Time::from_millis(37));
+        }
+        simulation.digest()
+    };
+    assert_eq!(digest(old.restarted(&scene, &options)), digest(Simulation::new(&scene, &options)));
+    assert_ne!(digest(old.restarted(&scene, &options)), digest(old.restarted(&CROWD, &options)));
+}
+
+/// As [`act`], for a robot whose camera is off.
+fn act_unseen(robot: &mut Robot, world: &World, step: u64) {
+    assert!(robot.camera_setting().is_err());
+    act(robot, world, step);
+}
+
+#[test]
 fn a_thousand_side_by_side_are_each_as_alone() {
     const FEW: u64 = 8;
     let alone: Vec<String> = (0..10)

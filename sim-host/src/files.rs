@@ -9,6 +9,8 @@ use std::sync::OnceLock;
 
 use sim_format::{FileError, Files};
 
+use crate::host;
+
 /// Environment variable with the folder of the installation, for which `%sim%` stands.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
@@ -38,14 +40,14 @@ pub struct DiskFiles {
 }
 
 impl DiskFiles {
-    /// Files with the installation that [`HOME_VARIABLE`] names; else the folder above the running binary that contains
-    /// `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
+    /// Files with the installation that [`HOME_VARIABLE`] names; else the one that the [host](host) brings; else the folder above the
+    /// running binary that contains `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
     pub fn of_environment() -> Self {
         if let Some(home) = OF_ARCHIVE.get() {
             return Self::with_home(home);
         }
         let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
-        let home = named.or_else(above_binary).or_else(checkout);
+        let home = named.or_else(|| host::current()?.home.clone()).or_else(above_binary).or_else(checkout);
         Self { home: home.map(|home| slashed(&home)), ..Self::default() }
     }
 

@@ -78,6 +78,11 @@ impl RobotFactory {
         }
     }
 
+    /// This factory for a run with `seed` and slots of length `slot`.
+    pub(super) fn with_seed(self, seed: u64, slot: Time) -> Self {
+        Self { seed, slot, ..self }
+    }
+
     /// Creates the robot of `spec`, present from `since` on; also returns the noise model of its radio.
     ///
     /// # Errors

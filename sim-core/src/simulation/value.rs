@@ -65,9 +65,25 @@ impl Simulation {
     /// # Panics
     /// If the slot is not positive.
     pub fn new(scene: &SceneSpec, options: &Options) -> Result<Self, FactoryError> {
-        let seed = options.seed.or(scene.run.seed).unwrap_or(0);
-        let slot = options.slot.or(scene.run.slot).unwrap_or(DEFAULT_SLOT);
-        let mut factory = RobotFactory::new(scene, seed, slot, false);
+        let (seed, slot) = seed_and_slot(scene, options);
+        Self::made_by(RobotFactory::new(scene, seed, slot, false), scene, seed, slot)
+    }
+
+    /// The simulation of `scene` at time 0, as [`Simulation::new`] makes it, but faster: it shares walls, ground and types with this one.
+    /// Walls, terrain, fixed objects, contact rule and types of robots of `scene` must be those of the scene of this simulation; starts,
+    /// noise and seed may differ.
+    ///
+    /// # Errors
+    /// [`FactoryError`] for an invalid noise model of a drive.
+    ///
+    /// # Panics
+    /// If the slot is not positive.
+    pub fn restarted(&self, scene: &SceneSpec, options: &Options) -> Result<Self, FactoryError> {
+        let (seed, slot) = seed_and_slot(scene, options);
+        Self::made_by(RobotFactory::clone(&self.factory).with_seed(seed, slot), scene, seed, slot)
+    }
+
+    fn made_by(mut factory: RobotFactory, scene: &SceneSpec, seed: u64, slot: Time) -> Result<Self, FactoryError> {
         let made = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
         let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
@@ -377,4 +393,10 @@ impl Simulation {
             self.now = next;
         }
     }
+}
+
+/// Seed and slot length of a simulation of `scene`.
+fn seed_and_slot(scene: &SceneSpec, options: &Options) -> (u64, Time) {
+    let seed = options.seed.or(scene.run.seed).unwrap_or(0);
+    (seed, options.slot.or(scene.run.slot).unwrap_or(DEFAULT_SLOT))
 }

@@ -3,6 +3,7 @@
 //! 0: the run ended or reached `--until`; 1: a robot program or a check failed; 2: usage or file errors; 3: internal error;
 //! 130: interrupted.
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -22,6 +23,7 @@ pub mod convert;
 pub mod debug;
 pub mod diagnostic;
 mod diff;
+mod doctor;
 pub mod excerpt;
 pub mod explain;
 #[cfg(feature = "lsp")]
@@ -116,13 +118,20 @@ enum Command {
     #[cfg(not(feature = "lsp"))]
     #[command(hide = true)]
     Lsp(absent::AbsentArgs),
+    /// Tell which tools and limits this system has, what they are for, and how to get what is missing
+    Doctor(doctor::DoctorArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
     New(new::NewArgs),
 }
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    run_words(std::env::args_os())
+}
+
+/// Runs a command line: the name of the command, then its arguments. Messages about them, and help, end the process.
+pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let result = match Cli::parse_from(words).command {
         Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
         Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
@@ -150,6 +159,7 @@ pub fn main() -> ExitCode {
         Command::Lsp(args) => lsp::run(&args),
         #[cfg(not(feature = "lsp"))]
         Command::Lsp(_) => Err(absent::error("the language server")),
+        Command::Doctor(args) => doctor::run(&args),
         Command::New(args) => new::run(&args),
     };
     interrupt::end_within(END_TIMEOUT);

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
+use crate::host;
 use crate::program::Generation;
 
 /// Arguments of `eyesim new`.
@@ -50,7 +51,7 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
     let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
     let api = robios_api_folder();
-    let eyesim = std::env::current_exe().context("cannot tell the path of eyesim, which the tasks for VS Code name")?;
+    let eyesim = host::script().context("cannot tell the path of eyesim, which the tasks for VS Code name")?;
     let eyesim = eyesim.display().to_string();
     let generation = generation(args.lang, args.api)?;
     let project = Project { name: &args.name, lang: args.lang, generation, eyesim: &eyesim };

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use sim_format::suite::is_suite;
-use sim_format::{InputFile, load_scene_with};
+use sim_format::{Files as _, InputFile, load_scene_with};
 
 use super::check::with_looks;
 use super::output::say;
@@ -253,11 +253,29 @@ pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::
     Ok(programs)
 }
 
-/// Lets `args` run the scene of an archive if they name one; the files are removed when the result is dropped.
+/// The scene of the example `name` in the folder `sims` of the installation.
+fn example(name: &Path) -> anyhow::Result<PathBuf> {
+    let files = DiskFiles::of_environment();
+    let home = files.home().context("--example: this eyesim has no installation, name one in $EYESIM_HOME")?;
+    let sims = format!("{home}/sims");
+    let endings = [".sim", ".scene.toml"];
+    let candidates = endings.map(|ending| PathBuf::from(format!("{sims}/{}{ending}", name.display())));
+    if let Some(scene) = candidates.into_iter().find(|scene| scene.is_file()) {
+        return Ok(scene);
+    }
+    let listed = files.list(&sims);
+    let names = listed.iter().filter_map(|file| endings.iter().find_map(|ending| file.strip_suffix(ending)));
+    bail!("--example: no example is called `{}`, accepted: {}", name.display(), names.collect::<Vec<_>>().join(", "))
+}
+
+/// Lets `args` run the scene of an example or of an archive if they name one; the files are removed when the result is dropped.
 ///
 /// # Errors
 /// As [`unpack`].
 pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked>> {
+    if args.example {
+        args.sim = example(&args.sim)?;
+    }
     if !is_archive(&args.sim) {
         return Ok(None);
     }

@@ -47,6 +47,9 @@ pub struct RunArgs {
     /// The scene: a sim file, or one in TOML
     #[arg(value_name = "SCENE")]
     pub sim: PathBuf,
+    /// SCENE is the name of an example, a scene in the folder `sims` of the installation: `--example demo`
+    #[arg(long)]
+    pub example: bool,
     /// Do not run a scene that has warnings
     #[arg(long)]
     pub strict: bool,

@@ -21,7 +21,7 @@ use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
 use super::pack::open_for_run;
-use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds, trails};
+use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
 use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
@@ -229,7 +229,7 @@ impl Session {
                 (requests.is_over, requests.is_ending, requests.steps) = (false, false, 0);
             });
             let event_store = self.offer(&ready, &show)?;
-            let trails = Arc::new(Mutex::new(trails(ready.scene())));
+            let trails = Arc::new(Mutex::new(Trails::of_scene(ready.scene())));
             self.offer_trails(number, &trails);
             let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(event_store), Box::new(trails)];
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };

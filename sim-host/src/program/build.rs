@@ -41,7 +41,7 @@ pub struct Tools {
     pub cflags: Option<String>,
     /// `$CARGO`: the cargo command; if unset, `cargo` on the search path.
     pub cargo: Option<PathBuf>,
-    /// `$PYTHON`: the interpreter of Python programs; if unset, `python3` on the search path.
+    /// `$PYTHON`: the interpreter of Python programs; if unset, that of the [host](crate::host), else `python3` on the search path.
     pub python: Option<PathBuf>,
 }
 
@@ -301,8 +301,9 @@ impl Builder {
         folder: &Path,
     ) -> Result<Compiled, BuildError> {
         let kit = self.kits.of(generation);
+        let compilers = self.compilers(sources)?;
         let compilation = Compilation {
-            compilers: &self.compilers(sources)?,
+            compilers: &compilers,
             generation,
             kit,
             kit_folder: &self.kit_folder(kit).map_err(|error| self.cache_error(error))?,
@@ -311,7 +312,10 @@ impl Builder {
             folder,
             cache: &self.cache,
         };
-        Ok(compilation.run()?)
+        let mut compiled = compilation.run()?;
+        let notes: String = compilers.iter().filter_map(|compiler| compiler.note()).collect();
+        compiled.output.insert_str(0, &notes);
+        Ok(compiled)
     }
 
     /// Runs `work` on `source`, reported to the observer.

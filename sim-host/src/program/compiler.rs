@@ -11,6 +11,7 @@ use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, output_within};
 use super::language::Language;
 use super::words::split_words;
+use crate::host;
 
 /// Standards for the compilation of sources, newest first. The newest one that the compiler knows is tried first, then the last of
 /// the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse; in C++ it is that of course
@@ -80,6 +81,7 @@ pub struct Compiler {
     language: Language,
     command: Vec<String>,
     version: String,
+    is_zig: bool,
     newest_standard: String,
     optional_compile_flags: Vec<String>,
     optional_link_flags: Vec<String>,
@@ -90,8 +92,8 @@ pub struct Compiler {
 pub enum CompilerError {
     /// The language's variable is not set and none of the usual names is on the search path.
     #[error(
-        "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`), or set ${} to its name",
-        language.name(), quoted(language.commands()), language.packages(), language.variable()
+        "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`{}), or set ${} to its name",
+        language.name(), quoted(language.commands()), language.packages(), of_host(), language.variable()
     )]
     Missing {
         /// The language.
@@ -137,19 +139,26 @@ pub enum CompilerError {
     Io(#[from] io::Error),
 }
 
+/// The command that installs the compiler of the [host](host).
+fn of_host() -> String {
+    let installer = host::current().map(|host| &host.zig_installer).filter(|installer| !installer.is_empty());
+    installer.map_or_else(String::new, |installer| format!("; without the system's packages: `{installer}`"))
+}
+
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 impl Compiler {
     /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain arguments),
-    /// else the first of its [usual commands](Language::commands).
+    /// else the first of its [usual commands](Language::commands), else the zig of the [host](host).
     ///
     /// The optional flags that it knows are tried once and stored in `cache`.
     ///
     /// # Errors
     /// [`CompilerError`] if there is no compiler or it does not work.
     pub fn find(language: Language, setting: Option<&str>, cache: &Cache) -> Result<Self, CompilerError> {
+        let zig = zig(language);
         let (command, version) = match setting.map(str::trim).filter(|setting| !setting.is_empty()) {
             Some(setting) => {
                 let broken = |error: String| CompilerError::Broken { language, command: setting.to_owned(), error };
@@ -161,13 +170,15 @@ impl Compiler {
                 .commands()
                 .iter()
                 .map(|&name| vec![name.to_owned()])
+                .chain(zig.clone())
                 .find_map(|command| Some((command.clone(), version_of(&command, cache).ok()?)))
                 .ok_or(CompilerError::Missing { language })?,
         };
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
         let newest_standard = String::new();
+        let is_zig = zig.is_some_and(|zig| zig == command);
         let mut compiler =
-            Self { language, command, version, newest_standard, optional_compile_flags, optional_link_flags };
+            Self { language, command, version, is_zig, newest_standard, optional_compile_flags, optional_link_flags };
         compiler.probe(cache)?;
         Ok(compiler)
     }
@@ -175,6 +186,19 @@ impl Compiler {
     /// The language that it compiles.
     pub fn language(&self) -> Language {
         self.language
+    }
+
+    /// Its command and its version, for the user.
+    pub fn description(&self) -> String {
+        let version = self.version.lines().next().unwrap_or_default();
+        format!("{} ({})", self.command.join(" "), version.trim())
+    }
+
+    /// Line for the user if this is the compiler of the [host](host), for want of another.
+    pub fn note(&self) -> Option<String> {
+        let language = self.language.name();
+        self.is_zig
+            .then(|| format!("no {language} compiler of the system is found: `{}` is used\n", self.command.join(" ")))
     }
 
     /// A command that runs this compiler, with messages in English and without anything that differs from run to run.
@@ -295,6 +319,18 @@ impl Compiler {
         }
         Ok(accepted)
     }
+}
+
+/// The command of the zig that the [host](host) brings, for want of another compiler. It is clang; the check for undefined behaviour that
+/// it adds by itself would stop programs that others run.
+fn zig(language: Language) -> Option<Vec<String>> {
+    let zig = host::current().map(|host| &host.zig).filter(|zig| !zig.is_empty())?;
+    let subcommand = match language {
+        Language::C => "cc",
+        Language::Cpp => "c++",
+    };
+    let words = zig.iter().map(String::as_str).chain([subcommand, "-fno-sanitize=undefined"]);
+    Some(words.map(str::to_owned).collect())
 }
 
 /// The version text of a compiler: from `cache` if the compiler's own file has not changed since it was asked.

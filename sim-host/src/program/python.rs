@@ -7,6 +7,7 @@ use std::process::Command;
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, output_within};
 use super::compiler::which;
+use crate::host;
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
@@ -14,7 +15,7 @@ const MINOR: u32 = 7;
 /// Interpreter and module that run Python programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
-    /// The interpreter: `$PYTHON`, else `python3` on the search path.
+    /// The interpreter: `$PYTHON`, else that of the [host](host), else `python3` on the search path.
     interpreter: PathBuf,
     /// The module `eye`, which, run as a script, runs a program.
     eye: PathBuf,
@@ -51,7 +52,8 @@ impl Python {
     /// # Errors
     /// [`PythonError`].
     pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
-        let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
+        let of_host = || host::current().and_then(|host| host.python.as_deref());
+        let interpreter = interpreter.or_else(of_host).unwrap_or(Path::new("python3")).to_owned();
         if interpreter.to_str().and_then(which).is_none() {
             let error = io::Error::from_raw_os_error(libc::ENOENT);
             return Err(PythonError::Missing { interpreter, error });
@@ -75,6 +77,11 @@ impl Python {
         let mut version = said.split(' ').map(str::parse);
         let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= MINOR);
         if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
+    }
+
+    /// The interpreter.
+    pub fn interpreter(&self) -> &Path {
+        &self.interpreter
     }
 
     /// The command that runs `program` as a robot's child process. Its environment is fixed where it would make runs differ.

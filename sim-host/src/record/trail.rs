@@ -4,8 +4,10 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 use sim_core::ObjectId;
+use sim_core::build;
 use sim_core::math;
 use sim_core::pose::Pose;
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use super::sink::{RecordError, Sink};
@@ -168,6 +170,13 @@ pub struct Trails {
 }
 
 impl Trails {
+    /// Trails of the robots and movable objects of `scene`.
+    pub fn of_scene(scene: &SceneSpec) -> Self {
+        let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
+        let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
+        Self::new(&starts, &objects)
+    }
+
     /// Trails from the starting poses of robots and movable objects, in order of their ids.
     pub fn new(robots: &[Pose], objects: &[Pose]) -> Self {
         let trails = |starts: &[Pose]| starts.iter().map(|start| BodyTrails::new(start.position)).collect();

@@ -7,8 +7,6 @@ use std::time::Duration;
 use accuracy::figure::{Figure, Mark, Scale, Series};
 use anyhow::{Context, bail};
 use parking_lot::Mutex;
-use sim_core::build;
-use sim_core::pose::Pose;
 use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
 use sim_format::{Diagnostic, InputFile};
 
@@ -127,7 +125,7 @@ impl ConsoleRun {
             let out = if args.prints_report() { progress.stderr() } else { progress.stdout() };
             sinks.push(Box::new(Log::new(filter(args, ready.scene())?, out, progress.stderr())));
         }
-        let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(trails(ready.scene()))));
+        let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(Trails::of_scene(ready.scene()))));
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
         if let Some(path) = &args.trace {
             let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
@@ -268,13 +266,6 @@ pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter
         only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
         robots: robot.into_iter().map(RobotId::from_index).collect(),
     })
-}
-
-/// Sink that collects the paths of the robots and movable objects of `scene`.
-pub(in crate::cli) fn trails(scene: &SceneSpec) -> Trails {
-    let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
-    let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
-    Trails::new(&starts, &objects)
 }
 
 /// Numbers of robots in each state.

@@ -20,6 +20,7 @@ use crate::executive::confine::protect_host;
 use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
+use crate::host;
 use crate::program::command;
 
 /// Prefix of the name of a robot's process in lists of processes.
@@ -150,8 +151,8 @@ impl Child {
     /// # Errors
     /// The path of this executable cannot be determined.
     pub fn command(name: &str, library: &Path) -> io::Result<Command> {
-        let mut command = Command::new(std::env::current_exe()?);
-        command.arg0(format!("{CHILD_NAME}{name}")).arg("child").arg(library);
+        let mut command = host::command(format!("{CHILD_NAME}{name}"))?;
+        command.arg("child").arg(library);
         Ok(command)
     }
 

@@ -5,6 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::host;
+
 /// Name of the debugger's binary, found by the search path.
 const GDB: &str = "gdb";
 
@@ -34,14 +36,16 @@ impl Debugger {
     pub fn command(&self, library: &Path, channels: &Path) -> io::Result<Command> {
         let mut command = Command::new(GDB);
         command.arg("-q");
-        let child = format!("set args child --debugged {} <> {}", quoted(library), quoted(channels));
+        let words = host::words()?;
+        let before: String = words[1..].iter().map(|word| format!("{} ", quoted(Path::new(word)))).collect();
+        let child = format!("set args {before}child --debugged {} <> {}", quoted(library), quoted(channels));
         let settings = ["set breakpoint pending on", "set debuginfod enabled off", "set startup-with-shell on", &child];
         let breakpoints = self.breakpoints.iter().map(|place| format!("break {place}"));
         for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
             command.arg("-ex").arg(line);
         }
         // gdb starts the program with a shell, which must know `<>`, as every POSIX shell does.
-        command.env("SHELL", "/bin/sh").args(&self.arguments).arg(std::env::current_exe()?);
+        command.env("SHELL", "/bin/sh").args(&self.arguments).arg(&words[0]);
         Ok(command)
     }
 }

@@ -1,0 +1,31 @@
+"""eyesim: a simulator for mobile robots in the manner of EyeSim.
+
+`load` opens a scene as a `Simulation`, a value that is stepped, commanded, observed, copied and restored; `run` runs a scene with its
+robot programs. `eyesim.gym` has learning environments. Lengths are in m, angles in rad (counter-clockwise), times in s.
+"""
+
+from importlib import import_module as _import
+from typing import TYPE_CHECKING
+
+from . import _host
+
+if TYPE_CHECKING:
+    from ._errors import Diagnostic, Error, SceneError
+    from ._run import Run, run
+    from ._simulation import Pose, Robot, Simulation, Speed, load
+
+__all__ = ["Diagnostic", "Error", "Pose", "Robot", "Run", "SceneError", "Simulation", "Speed", "home", "load", "run"]
+
+# The command and the processes of robots start without numpy: what needs it is imported when it is first named.
+_PLACES = {name: "_errors" for name in ("Diagnostic", "Error", "SceneError")}
+_PLACES |= {name: "_run" for name in ("Run", "run")}
+_PLACES |= {name: "_simulation" for name in ("Pose", "Robot", "Simulation", "Speed", "load")}
+
+home = _host.home
+_host.describe()
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(_import(f"{__name__}.{_PLACES[name]}"), name)

@@ -1,0 +1,51 @@
+"""Errors of eyesim."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class Diagnostic(NamedTuple):
+    """A mistake in a file."""
+
+    severity: str
+    """`error` or `warning`."""
+    code: str
+    """Kind of the mistake, which `eyesim explain` describes."""
+    file: str
+    line: int
+    """From 1; 0 for a file as a whole."""
+    column: int
+    """In characters, from 1."""
+    message: str
+    expected: str
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        expected = f"; expected {self.expected}" if self.expected else ""
+        return f"{place}: {self.severity}[{self.code}]: {self.message}{expected}"
+
+
+class Error(Exception):
+    """A wrong argument, or a run that is not possible."""
+
+
+class SceneError(Error):
+    """Mistakes in the files of a scene."""
+
+    diagnostics: list[Diagnostic]
+    """All mistakes, warnings too."""
+    file: str
+    """File of the first error."""
+    line: int
+    """Line of the first error, from 1; 0 for the file as a whole."""
+    column: int
+    """Column of the first error in characters, from 1."""
+
+    def __init__(self, diagnostics: Sequence[tuple[str, str, str, int, int, str, str]]) -> None:
+        self.diagnostics = [Diagnostic(*row) for row in diagnostics]
+        errors = [it for it in self.diagnostics if it.severity == "error"] or self.diagnostics
+        self.file, self.line, self.column = errors[0].file, errors[0].line, errors[0].column
+        super().__init__("\n".join(map(str, errors)))
+
+    def __reduce__(self) -> tuple[type["SceneError"], tuple[list[Diagnostic]]]:
+        return SceneError, (self.diagnostics,)

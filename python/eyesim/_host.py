@@ -1,0 +1,40 @@
+"""The interpreter as the simulator's host: what it starts for robots, and the files that the package brings."""
+
+import importlib.util
+import os
+import sys
+import sysconfig
+from pathlib import Path
+
+from . import _native
+
+
+def home() -> Path:
+    """The folder that `%sim%` stands for: worlds, robis, sims and example programs; `$EYESIM_HOME` names another."""
+    named = os.environ.get("EYESIM_HOME")
+    return Path(named) if named else _own_home()
+
+
+def zig() -> list[str]:
+    """Words that start the compiler of the package `ziglang`; empty if it is not installed."""
+    return [sys.executable, "-m", "ziglang"] if importlib.util.find_spec("ziglang") else []
+
+
+def script() -> Path:
+    """The file that is the command `eyesim`."""
+    beside = Path(sys.executable).parent / "eyesim"
+    return beside if beside.exists() else Path(sysconfig.get_path("scripts")) / "eyesim"
+
+
+def describe() -> None:
+    """Describes this process to the simulator."""
+    command = [sys.executable, "-P", "-m", "eyesim"]
+    installer = f"{sys.executable} -m pip install 'eyesim-robots[c]'"
+    _native.describe_host(command, script(), _own_home(), Path(sys.executable), zig(), installer)
+
+
+def _own_home() -> Path:
+    package = Path(__file__).resolve().parent
+    installed = package / "home"
+    # A checkout in which the package was built in place has the same folders two levels above.
+    return installed if installed.is_dir() else package.parent.parent

@@ -1,0 +1,127 @@
+"""Runs of scenes with robot programs."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import os
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._simulation import Picture, settings_of, source
+
+
+def run(
+    scene: str | os.PathLike[str],
+    *,
+    programs: str | os.PathLike[str] | Mapping[int, str | os.PathLike[str]] | None = None,
+    seed: int | None = None,
+    noise: str | None = None,
+    slot: float | None = None,
+    until: float | None = None,
+    arguments: Mapping[int, str] | str | None = None,
+    keys: Sequence[str] = (),
+    set: dict[str, Any] | None = None,
+    exec: str = "auto",
+    workers: int | None = None,
+    trace: bool = True,
+) -> Run:
+    """Runs a scene with its programs to its end, as `eyesim run` does: a path, or a text with line breaks.
+
+    `programs` is a program for the robots that have none, or programs by the number of the robot; `until` is the simulated time (s) at
+    which the run ends. The others are the options of `eyesim run` of the same name. Without `trace` the events are not kept.
+
+    A program that fails is a result, told in the report. Raises `SceneError` for mistakes in the files, and `Error` for wrong arguments
+    and for programs that cannot be found or built.
+    """
+    path, text = source(scene)
+    options: _native.RunOptions = {
+        "seed": seed,
+        "noise": noise,
+        "slot": slot,
+        "until": until,
+        "programs": _by_robot(programs, "="),
+        "arguments": _by_robot(arguments, ":"),
+        "keys": list(keys),
+        "settings": settings_of(set),
+        "exec": exec,
+        "workers": workers,
+    }
+    report, lines, svg = _native.run(path, text, options, trace)
+    return Run(json.loads(report), lines, svg)
+
+
+def _by_robot(values: object, between: str) -> list[str]:
+    if values is None:
+        return []
+    if isinstance(values, Mapping):
+        return [f"{robot}{between}{os.fspath(value)}" for robot, value in values.items()]
+    return [os.fspath(values)]  # type: ignore[call-overload]
+
+
+class Run:
+    """A run that is over: its report, its events and its picture."""
+
+    report: dict[str, Any]
+    """The report as in docs/report.md."""
+
+    def __init__(self, report: dict[str, Any], lines: bytes, svg: str) -> None:
+        """For `run`."""
+        self.report = report
+        self._lines = lines
+        self._svg = svg
+
+    @property
+    def digest(self) -> str:
+        """Hash of the whole record."""
+        return str(self.report["digest"])
+
+    @property
+    def trace(self) -> bytes:
+        """The trace, a JSON object on each line, as in docs/trace.md; empty without `trace`."""
+        return self._lines
+
+    @cached_property
+    def events(self) -> list[dict[str, Any]]:
+        """All events in order of time."""
+        objects = map(json.loads, self._lines.splitlines())
+        return [it for it in objects if it["event"] not in ("header", "slot", "end")]
+
+    def columns(self, kind: str = "pose", robot: int | None = None) -> dict[str, npt.NDArray[Any]]:
+        """Events of one kind as arrays by the names of their fields, in order of time: `columns("pose")["x_m"]`."""
+        rows = [it for it in self.events if it["event"] == kind and robot in (None, it.get("robot"))]
+        names = list(dict.fromkeys(name for row in rows for name in row if name != "event"))
+        return {name: _column([row.get(name) for row in rows]) for name in names}
+
+    def table(self, kind: str = "pose", robot: int | None = None) -> Any:
+        """Events of one kind as a data frame of polars, else of pandas; raises `ImportError` if neither is installed."""
+        columns = self.columns(kind, robot)
+        if importlib.util.find_spec("polars"):
+            return importlib.import_module("polars").DataFrame(columns)
+        return importlib.import_module("pandas").DataFrame(columns)
+
+    def plot(self) -> Picture:
+        """The world from above with the robots' paths; a notebook shows it."""
+        return Picture(self._svg)
+
+    def _repr_svg_(self) -> str:
+        return self._svg
+
+    def __repr__(self) -> str:
+        outcomes = ", ".join(f"r{robot['id']} {robot['outcome']}" for robot in self.report["robots"])
+        return f"<eyesim.Run of {self.report['sim_time_s']} s: {outcomes}>"
+
+
+def _column(values: list[Any]) -> npt.NDArray[Any]:
+    is_plain = all(isinstance(value, (int, float, str, bool)) for value in values)
+    if is_plain and values:
+        return np.array(values)
+    column = np.empty(len(values), object)
+    column[:] = values
+    return column

@@ -1,0 +1,350 @@
+"""Environments for Gymnasium: `Env` around any scene with one robot, `VectorEnv` for many at once, and tasks that are ready to use.
+
+The import registers `eyesim/WallFollow-v0`; `gymnasium.make("eyesim.gym:eyesim/WallFollow-v0")` imports it.
+
+An environment of n simulations calls the functions of its `Task` with arrays of n rows, `Env` with one row; so a task is written once.
+
+- **Fresh starts.** Each episode begins as a new simulation of the scene: nothing is left of the one before.
+- **Seeds.** Episode e of an environment that was reset with seed s depends on s and e alone. Simulation i of a `VectorEnv` that was
+  reset with seed s has the episodes of an `Env` that was reset with s + i, whatever their number.
+- **Ends.** `terminated` is the task's; `truncated` is its time limit.
+- **Autoreset.** `VectorEnv` resets in the step that follows an end (`AutoresetMode.NEXT_STEP`): that step's action is not used, its reward
+  is 0, and its observation is the first one of the new episode.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from . import _native
+from ._simulation import Floats, load
+
+Observations = npt.NDArray[np.float32]
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What is known of n robots after a step, a row each."""
+
+    ranges: Floats
+    """Readings of the range sensors, m, n x sensors; infinite where nothing is within range."""
+    reach: Floats
+    """Range of each sensor, m, n x sensors."""
+    pose: Floats
+    """True pose: x, y (m), heading (rad), n x 3."""
+    speed: Floats
+    """Speed ahead by the wheels, m/s, n."""
+    turn: Floats
+    """Turning speed by the wheels, rad/s, n."""
+    touched: Flags
+    """True where a contact has begun in this step, n."""
+    stalled: Flags
+    """True where a robot is driven and cannot move, n."""
+    steps: npt.NDArray[np.int64]
+    """Steps of the episode so far, n."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Greatest speeds of the robots."""
+
+    speed: float
+    """m/s"""
+    turn: float
+    """rad/s"""
+
+
+def relative_ranges(readings: Readings) -> Observations:
+    """Range readings as parts of the sensors' ranges, 0 to 1; 1 where nothing is within range."""
+    parts = np.minimum(readings.ranges, readings.reach) / np.maximum(readings.reach, 1e-9)
+    return cast(Observations, parts.astype(np.float32))
+
+
+def relative_twist(actions: npt.NDArray[Any], limits: Limits) -> Floats:
+    """Speed and turning speed from parts of the greatest ones, -1 to 1; values beyond are cut."""
+    return cast(Floats, np.clip(actions, -1.0, 1.0) * (limits.speed, limits.turn))
+
+
+def no_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
+    """0 for every step."""
+    return np.zeros(len(readings.speed))
+
+
+def is_touching(readings: Readings) -> Flags:
+    """An episode ends at the first contact."""
+    return readings.touched
+
+
+@dataclass(frozen=True)
+class Task:
+    """A scene, and what is observed, commanded and rewarded in it."""
+
+    scene: str | os.PathLike[str]
+    """Path or text, as for `eyesim.load`."""
+    observe: Callable[[Readings], npt.NDArray[Any]] = relative_ranges
+    """Observations, a row for each robot."""
+    act: Callable[[npt.NDArray[Any], Limits], Floats] = relative_twist
+    """Speed (m/s) and turning speed (rad/s) of each robot, n x 2, from actions."""
+    reward: Callable[[Readings, npt.NDArray[Any]], Floats] = no_reward
+    """Reward of each robot for the step."""
+    terminated: Callable[[Readings], Flags] = is_touching
+    """True where the episode has come to its end."""
+    horizon: int = 1000
+    """Steps after which an episode is truncated."""
+    period: float = 0.05
+    """Simulated seconds of a step."""
+    observation_space: spaces.Box | None = None
+    """Space of a robot's observation; by default 0 to 1 for `relative_ranges`, else unbounded."""
+    action_space: spaces.Space[Any] | None = None
+    """Space of a robot's action; by default two numbers from -1 to 1."""
+    starts: Sequence[tuple[float, float, float]] = ()
+    """Poses (m, m, rad) of which an episode draws one for each robot; none: robots begin where the scene says."""
+    jitter: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Greatest deviation from the start in x, y (m) and heading (rad), drawn for each episode."""
+    noise: str | None = None
+    """Noise profile: none, mild, real, harsh or a file; by default the scene's."""
+
+
+class Rows:
+    """Simulations of a task side by side: arrays of readings with a row for each robot of each simulation."""
+
+    def __init__(self, task: Task, count: int, threads: int | None = None) -> None:
+        self.task = task
+        self.count = count
+        self.simulation = load(task.scene, noise=task.noise)
+        native = self.simulation._native
+        self.batch = _native.Batch(native, count, list(task.starts), task.jitter, threads)
+        self.robots, sensors = self.batch.shape
+        self.limits = Limits(*native.limits(1))
+        rows = count * self.robots
+        self._reach = np.tile(np.array(self.batch.reach()).reshape(self.robots, sensors), (count, 1))
+        self._ranges = np.empty((rows, sensors))
+        self._state = np.zeros((rows, 7))
+        self._contacts = np.zeros(rows)
+        self._steps = np.zeros(count, np.int64)
+        self._episodes = np.zeros(count, np.uint64)
+        self._roots = np.zeros(count, np.uint64)
+        self._seeds = np.zeros(count, np.uint64)
+        self._still = np.zeros((rows, 2))
+        self.seed(int(np.random.SeedSequence().generate_state(1, np.uint64)[0]))
+        self.action_space = task.action_space or spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.observation_space = task.observation_space or self._observation_space(sensors)
+
+    def _observation_space(self, sensors: int) -> spaces.Box:
+        if self.task.observe is relative_ranges:
+            return spaces.Box(0.0, 1.0, (sensors,), np.float32)
+        self.begin(np.ones(self.count, np.uint8))
+        shape = self.task.observe(self.readings()).shape[1:]
+        self._episodes[:] = 0
+        return spaces.Box(-np.inf, np.inf, shape, np.float32)
+
+    def seed(self, seed: int | Sequence[int | None] | None) -> None:
+        """Seeds all simulations: the first with `seed`, the next with `seed + 1`, or each with its own."""
+        if seed is None:
+            return
+        seeds = [seed + index for index in range(self.count)] if isinstance(seed, int) else list(seed)
+        for index, own in enumerate(seeds):
+            if own is not None:
+                self._roots[index] = own % 2**64
+                self._episodes[index] = 0
+
+    def begin(self, begins: npt.NDArray[np.uint8]) -> None:
+        """Begins new episodes in the simulations that are marked; the others must not be going on."""
+        self.step(self._still, begins)
+
+    def step(self, commands: Floats, begins: npt.NDArray[np.uint8]) -> None:
+        """Steps all simulations; those that are marked begin a new episode instead."""
+        for index in np.flatnonzero(begins):
+            self._seeds[index] = _native.episode_seed(int(self._roots[index]), int(self._episodes[index]))
+        self._episodes += begins
+        self._contacts[:] = self._state[:, 5]
+        commands = np.ascontiguousarray(commands, np.float64)
+        self.batch.step(self.task.period, commands, begins, self._seeds, self._ranges, self._state)
+        self._steps = np.where(begins, 0, self._steps + 1)
+        self._contacts[np.repeat(begins, self.robots) != 0] = 0.0
+
+    def readings(self) -> Readings:
+        """Readings after the last step; they keep their values."""
+        state = self._state.copy()
+        return Readings(
+            ranges=self._ranges.copy(),
+            reach=self._reach,
+            pose=state[:, :3],
+            speed=state[:, 3],
+            turn=state[:, 4],
+            touched=state[:, 5] > self._contacts,
+            stalled=state[:, 6] > 0.0,
+            steps=np.repeat(self._steps, self.robots),
+        )
+
+    def observations(self, readings: Readings) -> npt.NDArray[Any]:
+        """What the task observes, in the type of its space."""
+        return self.task.observe(readings).astype(self.observation_space.dtype, copy=False)
+
+
+def _task(scene: str | os.PathLike[str] | Task, options: dict[str, Any]) -> Task:
+    return replace(scene, **options) if isinstance(scene, Task) else Task(scene, **options)
+
+
+def _of_one_robot(rows: Rows) -> Rows:
+    if rows.robots != 1:
+        raise ValueError(f"the scene has {rows.robots} robots, expected one: see eyesim.pettingzoo for more")
+    return rows
+
+
+class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
+    """One robot in a scene: `Env(scene, observe=..., act=..., reward=...)`; the options are those of `Task`."""
+
+    metadata = {"render_modes": []}
+
+    def __init__(self, scene: str | os.PathLike[str] | Task, render_mode: None = None, **options: Any) -> None:
+        """From a scene's path or text, or from a task."""
+        self.task = _task(scene, options)
+        self.render_mode = render_mode
+        self._rows = _of_one_robot(Rows(self.task, 1, threads=1))
+        self.observation_space = self._rows.observation_space
+        self.action_space = self._rows.action_space
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
+        """Begins the next episode; with `seed`, the first one of that seed."""
+        super().reset(seed=seed)
+        self._rows.seed(seed)
+        self._rows.begin(np.ones(1, np.uint8))
+        return self._rows.observations(self._rows.readings())[0], {}
+
+    def step(self, action: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float, bool, bool, dict[str, Any]]:
+        """Drives for one period."""
+        actions = np.asarray(action)[None]
+        self._rows.step(self.task.act(actions, self._rows.limits), np.zeros(1, np.uint8))
+        readings = self._rows.readings()
+        terminated = bool(self.task.terminated(readings)[0])
+        truncated = bool(readings.steps[0] >= self.task.horizon)
+        reward = float(self.task.reward(readings, actions)[0])
+        return self._rows.observations(readings)[0], reward, terminated, truncated, {}
+
+    @property
+    def digest(self) -> str:
+        """Hash of all that has been recorded in this episode."""
+        return self._rows.batch.digest(0)
+
+
+class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]):
+    """Many robots, each in a scene of its own; one call steps all on all cores. See the module for seeds and autoreset."""
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        scene: str | os.PathLike[str] | Task,
+        num_envs: int = 1,
+        threads: int | None = None,
+        render_mode: None = None,
+        **options: Any,
+    ) -> None:
+        """From a scene's path or text, or from a task; by default with a thread for each core."""
+        self.task = _task(scene, options)
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self._rows = _of_one_robot(Rows(self.task, num_envs, threads))
+        self.single_observation_space = self._rows.observation_space
+        self.single_action_space = self._rows.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._done = np.zeros(num_envs, np.uint8)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
+        """Begins the next episode of each simulation; with `seed`, the first ones of these seeds."""
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        self._rows.seed(seed)
+        self._done[:] = 0
+        self._rows.begin(np.ones(self.num_envs, np.uint8))
+        return self._rows.observations(self._rows.readings()), {}
+
+    def step(
+        self, actions: npt.NDArray[Any]
+    ) -> tuple[npt.NDArray[Any], Floats, Flags, Flags, dict[str, Any]]:
+        """Drives all robots for one period; those whose episode has ended begin the next one."""
+        actions = np.asarray(actions)
+        begins = self._done
+        self._rows.step(self.task.act(actions, self._rows.limits), begins)
+        readings = self._rows.readings()
+        going = begins == 0
+        terminated = self.task.terminated(readings) & going
+        truncated = (readings.steps >= self.task.horizon) & going
+        reward = np.where(going, self.task.reward(readings, actions), 0.0)
+        self._done = (terminated | truncated).astype(np.uint8)
+        return self._rows.observations(readings), reward, terminated, truncated, {}
+
+    def digest(self, index: int) -> str:
+        """Hash of all that has been recorded in the present episode of simulation `index`."""
+        return self._rows.batch.digest(index)
+
+
+def _wall_follow(**options: Any) -> Env:
+    return Env(WALL_FOLLOW, **options)
+
+
+def _wall_follow_vector(num_envs: int = 1, **options: Any) -> VectorEnv:
+    return VectorEnv(WALL_FOLLOW, num_envs, **options)
+
+
+WALL_SCENE = """
+[world]
+file = "%sim%/worlds/obstacles.wld"
+
+[[robot]]
+type = "%sim%/robis/ring.robi"
+x_mm = 700
+y_mm = 350
+heading_deg = 180
+"""
+
+_KEPT = 0.3
+"""Distance to the wall that is rewarded most, m."""
+_LEFT = slice(2, 4)
+"""The sensors that look to the left of the robot `Ring`."""
+
+
+def _wall_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
+    distance = readings.ranges[:, _LEFT].min(axis=1)
+    closeness = np.exp(-(((np.minimum(distance, 9.0) - _KEPT) / 0.15) ** 2))
+    return cast(Floats, readings.speed / 0.6 * closeness - 10.0 * readings.touched)
+
+
+WALL_FOLLOW = Task(
+    WALL_SCENE,
+    reward=_wall_reward,
+    horizon=600,
+    starts=[
+        (0.7, 0.35, np.pi),
+        (3.2, 0.35, np.pi),
+        (0.35, 1.0, np.pi / 2),
+        (0.35, 2.2, np.pi / 2),
+        (3.65, 3.0, -np.pi / 2),
+        (3.65, 1.5, -np.pi / 2),
+    ],
+    jitter=(0.05, 0.05, 0.2),
+    noise="mild",
+)
+"""`eyesim/WallFollow-v0`: a robot with eight range sensors follows the wall at its left for 30 s.
+
+Reward of a step: speed over 0.6 m/s times exp(-((d - 0.3 m) / 0.15 m)^2), where d is the least of the two readings to the left; -10 for a
+contact, which ends the episode.
+"""
+
+gymnasium.register("eyesim/WallFollow-v0", entry_point=_wall_follow, vector_entry_point=_wall_follow_vector)

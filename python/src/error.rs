@@ -1,0 +1,47 @@
+//! Errors of the library as exceptions of `eyesim._errors`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use sim_format::Diagnostic;
+use sim_host::launch;
+
+/// An `eyesim.Error` with this message.
+pub fn error(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
+    new(py, "Error", (message.to_string(),))
+}
+
+/// The exception of an error of the launch: `eyesim.SceneError` with the places of all mistakes in its files, else `eyesim.Error`.
+pub fn of_launch(py: Python<'_>, failed: launch::Error) -> PyErr {
+    match failed {
+        launch::Error::Rejected(rejected) => scene_error(py, &rejected.diagnostics),
+        other => {
+            let causes = std::iter::successors(std::error::Error::source(&other), |error| error.source());
+            let text = causes.fold(other.to_string(), |text, cause| {
+                let cause = cause.to_string();
+                if text.contains(&cause) { text } else { format!("{text}: {cause}") }
+            });
+            error(py, text)
+        }
+    }
+}
+
+/// An `eyesim.SceneError` of these mistakes.
+pub fn scene_error(py: Python<'_>, diagnostics: &[Diagnostic]) -> PyErr {
+    let row = |it: &Diagnostic| {
+        let (severity, code) = (it.severity.to_string(), it.code.to_string());
+        (severity, code, it.file.clone(), it.span.line, it.span.column, it.message.clone(), it.expected.clone())
+    };
+    new(py, "SceneError", (diagnostics.iter().map(row).collect::<Vec<_>>(),))
+}
+
+fn new<'py>(
+    py: Python<'py>,
+    name: &str,
+    arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
+) -> PyErr {
+    let made = || -> PyResult<Bound<'py, PyAny>> {
+        let arguments = arguments.into_pyobject(py)?;
+        py.import("eyesim._errors")?.getattr(name)?.call1(arguments)
+    };
+    made().map_or_else(|error| error, PyErr::from_value)
+}

@@ -1,0 +1,172 @@
+"""Environments: the checks of Gymnasium and PettingZoo, seeds, and a policy that learns."""
+
+import warnings
+
+import eyesim.gym
+import eyesim.pettingzoo
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+WALL = eyesim.gym.WALL_FOLLOW
+
+PAIR = """
+[world]
+file = "%sim%/worlds/obstacles.wld"
+
+[[robot]]
+type = "%sim%/robis/ring.robi"
+x_mm = 700
+y_mm = 350
+
+[[robot]]
+type = "%sim%/robis/ring.robi"
+x_mm = 3300
+y_mm = 3000
+"""
+
+
+def actions(count, steps, seed=0):
+    return np.random.default_rng(seed).uniform(-1, 1, (steps, count, 2)).astype(np.float32)
+
+
+def test_gymnasium_finds_it_and_accepts_it():
+    env = gymnasium.make("eyesim/WallFollow-v0")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    assert env.observation_space.shape == (8,)
+    vector = gymnasium.make_vec("eyesim/WallFollow-v0", num_envs=3)
+    assert isinstance(vector.unwrapped, eyesim.gym.VectorEnv) and vector.num_envs == 3
+
+
+def test_pettingzoo_accepts_it():
+    env = eyesim.pettingzoo.ParallelEnv(PAIR, horizon=50, jitter=(0.1, 0.1, 1.0), noise="mild")
+    parallel_api_test(env, num_cycles=200)
+    parallel_seed_test(lambda: eyesim.pettingzoo.ParallelEnv(PAIR, horizon=50, jitter=(0.1, 0.1, 1.0), noise="mild"))
+    first, _ = env.reset(seed=1)
+    other, _ = env.reset(seed=2)
+    assert not np.array_equal(first["robot_1"], other["robot_1"])
+
+
+def episodes(vector, seed, steps):
+    """Observations, rewards and ends of all steps."""
+    rows = [vector.reset(seed=seed)[0]]
+    # Ahead, so that some touch a wall.
+    ahead = np.abs(actions(16, steps)) * (0.4, 0.3)
+    for action in ahead[:, : vector.num_envs].astype(np.float32):
+        observation, reward, terminated, truncated, _ = vector.step(action)
+        rows.append(np.column_stack([observation, reward, terminated, truncated]))
+    return np.stack([np.resize(row, (vector.num_envs, 11)) if index else np.pad(row, ((0, 0), (0, 3))) for index, row in enumerate(rows)])
+
+
+def test_an_episode_does_not_depend_on_the_number_of_environments():
+    many = eyesim.gym.VectorEnv(WALL, 16, threads=3, horizon=60)
+    few = eyesim.gym.VectorEnv(WALL, 5, threads=1, horizon=60)
+    of_many, of_few = episodes(many, 7, 200), episodes(few, 7, 200)
+    assert np.array_equal(of_many[:, :5], of_few)
+    assert [many.digest(index) for index in range(5)] == [few.digest(index) for index in range(5)]
+    # Episodes end both ways, and differ from each other.
+    assert of_few[1:, :, 9].any() and of_few[1:, :, 10].any()
+    assert len({row.tobytes() for row in of_many[0]}) == 16
+
+
+def test_a_vector_has_the_episodes_of_single_environments():
+    vector, env = eyesim.gym.VectorEnv(WALL, 3, horizon=30), eyesim.gym.Env(WALL, horizon=30)
+    first = vector.reset(seed=20)[0]
+    is_over = False
+    assert np.array_equal(env.reset(seed=22)[0], first[2])
+    for action in actions(3, 100):
+        observation, reward, terminated, truncated, _ = vector.step(action)
+        if is_over:  # the step after an end only resets
+            assert reward[2] == 0 and not terminated[2] and not truncated[2]
+            assert np.array_equal(env.reset()[0], observation[2])
+            is_over = False
+            continue
+        alone, own, *ends, _ = env.step(action[2])
+        assert np.array_equal(alone, observation[2])
+        assert own == reward[2] and ends == [terminated[2], truncated[2]]
+        is_over = any(ends)
+
+
+def test_a_contact_terminates_and_time_truncates():
+    env = eyesim.gym.Env(WALL, horizon=10_000)
+    env.reset(seed=0)
+    ends = []
+    while not ends:
+        _, reward, terminated, truncated, _ = env.step(np.array([1.0, 0.0], np.float32))
+        ends = [terminated, truncated] if terminated or truncated else []
+    assert ends == [True, False] and reward < -9
+    env = eyesim.gym.Env(WALL, horizon=5)
+    env.reset(seed=0)
+    still = np.zeros(2, np.float32)
+    assert [env.step(still)[2:4] for _ in range(5)] == [(False, False)] * 4 + [(False, True)]
+
+
+def test_a_reset_is_a_fresh_start():
+    env = eyesim.gym.Env(WALL)
+    env.reset(seed=3)
+    digest = env.digest
+    for action in actions(1, 30):
+        env.step(action[0])
+    assert env.digest != digest
+    env.reset(seed=3)
+    assert env.digest == digest
+
+
+def test_a_task_around_any_scene():
+    env = eyesim.gym.Env(
+        WALL.scene,
+        observe=lambda readings: readings.pose,
+        act=lambda actions, limits: np.column_stack([actions[:, 0], 0 * actions[:, 0]]),
+        reward=lambda readings, actions: readings.speed,
+        action_space=gymnasium.spaces.Box(0.0, 0.3, (1,)),
+    )
+    first, _ = env.reset(seed=0)
+    observation, reward, *_ = env.step(np.array([0.2], np.float32))
+    assert first == pytest.approx([0.7, 0.35, np.pi], abs=1e-6) or first == pytest.approx([0.7, 0.35, -np.pi], abs=1e-6)
+    assert first[0] - observation[0] == pytest.approx(0.01, abs=1e-6) and reward == pytest.approx(0.2)
+    with pytest.raises(ValueError, match="has 2 robots, expected one"):
+        eyesim.gym.Env(PAIR)
+    with pytest.raises(eyesim.Error, match="1 starts for 2 robots"):
+        eyesim.pettingzoo.ParallelEnv(PAIR, starts=[(1.0, 1.0, 0.0)])
+
+
+def learn(generations=30, pairs=24):
+    """A linear policy by an evolution strategy (antithetic, ranks); returns the mean return of each generation and the policy."""
+    vector = eyesim.gym.VectorEnv(WALL, 2 * pairs, horizon=200)
+    random = np.random.default_rng(1)
+    policy, history = np.zeros((9, 2)), []
+    for generation in range(generations):
+        deviation = random.normal(size=(pairs, 9, 2))
+        policies = policy + 0.3 * np.concatenate([deviation, -deviation])
+        returns = rollout(vector, policies, seed=1000 * generation)
+        ranks = returns.argsort().argsort() / (2 * pairs - 1) - 0.5
+        policy += 0.6 * np.tensordot(ranks[:pairs] - ranks[pairs:], deviation, 1) / pairs
+        history.append(returns.mean())
+    return history, policy
+
+
+def rollout(vector, policies, seed):
+    """Return of the first episode of each policy."""
+    observation, _ = vector.reset(seed=seed)
+    returns, alive = np.zeros(len(policies)), np.ones(len(policies), bool)
+    for _ in range(200):
+        inputs = np.column_stack([observation, np.ones(len(policies))])
+        action = np.tanh(np.einsum("ni,nia->na", inputs, policies)).astype(np.float32)
+        observation, reward, terminated, truncated, _ = vector.step(action)
+        returns += reward * alive
+        alive &= ~(terminated | truncated)
+    return returns
+
+
+def test_a_policy_learns_to_follow_a_wall():
+    history, policy = learn()
+    again, same = learn()
+    assert history == again and np.array_equal(policy, same)
+    vector = eyesim.gym.VectorEnv(WALL, 32, horizon=200)
+    learnt = rollout(vector, np.repeat(policy[None], 32, 0), seed=99_999)
+    # Standing still earns 0; at most 200 are possible, at full speed and at the right distance all the time.
+    assert np.median(learnt) > 40 and np.mean(history[-3:]) > np.mean(history[:3]) + 20

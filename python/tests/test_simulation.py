@@ -1,0 +1,161 @@
+"""Simulations without programs: values that are stepped, copied, observed; errors with places."""
+
+import copy
+import math
+import pickle
+import threading
+
+import eyesim
+import numpy as np
+import pytest
+
+ROOM = """
+[world]
+floor_mm = [4000, 3000]
+wall = [
+    { from_mm = [4000, 0], to_mm = [4000, 3000] },
+]
+
+[[robot]]
+type = "S4"
+x_mm = 1000
+y_mm = 1500
+"""
+
+
+def test_a_robot_drives_as_far_as_it_is_told():
+    sim = eyesim.load(ROOM)
+    robot = sim.robot(1)
+    robot.drive(0.2)
+    sim.step(1.0)
+    assert sim.now == 1.0
+    # 0.2 m/s for 1 s; the wheels follow their command at once.
+    assert robot.pose == pytest.approx((1.2, 1.5, 0.0), abs=1e-9)
+    assert robot.speed == pytest.approx((0.2, 0.0, 0.0), abs=1e-9)
+    robot.go(0.0, math.pi / 2)
+    while not robot.is_done:
+        sim.step(0.05)
+    assert robot.pose.phi == pytest.approx(math.pi / 2, abs=1e-9)
+    assert robot.odometry == pytest.approx((0.2, 0.0, math.pi / 2), abs=1e-9)
+
+
+def test_ranges_are_distances_to_walls():
+    sim = eyesim.load(ROOM)
+    robot = sim.robot()
+    ranges = dict(zip(robot.range_sensors, robot.ranges()))
+    ahead = next(name for name in ranges if "FRONT" in name)
+    into = np.empty(len(ranges))
+    assert robot.ranges(into) is into
+    before = ranges[ahead]
+    robot.go(0.5)
+    sim.step(5.0)
+    after = robot.ranges()[list(ranges).index(ahead)]
+    assert np.isinf(before) or before - after == pytest.approx(0.5, abs=1e-6)
+    assert after < 3.0 and np.array_equal(robot.ranges(), robot.observe()["ranges"])
+
+
+def test_a_copy_continues_as_its_original():
+    sim = eyesim.load(ROOM, seed=3, noise="real")
+    sim.robot().drive(0.3, 0.4)
+    sim.step(1.0)
+    snapshot = sim.snapshot()
+    digests = []
+    for _ in range(2):
+        sim.step(2.0)
+        digests.append((sim.digest, sim.robot().pose, sim.robot().ranges().tolist()))
+        sim.restore(snapshot)
+    assert digests[0] == digests[1]
+    assert sim.now == snapshot.now == 1.0
+    assert eyesim.load(ROOM, seed=4, noise="real").digest != sim.digest
+
+
+def test_interventions_are_recorded_and_refused_with_a_reason():
+    sim = eyesim.load(ROOM)
+    sim.act("place_robot", robot=1, x_m=2.0, y_m=1.0, phi_rad=0.5)
+    assert sim.robot().pose == pytest.approx((2.0, 1.0, 0.5))
+    with pytest.raises(eyesim.Error, match="robot"):
+        sim.act("place_robot", robot=9, x_m=2.0, y_m=1.0, phi_rad=0.5)
+    with pytest.raises(eyesim.Error, match="unknown variant `jump`"):
+        sim.act("jump")
+
+
+def test_images_are_arrays():
+    sim = eyesim.load(ROOM)
+    robot = sim.robot()
+    with pytest.raises(eyesim.Error):
+        robot.depth()
+    image = robot.image(80, 60)
+    assert image.shape == (60, 80, 3) and image.dtype == np.uint8 and image.std() > 1
+    depth, (kinds, numbers) = robot.depth(), robot.labels()
+    assert depth.shape == kinds.shape == numbers.shape == (60, 80)
+    assert np.array_equal(np.isinf(depth), kinds == 0)
+    # The wall ahead, the only one, is 3 m from the robot's centre.
+    assert set(np.unique(kinds)) >= {1, 2} and set(numbers[kinds == 2]) == {0}
+    assert 2.5 < depth[kinds == 2].min() < 3.0
+
+
+def test_mistakes_have_file_line_and_column(tmp_path):
+    path = tmp_path / "room.scene.toml"
+    path.write_text(ROOM.replace("x_mm = 1000", 'x_mm = "left"'))
+    with pytest.raises(eyesim.SceneError) as caught:
+        eyesim.load(path)
+    error = caught.value
+    assert (error.file, error.line, error.column) == (str(path), 10, 8)
+    assert "room.scene.toml:10:8: error" in str(error)
+    assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics
+    with pytest.raises(eyesim.SceneError):
+        eyesim.load(tmp_path / "missing.sim")
+    with pytest.raises(eyesim.Error, match="is no scene"):
+        eyesim.load(tmp_path / "program.c")
+
+
+def test_wrong_arguments_are_refused():
+    sim = eyesim.load(ROOM)
+    with pytest.raises(IndexError, match="no robot 2: the scene has 1"):
+        sim.robot(2)
+    with pytest.raises(eyesim.Error, match="expected 0 to 1e9 seconds"):
+        sim.step(-1)
+    with pytest.raises(eyesim.Error, match="not a number"):
+        sim.robot().drive(math.nan)
+    with pytest.raises(eyesim.Error, match="has 2 motors, not 3"):
+        sim.robot().wheels(1, 2, 3)
+    with pytest.raises(eyesim.Error):
+        eyesim.load(ROOM, slot=0)
+    with pytest.raises(BufferError):
+        sim.robot().ranges(np.empty(3, np.float32))
+    with pytest.raises(BufferError):
+        sim.robot().ranges(np.empty(99))
+
+
+def test_other_threads_run_meanwhile():
+    sim = eyesim.load(ROOM)
+    sim.robot().drive(0.1, 1.0)
+    counted = 0
+
+    def step():
+        sim.step(20_000.0)
+
+    thread = threading.Thread(target=step)
+    thread.start()
+    while thread.is_alive():
+        counted += 1
+    thread.join()
+    assert sim.now == 20_000.0 and counted > 100
+
+
+def test_it_is_shown_as_a_picture():
+    sim = eyesim.load(ROOM)
+    assert sim._repr_svg_().startswith("<svg") and sim.plot()._repr_svg_() == sim.svg()
+    before = sim.svg()
+    sim.act("place_robot", robot=1, x_m=2.0, y_m=1.0, phi_rad=0.5)
+    assert sim.svg() != before
+
+
+def test_settings_change_the_scene():
+    sim = eyesim.load(ROOM, set={"robot[0].x_mm": 500})
+    assert sim.robot().pose.x == 0.5
+
+
+def test_a_simulation_is_copied_by_snapshot_alone():
+    with pytest.raises(TypeError):
+        copy.deepcopy(eyesim.load(ROOM))
