@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::cache::Cache;
-use super::command::{COMMAND_TIMEOUT, output_within};
+use super::command::{COMMAND_TIMEOUT, build_output};
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
@@ -52,7 +52,7 @@ impl Python {
         let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
         let mut command = Command::new(&interpreter);
         command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
-        let asked = output_within(&mut command, COMMAND_TIMEOUT)
+        let asked = build_output(&mut command, COMMAND_TIMEOUT)
             .map_err(|error| PythonError::Missing { interpreter: interpreter.clone(), error })?;
         let said = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
         let mut version = said.split(' ').map(str::parse);
