@@ -7,10 +7,19 @@ use sim_core::scene::Bounds;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::spec::{BodyRef, CheckKind, SceneSpec};
+use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec};
 
 /// Greatest number of squares of an area. Our choice.
 const MAX_SQUARES: f64 = 1e6;
+
+/// Tells the programs of checks the folder of the file that states them.
+pub(super) fn set_folder(checks: &mut [CheckSpec], of_file: &str) {
+    for check in checks {
+        if let CheckKind::Script { folder, .. } = &mut check.kind {
+            of_file.clone_into(folder);
+        }
+    }
+}
 
 /// Mistakes in the checks of a scene whose robots and objects are known.
 pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {

@@ -50,6 +50,7 @@ codes! {
     CheckBody = "check-body": "a check names a robot or an object that there is not",
     CheckFunction = "check-function": "a check counts calls of a function that there is not",
     CheckName = "check-name": "two checks of one name",
+    CheckProgram = "check-program": "the program of a check is missing or cannot be started",
     ConvertKind = "convert-kind": "a file that cannot become one of the kind asked for",
     ConvertLost = "convert-lost": "the target of a conversion has no place for something",
     ConvertMaze = "convert-maze": "a world that is no maze",

@@ -5,8 +5,8 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::load::{Files, Loaded, load_drawn};
 use super::print::{self, Printed};
 use super::spec::{
-    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec, StartRef,
-    TypeRef, WorldKind, WorldLine,
+    CheckKind, Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec,
+    StartRef, TypeRef, WorldKind, WorldLine,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -404,6 +404,11 @@ impl Conversion<'_> {
             line.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
         }
         sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
+        for check in &mut sim.checks {
+            if let CheckKind::Script { program, .. } = &mut check.kind {
+                self.rewrite_path(program);
+            }
+        }
         if let Some(world) = &mut sim.inline.world {
             world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
             world.terrain.iter_mut().filter_map(|terrain| terrain.path_mut()).for_each(|path| self.rewrite_path(path));

@@ -233,6 +233,7 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
         world.walls = placed.walls;
     }
     let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
+    checks::set_folder(&mut sim.checks, &folder);
     let scene = SceneSpec {
         file: path.to_owned(),
         folder,

@@ -286,6 +286,7 @@ pub fn read_suite(file: &str, text: &str) -> (SuiteSpec, Vec<Diagnostic>) {
     let mut suite = SuiteSpec { file: file.to_owned(), folder, ..SuiteSpec::default() };
     reader.table(Section::root(&root), |keys| suite.keys(keys));
     reader.settle(&suite);
+    super::checks::set_folder(&mut suite.checks, &suite.folder);
     (suite, reader.sink.finish())
 }
 

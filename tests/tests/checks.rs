@@ -23,9 +23,11 @@ fn kinds() -> BTreeSet<String> {
 fn the_page_has_an_example_of_every_kind_that_holds() {
     let page = std::fs::read_to_string(root().join("docs/checks.md")).expect("the page");
     let scratch = Scratch::new();
-    for program in blocks(&page, "c") {
-        let name = program.lines().next().and_then(|line| line.strip_prefix("// ")).expect("the name of a program");
-        scratch.write(name, program);
+    for (language, comment) in [("c", "// "), ("python", "# ")] {
+        for program in blocks(&page, language) {
+            let name = program.lines().next().and_then(|line| line.strip_prefix(comment));
+            scratch.write(name.expect("the name of a program"), program);
+        }
     }
     let examples = blocks(&page, "toml");
     scratch.write("room.scene.toml", &[&blocks(&page, "scene.toml")[..], &examples[..]].concat().join("\n\n"));
@@ -233,6 +235,7 @@ fn names_are_unique_and_scenes_with_checks_convert_and_read_back() {
             .replace("to = 2", "")
             .replace("kind = \"calls\"\nrobot = 1", "kind = \"calls\""),
     );
+    scratch.write("turns.py", "");
     let converted = |from: &str, to: &str| {
         let ran = scratch.eyesim(&["convert", from, "-o", to]);
         assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -379,4 +382,74 @@ fn what_a_program_prints_as_a_metric_is_in_the_report_and_decides_no_check() {
     let times = robot["contact_times_s"].as_array().expect("times");
     let at = times[0].as_f64().expect("a time");
     assert!(times.len() == 1 && (4.0..6.0).contains(&at), "1.4 m at 0.3 m/s: {times:?}");
+}
+
+/// Entry of the report for a check of this script of the shell, and the exit code of the run.
+fn of_script(script: &str, keys: &str) -> (Value, Option<i32>) {
+    let scratch = scene(
+        "VWStraight(300, 200); VWWait();",
+        &format!("[[check]]\nkind = \"script\"\nprogram = \"tools/grade\"\n{keys}\n"),
+    );
+    scratch.write("tools/grade", &format!("#!/bin/sh\n{script}\n"));
+    let ran = scratch.eyesim(&["run", "a.scene.toml", "--report", "r.json"]);
+    let report: Value = serde_json::from_str(&scratch.read("r.json")).unwrap_or_else(|_| panic!("{ran:#?}"));
+    (report["checks"][0].clone(), ran.code)
+}
+
+#[test]
+fn programs_of_the_user_judge_runs() {
+    let sees = "set -e\ngrep -q '\"path_m\":0.3' \"$2\"\ngrep -q drive_straight \"$3\"\n! grep -q real_time \"$2\"\ntest \"$1\" = '-x y'\n\
+                echo debugging; echo '{\"passed\": true, \"points\": 3, \"at_s\": 1.5, \"message\": \"good way\"}'";
+    let (check, code) = of_script(sees, "arguments = [\"-x y\"]\npoints = 4");
+    assert_eq!(
+        (&check["passed"], &check["points"], &check["at_s"]),
+        (&true.into(), &3.0.into(), &1.5.into()),
+        "{check:#}"
+    );
+    assert_eq!((&check["message"], &check["broken"], code), (&"good way".into(), &false.into(), Some(0)), "{check:#}");
+    let (check, code) = of_script("echo '{\"passed\": false}'", "");
+    assert_eq!((&check["passed"], &check["points"], &check["broken"]), (&false.into(), &0.0.into(), &false.into()));
+    assert_eq!((&check["message"], code), (&"not passed".into(), Some(1)), "{check:#}");
+}
+
+#[test]
+fn programs_that_give_no_verdict_break_the_check() {
+    for (script, keys, said) in [
+        ("echo nonsense >&2; exit 3", "", "ended with exit status: 3: nonsense"),
+        ("true", "", "printed no verdict; expected a line such as"),
+        ("echo hello", "", "found `hello`"),
+        ("echo '{\"passed\": \"yes\"}'", "", "expected a boolean"),
+        ("echo '{\"points\": 1}'", "", "missing field `passed`"),
+        ("echo '{\"passed\": true, \"point\": 1}'", "", "unknown field `point`"),
+        ("echo '{\"passed\": true, \"points\": NaN}'", "", "is no verdict"),
+        ("echo '{\"passed\": true, \"points\": 1e999}'", "", "is no verdict"),
+        ("echo '{\"passed\": true, \"points\": 1e308}'", "", "points; expected 0 to 1"),
+        ("echo '{\"passed\": true, \"points\": -1}'", "", "gives -1 points; expected 0 to 1"),
+        ("sleep 1000 & sleep 1000", "timeout_s = 0.2", "had not ended after 0.2 s"),
+        ("cat /dev/zero", "timeout_s = 60", "printed more than 1048 kB"),
+        ("cat /dev/zero >&2", "timeout_s = 60", "printed more than 1048 kB"),
+        ("kill -9 $$", "", "signal: 9"),
+    ] {
+        let (check, code) = of_script(script, keys);
+        let message = check["message"].as_str().expect("a message");
+        assert!(message.contains(said), "{script}: {message}");
+        assert_eq!((&check["broken"], &check["passed"], code), (&true.into(), &false.into(), Some(1)), "{script}");
+    }
+}
+
+#[test]
+fn programs_of_checks_are_looked_for_before_the_run() {
+    let scratch = scene("", "[[check]]\nkind = \"script\"\nprogram = \"grade\"\n");
+    let check = |said: &str| {
+        for command in ["check", "run"] {
+            let ran = scratch.eyesim(&[command, "a.scene.toml"]);
+            assert!(ran.code != Some(0) && (ran.stdout.clone() + &ran.stderr).contains(said), "{said}: {ran:#?}");
+        }
+    };
+    check("`grade` is not there");
+    scratch.write("grade", "no program");
+    check("`grade` cannot be started: expected a program in Python");
+    std::fs::remove_file(scratch.path().join("grade")).expect("a file");
+    std::fs::create_dir(scratch.path().join("grade")).expect("a folder");
+    check("`grade` is no file");
 }

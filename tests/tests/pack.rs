@@ -107,3 +107,49 @@ fn what_cannot_be_packed_or_opened_is_told() {
     told(&["test", "broken.zip"], "no archive");
     told(&["run", "nowhere.zip"], "nowhere.zip");
 }
+
+#[test]
+fn programs_of_checks_are_packed_and_run_if_they_may() {
+    let course = course();
+    let scene = course.read("course/lab/lab.scene.toml");
+    let check = "[[check]]\nkind = \"script\"\nprogram = \"tools/grade.py\"\n";
+    course.write("course/lab/lab.scene.toml", &format!("{scene}\n{check}"));
+    course.write("course/lab/tools/grade.py", "from answer import text\nprint(text)\n");
+    course.write("course/lab/tools/answer.py", "text = '{\"passed\": true}'\n");
+    let packed = course.eyesim(&["pack", "course/lab/lab.scene.toml", "-o", "lab.zip"]);
+    assert_eq!(packed.code, Some(0), "{packed:#?}");
+    let here = elsewhere(&course, "lab.zip");
+    let ran = here.eyesim(&["run", "lab.zip"]);
+    assert!(ran.code == Some(1) && ran.stdout.contains("`--allow-execute` allows it"), "{ran:#?}");
+    assert_eq!(report(&here, &["run", "lab.zip", "--allow-execute"])["checks"][0]["passed"], true);
+}
+
+/// Archives hold no rights, owners or paths of the machine that wrote them.
+#[test]
+fn another_user_gets_the_same_digest() {
+    let is_root = std::process::Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n");
+    let has_setpriv = std::process::Command::new("setpriv").arg("--version").output().is_ok();
+    if !(is_root && has_setpriv) {
+        println!("skipped: needs root and setpriv");
+        return;
+    }
+    let course = course();
+    let there = report(&course, &["run", "course/lab/lab.scene.toml", "--noise", "real"]);
+    assert_eq!(course.eyesim(&["pack", "course/lab/lab.scene.toml", "-o", "lab.zip"]).code, Some(0));
+    // A place that every user reaches, with a copy of the binary.
+    let folder = tempfile::Builder::new().prefix("eyesim-other-user-").tempdir_in("/tmp").expect("a folder");
+    let all = std::os::unix::fs::PermissionsExt::from_mode(0o777);
+    std::fs::set_permissions(folder.path(), all).expect("rights");
+    let place = |name: &str| folder.path().join(name);
+    std::fs::copy(tests::eyesim_path(), place("eyesim")).expect("a copy");
+    std::fs::copy(course.path().join("lab.zip"), place("lab.zip")).expect("a copy");
+    let mut command = std::process::Command::new("setpriv");
+    command.args(["--reuid=65534", "--regid=65534", "--clear-groups", "./eyesim", "run", "lab.zip", "--noise", "real"]);
+    command.args(["--report", "r.json"]).current_dir(folder.path());
+    let kept = ["PATH", "LANG"].into_iter().filter_map(|name| Some((name, std::env::var_os(name)?)));
+    command.env_clear().envs(kept).env("HOME", folder.path()).env("TMPDIR", folder.path());
+    let ran = command.output().expect("a run");
+    assert!(ran.status.success(), "{ran:#?}");
+    let here: Value = serde_json::from_slice(&std::fs::read(place("r.json")).expect("a report")).expect("JSON");
+    assert_eq!(here["digest"], there["digest"]);
+}

@@ -209,3 +209,52 @@ fn a_new_project_has_a_suite_that_passes() {
     let ran = test(&scratch, &["walls"], 0);
     assert!(ran.stdout.contains("10 passed"), "{ran:#?}");
 }
+
+#[test]
+fn programs_of_checks_judge_cases_and_break_them_as_errors() {
+    let scratch = of_page();
+    let suite = scratch.read("0.suite.toml");
+    let check = "[[check]]\nname = \"way\"\nkind = \"script\"\nprogram = \"grade.py\"\npoints = 2\n";
+    scratch.write("0.suite.toml", &format!("{suite}\n{check}"));
+    let grade = "import json, sys\nreport = json.load(open(sys.argv[1]))\n\
+                 print(json.dumps({'passed': report['seed'] != 2, 'message': f\"seed {report['seed']}\"}))\n";
+    scratch.write("grade.py", grade);
+    for args in [&["-j1"][..], &["--isolate"]] {
+        test(&scratch, &[&["0.suite.toml", "--report", "r.json"], args].concat(), 1);
+        for row in rows(&scratch, "r.json") {
+            let is_passed = row["seed"] != 2;
+            assert_eq!(row["outcome"], if is_passed { "passed" } else { "failed" }, "{row:#}");
+        }
+    }
+    let key = |scratch: &Scratch| rows(scratch, "r.json")[0]["key"].clone();
+    let before = key(&scratch);
+    scratch.write("grade.py", "1 / 0\n");
+    let ran = test(&scratch, &["0.suite.toml", "--report", "r.json"], 1);
+    assert!(ran.stdout.contains("ZeroDivisionError"), "{ran:#?}");
+    assert!(rows(&scratch, "r.json").iter().all(|row| row["outcome"] == "error"), "the student is not to blame");
+    assert_ne!(key(&scratch), before, "the program is an input");
+}
+
+#[test]
+fn keys_of_rows_do_not_depend_on_lines_of_checks() {
+    let scratch = of_page();
+    let key = || {
+        test(&scratch, &["0.suite.toml", "-k", "none and seed=1", "--report", "r.json"], 0);
+        rows(&scratch, "r.json")[0]["key"].clone()
+    };
+    let suite = scratch.read("0.suite.toml");
+    let before = key();
+    scratch.write("0.suite.toml", &suite.replace("[[check]]", "# a comment\n\n[[check]]"));
+    assert_eq!(key(), before);
+    scratch.write("0.suite.toml", &suite.replace("within_mm = 100", "within_mm = 101"));
+    assert_ne!(key(), before);
+}
+
+#[test]
+fn scenes_and_suites_name_each_others_commands() {
+    let scratch = of_page();
+    let ran = scratch.eyesim(&["run", "0.suite.toml"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("is a suite: `eyesim test 0.suite.toml` runs it"), "{ran:#?}");
+    let ran = scratch.eyesim(&["test", "room.scene.toml"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("is a scene: `eyesim run room.scene.toml` runs it"), "{ran:#?}");
+}

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::record::{Kind, Outcome};
-use crate::spec::Span;
+use crate::spec::{PathRef, Span};
 use crate::time::Time;
 use crate::{ObjectId, RobotId};
 
@@ -209,6 +209,17 @@ pub enum CheckKind {
         /// How often.
         count: Counts,
     },
+    /// A program of the user judges the report and the trace.
+    Script {
+        /// The program, from `folder`.
+        program: PathRef,
+        /// Words that it gets before the paths of report and trace.
+        arguments: Vec<String>,
+        /// Real time after which it is ended.
+        timeout: Time,
+        /// Folder of the file that states the check, in which the program runs.
+        folder: String,
+    },
 }
 
 impl CheckKind {
@@ -231,6 +242,7 @@ impl CheckKind {
             Self::Swarm { .. } => "swarm",
             Self::Calls { .. } => "calls",
             Self::Message { .. } => "message",
+            Self::Script { .. } => "script",
         }
     }
 
@@ -254,7 +266,7 @@ impl CheckKind {
             | Self::Event { robot: id, .. }
             | Self::Calls { robot: id, .. } => id.iter().map(robot).collect(),
             Self::Message { from, to, .. } => from.iter().chain(to).map(robot).collect(),
-            Self::Metric { .. } => Vec::new(),
+            Self::Metric { .. } | Self::Script { .. } => Vec::new(),
         }
     }
 }

@@ -8,11 +8,14 @@ use toml::de::DeValue;
 use super::kind::{At, Bounded, Custom, TEXT, Word, Words, array};
 use super::place::POINT;
 use super::scene::UNTIL;
+use super::suite::TEXTS;
 use super::{Form, Keys, Variant, Variants, definition};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::{self, in_unit};
-use crate::spec::{BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, Place, Printed, Screen, SwarmMetric};
+use crate::spec::{
+    BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, PathRef, Place, Printed, Screen, SwarmMetric,
+};
 use crate::table::Reader;
 use sim_core::record::{Kind as EventKind, Outcome};
 use sim_core::time::Time;
@@ -160,6 +163,18 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             any_robot_key(keys, "to", "Number of the receiver; any if left out.", to);
             keys.key("text", "Text that the message contains; anything if left out.").maybe(TEXT, text);
             count_keys(keys, count);
+        }
+        CheckKind::Script { program, arguments, timeout, .. } => {
+            keys.key(
+                "program",
+                "The program, from this file's folder: one in Python, or any file that can be executed.",
+            )
+            .required(TEXT, program);
+            keys.key("arguments", "Words that it gets before the paths of report and trace.").list(TEXTS, arguments);
+            let mut seconds = timeout.seconds();
+            keys.key("timeout_s", "Seconds of real time after which it is ended; 10 if left out.")
+                .optional(Bounded(Quantity::seconds("time").within(0.1, 3600.0)), &mut seconds);
+            *timeout = Time::from_seconds_ceil(seconds);
         }
     }
 }
@@ -669,6 +684,10 @@ impl Variants for CheckSpec {
         ("message", "Messages are read from the radio a number of times.", || {
             let count = Counts::default();
             Self::of(CheckKind::Message { from: None, to: None, text: None, count })
+        }),
+        ("script", "A program of the user judges the report and the trace.", || {
+            let (program, arguments, folder) = (PathRef::default(), Vec::new(), String::new());
+            Self::of(CheckKind::Script { program, arguments, timeout: Time::from_millis(10_000), folder })
         }),
     ];
 

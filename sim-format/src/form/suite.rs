@@ -105,7 +105,7 @@ impl Form for Matrix {
 }
 
 /// Array of texts that are not empty; a single one counts as an array.
-const TEXTS: Custom<Vec<String>> = Custom {
+pub(super) const TEXTS: Custom<Vec<String>> = Custom {
     read: |At { reader, section, key }| {
         let value = section.get(key)?;
         Some(items(value).iter().filter_map(|item| reader.plain_text(key, item)).collect())

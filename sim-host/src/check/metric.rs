@@ -24,7 +24,7 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
         }
         None => (1.0, short(number)),
     };
-    Verdict { share, value: Some(number), ..Verdict::new(false, message) }
+    Verdict { share, value: Some(number), ..Verdict::new(share >= 1.0, message) }
 }
 
 /// The value at a path: names of fields with dots between them, indices from 0 in brackets.

@@ -1,8 +1,9 @@
 //! Verdicts on the checks of a scene: those on motion from [`sim_core::check`], those on events from a [`Tally`], the others from the
-//! report.
+//! report, and from programs of the user.
 
 mod metric;
 mod prints;
+pub mod script;
 mod tally;
 mod wording;
 
@@ -13,12 +14,14 @@ use sim_core::spec::{CheckKind, CheckSpec, Printed, Screen};
 
 use crate::record::Report;
 use crate::record::report::{CheckReport, RobotReport};
+pub use script::Evidence;
 use tally::Count;
 pub use tally::Tally;
 
 /// Result of one check before it is put into words.
 struct Verdict {
-    /// Share of the points, 0 to 1; the check is passed with 1.
+    is_met: bool,
+    /// Share of the points, 0 to 1.
     share: f64,
     /// Instant, s, and place, m.
     at: Option<f64>,
@@ -29,17 +32,18 @@ struct Verdict {
 
 impl Verdict {
     fn new(is_met: bool, message: String) -> Self {
-        Self { share: if is_met { 1.0 } else { 0.0 }, at: None, place: None, value: None, message }
+        Self { is_met, share: if is_met { 1.0 } else { 0.0 }, at: None, place: None, value: None, message }
     }
 }
 
 /// Results of all checks of a scene, in its order. `findings` are those on motion, `tally` has seen the events of the run that `report`
-/// describes.
+/// describes, and which left `evidence` for programs.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,
     tally: Option<&Tally>,
     report: &Report,
+    evidence: Option<Evidence<'_>>,
 ) -> Vec<CheckReport> {
     if checks.is_empty() {
         return Vec::new();
@@ -51,9 +55,22 @@ pub fn results(
         // Results of checks are not known yet.
         fields.retain(|name, _| !["checks", "points", "max_points"].contains(&name.as_str()));
     }
+    let of_script = |check: &CheckSpec| {
+        let mut json = json.clone();
+        if let Some(fields) = json.as_object_mut() {
+            // A verdict must not depend on them.
+            fields.retain(|name, _| !["argv", "real_time_s"].contains(&name.as_str()));
+        }
+        script::judge(&check.kind, check.points, &json, evidence)
+    };
     let result = |(index, check): (usize, &CheckSpec)| {
+        let mut is_broken = false;
         let verdict = match (&of_motion[index], &check.kind) {
             (Some(finding), kind) => of_finding(kind, finding),
+            (None, CheckKind::Script { .. }) => of_script(check).unwrap_or_else(|why| {
+                is_broken = true;
+                Verdict::new(false, why)
+            }),
             (None, CheckKind::Metric { path, min, max, full, zero }) => {
                 metric::judge(&json, path, [*min, *max], full.zip(*zero))
             }
@@ -61,11 +78,11 @@ pub fn results(
             (None, CheckKind::Prints { robot, on: Screen::Display, what }) => judge_display(report, *robot, what),
             (None, kind) => of_count(kind, tally.and_then(|tally| tally.count(index))),
         };
-        let is_passed = verdict.share >= 1.0;
         CheckReport {
             name: check.title().to_owned(),
             kind: check.kind.word().to_owned(),
-            passed: is_passed,
+            passed: verdict.is_met,
+            broken: is_broken,
             points: verdict.share * check.points,
             max_points: check.points,
             at_s: verdict.at,

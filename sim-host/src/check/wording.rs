@@ -60,6 +60,10 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
     let (value, is_met) = (finding.value.unwrap_or_default(), finding.is_met);
     let when = finding.at.map(seconds).unwrap_or_default();
     match kind {
+        // It has been there since 0 s.
+        CheckKind::Reach { stay, .. } if is_met && finding.at == Some(stay.seconds()) => {
+            format!("at {when}; it started there")
+        }
         CheckKind::Reach { .. } if is_met => format!("at {when}"),
         CheckKind::Reach { body, place, by, stay } => match (finding.at, finding.value) {
             (Some(_), Some(distance)) => {

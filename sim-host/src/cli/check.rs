@@ -16,7 +16,7 @@ use super::diagnostic::{self, Colour, Format, Screen};
 use super::run::{parse_dialect, parse_maze_cell};
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_calls, unknown_functions,
+    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_functions, wrong_checks,
 };
 use crate::program::Generation;
 use crate::program::language::Language;
@@ -152,7 +152,7 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
     let LoadedSuite { suite, mut loaded } = load_suite(name, files);
     let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
-    loaded.diagnostics.extend(unknown_calls(&scene).collect::<Vec<_>>());
+    loaded.diagnostics.extend(wrong_checks(&scene));
     loaded
 }
 
@@ -173,7 +173,7 @@ fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
         loaded.diagnostics.extend(unknown_functions(table));
     }
-    loaded.diagnostics.extend(unknown_calls(&loaded.scene).collect::<Vec<_>>());
+    loaded.diagnostics.extend(wrong_checks(&loaded.scene));
     loaded
 }
 

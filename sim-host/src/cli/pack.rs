@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail, ensure};
 use clap::Args;
+use sim_core::spec::SceneSpec;
 use sim_format::suite::is_suite;
 use sim_format::{Files as _, InputFile, load_scene_with};
 
@@ -15,7 +16,7 @@ use super::output::say;
 use super::run::{RunArgs, report_diagnostics};
 use crate::files::{DiskFiles, read_regular, slashed, use_home};
 use crate::launch::settings::ProgramOption;
-use crate::launch::{BuiltScene, Options, Scene};
+use crate::launch::{BuiltScene, Options, Scene, check};
 use crate::pack::{Manifest, Pack, Unpacked};
 use crate::program::find::ProgramSource;
 use crate::record::report::write_atomically;
@@ -53,6 +54,8 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
         let suite = Suite::open(&args.file, args.programs.clone());
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
         files.add_all(&suite.inputs)?;
+        let of_suite = SceneSpec { checks: suite.spec.checks.clone(), ..SceneSpec::default() };
+        check::scripts(&of_suite).try_for_each(|script| files.add_program(&script))?;
         let cases = suite.cases().map_err(anyhow::Error::msg)?;
         let mut variants: BTreeMap<&str, &Case> = BTreeMap::new();
         cases.iter().for_each(|case| _ = variants.entry(&case.variant).or_insert(case));
@@ -115,6 +118,7 @@ impl Collected {
         report_diagnostics(&loaded.diagnostics, &loaded.inputs, false)?;
         self.add_all(&loaded.inputs)?;
         let scene = Scene::open(path, options.clone())?;
+        check::scripts(scene.spec()).try_for_each(|script| self.add_program(&script))?;
         let builder = scene.builder()?;
         let built = scene.build(&builder)?;
         for source in built.sources() {
@@ -281,6 +285,7 @@ pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked
     }
     let unpacked = unpack(&args.sim)?;
     args.sim = unpacked.main();
+    args.is_of_archive = true;
     args.seed = args.seed.or(unpacked.manifest().seed);
     args.programs = programs(&unpacked, &args.programs)?;
     Ok(Some(unpacked))

@@ -193,7 +193,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let observers = Observers { sinks, interrupt, ..Observers::default() };
     let mut running = ConsoleRun::start(ready, &run, observers, true)?;
     run_until_divergence(running.scheduler(), &mut script, &comparison);
-    let ran = running.finish().finished;
+    let ran = running.finish(|| {}).finished;
     for (at, why) in script.refused() {
         say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
     }

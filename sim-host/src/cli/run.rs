@@ -36,7 +36,6 @@ use sim_core::record::Outcome;
 
 pub(super) use console::report_diagnostics;
 #[cfg(feature = "window")]
-pub(super) use console::trails;
 pub use console::{ConsoleRun, Ran};
 #[cfg(feature = "window")]
 pub(super) use console::{build, open};
@@ -133,7 +132,8 @@ pub struct RunArgs {
     /// Motion of a robot that is pushed against a wall: slide, or stall [default: that of the scene, else slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
-    /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
+    /// Let programs run commands of this machine with `OSExecute`, and the programs of an archive's checks run: what they do is
+    /// outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
     /// Megabytes that each program may print before the rest is cut
@@ -154,6 +154,9 @@ pub struct RunArgs {
     /// Simulated time at which the run ends when neither the user nor the scene says it
     #[arg(skip = DEFAULT_UNTIL)]
     pub default_until: Time,
+    /// The scene is that of an archive, whose programs of checks need `--allow-execute`
+    #[arg(skip)]
+    pub is_of_archive: bool,
     /// The messages of the programs are shown nowhere
     #[arg(skip)]
     pub is_silent: bool,
@@ -213,6 +216,7 @@ impl RunArgs {
             noise: self.noise.clone(),
             contact: self.contact,
             allow_execute: self.allow_execute,
+            may_run_checks: self.allow_execute || !self.is_of_archive,
             output_limit: self.output_limit,
             is_verbose: self.verbose,
             strict: self.strict,
@@ -299,11 +303,10 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     let subreaper = Subreaper::start();
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);
-    let ran = run.finish();
-    match subreaper.end_all() {
+    let ran = run.finish(|| match subreaper.end_all() {
         0 => {}
         count => say(format_args!("{count} processes that programs had started and left behind were ended")),
-    }
+    });
     script.refused().iter().for_each(|(at, why)| say(format_args!("--repeat: at {at}: {why}")));
     Ok(Some(ran))
 }

@@ -62,6 +62,9 @@ pub struct TestArgs {
     /// Run every case in a process of its own
     #[arg(long)]
     pub isolate: bool,
+    /// Let the programs of an archive's checks run
+    #[arg(long)]
+    pub allow_execute: bool,
     /// List the cases and run none
     #[arg(long, alias = "co")]
     pub collect_only: bool,
@@ -129,7 +132,9 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
             // Both would have an installation of their own.
             ensure!(paths.len() == 1, "an archive is run alone, not with other suites");
             let archive = unpacked.insert(pack::unpack(path)?);
-            Suite::open(&archive.main(), pack::programs(archive, &args.programs)?)
+            let mut suite = Suite::open(&archive.main(), pack::programs(archive, &args.programs)?);
+            suite.may_run_checks = args.allow_execute;
+            suite
         } else {
             Suite::open(path, args.programs.clone())
         };
@@ -213,7 +218,12 @@ fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         }
         if !path.is_dir() {
             let text = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
-            if !is_suite(&slashed(path), &sim_format::decode(&text).0) {
+            let text = sim_format::decode(&text).0;
+            if !is_suite(&slashed(path), &text) {
+                let is_sim = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sim"));
+                if is_sim || sim_format::is_scene(&slashed(path), &text) {
+                    bail!("`{0}` is a scene: `eyesim run {0}` runs it; a suite names it", path.display());
+                }
                 bail!("`{}` is no suite: it has no `[suite]`", path.display());
             }
             found.push(path.clone());

@@ -235,7 +235,7 @@ impl Session {
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
-            let ran = running.finish();
+            let ran = running.finish(|| {});
             // Pending interventions are refused: dropping them answers their commands.
             drop(self.control.ask(|requests| {
                 requests.is_over = true;

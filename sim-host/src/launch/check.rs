@@ -1,11 +1,12 @@
 //! Checks of a scene beyond its files: programs that cannot be found, unknown RoBIOS functions.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use sim_core::spec::{CheckKind, CostTable, RobotSpec, SceneSpec};
 use sim_format::{Code, Diagnostic, Files as _, Severity};
 
+use crate::check::script;
 use crate::files::DiskFiles;
 use crate::program::find::{ProgramSource, SearchPath, find_program};
 use crate::program::generation::{ChoiceReason, choose};
@@ -82,8 +83,37 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
     })
 }
 
+/// Diagnostics for the checks of a scene that count calls of no RoBIOS function, or whose program cannot be started.
+pub fn wrong_checks(scene: &SceneSpec) -> Vec<Diagnostic> {
+    unknown_calls(scene).chain(wrong_scripts(scene)).collect()
+}
+
+/// Files of the programs of checks.
+pub fn scripts(scene: &SceneSpec) -> impl Iterator<Item = PathBuf> {
+    scene.checks.iter().filter_map(|check| match &check.kind {
+        CheckKind::Script { program, folder, .. } => Some(Path::new(folder).join(&program.text)),
+        _ => None,
+    })
+}
+
+fn wrong_scripts(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
+    scene.checks.iter().filter_map(|check| {
+        let CheckKind::Script { program, folder, .. } = &check.kind else { return None };
+        let message = script::path_of(folder, &program.text).err()?;
+        Some(Diagnostic {
+            severity: Severity::Error,
+            code: Code::CheckProgram,
+            file: scene.file.clone(),
+            span: program.span,
+            message,
+            expected: "the path of a program from this file's folder".to_owned(),
+            suggestion: None,
+        })
+    })
+}
+
 /// Diagnostics for the checks of a scene that count calls of no RoBIOS function.
-pub fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
+fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
     let called = scene.checks.iter().filter_map(|check| match &check.kind {
         CheckKind::Calls { function, .. } if !cost::is_function(function) => Some((check, function)),
         _ => None,

@@ -19,7 +19,7 @@ pub use child::serve_child;
 pub use finished::Finished;
 pub use option_error::{CostsRefusal, OptionError, UnknownRobot};
 pub use options::{DEFAULT_UNTIL, Options};
-pub use ready::{Observers, Ready, Running};
+pub use ready::{Observers, Over, Ready, Running};
 pub use scene::{NotAScene, ProgramCache, Scene};
 
 use std::path::PathBuf;

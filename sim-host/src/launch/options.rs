@@ -61,6 +61,8 @@ pub struct Options {
     pub contact: Option<ContactKind>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
+    /// The programs of checks may run: the scene is the user's own, not that of an archive; default: true.
+    pub may_run_checks: bool,
     /// Bytes that each program may print before the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,
     /// Every RoBIOS call is recorded.
@@ -112,6 +114,7 @@ impl Default for Options {
             noise: None,
             contact: None,
             allow_execute: false,
+            may_run_checks: true,
             output_limit: DEFAULT_OUTPUT_LIMIT,
             is_verbose: false,
             strict: false,

@@ -8,7 +8,7 @@ use sim_core::RobotId;
 use sim_core::check::Monitor;
 use sim_core::record::{Digest, KindSet, Record, Recorder};
 use sim_core::simulation::Faults;
-use sim_core::spec::{RobotSpec, SceneSpec};
+use sim_core::spec::{CheckKind, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::unit;
 use sim_core::world::World;
@@ -17,18 +17,18 @@ use sim_format::{Diagnostic, InputFile};
 use super::finished::{self, Finished};
 use super::settings::Settings;
 use super::{Error, Options, check};
-use crate::check::{self as verdicts, Tally};
+use crate::check::{self as verdicts, Evidence, Tally};
 use crate::executive::interrupt::Interrupt;
 use crate::executive::mixed::MixedExecutor;
 use crate::executive::program::{Exec, RobotProgram};
-use crate::executive::scheduler::{Limits, RunParts, Scheduler};
+use crate::executive::scheduler::{Ended, Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
 use crate::files::slashed;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::notes::Notes;
 use crate::record::report::Input;
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{RecordError, Sink, Sinks};
+use crate::record::{EventStore, RecordError, Sink, Sinks};
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
@@ -114,6 +114,7 @@ impl Ready {
     /// # Errors
     /// [`Error::Start`] if the system has no room for the robots.
     pub fn start(self, observers: Observers) -> Result<Running, Error> {
+        let header = self.trace_header();
         let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs } = self;
         let Observers { sinks, diagnostics, interrupt } = observers;
         let watch = SceneryWatch {
@@ -126,11 +127,15 @@ impl Ready {
         let tally = Tally::new(&scene).map(|tally| Arc::new(Mutex::new(tally)));
         let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
         let notes = Arc::new(Mutex::new(Notes::default()));
-        let own = [Box::new(watch) as Box<dyn Sink>, Box::new(Arc::clone(&notes))];
-        let sinks: Sinks<'_> = own.into_iter().chain(sinks).chain(counts).chain(failures).collect();
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
+        let has_scripts = scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
+        let events = if has_scripts { Some(EventStore::new(header).map_err(Error::Start)?) } else { None };
+        let events = events.map(|events| Arc::new(Mutex::new(events)));
+        let stored = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
         let noise = |id: RobotId| robots.get(id.index()).map(|robot| robot.noise().clone()).unwrap_or_default();
         let faults = Faults::new(&scene.faults, settings.seed, settings.until, noise);
+        let own = [Box::new(watch) as Box<dyn Sink>, Box::new(Arc::clone(&notes))];
+        let sinks: Sinks<'_> = own.into_iter().chain(sinks).chain(counts).chain(stored).chain(failures).collect();
         let limits = Limits {
             workers: options.worker_count(),
             until: settings.until,
@@ -150,13 +155,14 @@ impl Ready {
             costs: settings.costs.clone(),
             recorder: Recorder::new(settings.seed, settings.slot, sinks.interest()),
             sinks,
-            interrupt,
+            interrupt: interrupt.clone(),
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
         if let Some(tally) = &tally {
             record_calls(&tally.lock(), &scheduler);
         }
-        Ok(Running { scheduler, settings, scene, scenery, inputs, tally, notes })
+        let judging = Judging { tally, notes, events, interrupt, may_run: options.may_run_checks };
+        Ok(Running { scheduler, settings, scene, scenery, inputs, judging })
     }
 
     /// Starts the run and advances it to its end.
@@ -223,15 +229,48 @@ pub struct Running {
     scene: Arc<SceneSpec>,
     scenery: Arc<LazyScenery>,
     inputs: Vec<Input>,
+    judging: Judging,
+}
+
+/// What the checks of a run need besides its motion.
+struct Judging {
     tally: Option<Arc<Mutex<Tally>>>,
     notes: Arc<Mutex<Notes>>,
+    /// For the programs of checks.
+    events: Option<Arc<Mutex<EventStore>>>,
+    interrupt: Interrupt,
+    may_run: bool,
+}
+
+/// A run whose programs have ended, before it is judged.
+pub struct Over {
+    ended: Ended,
+    settings: Settings,
+    scene: Arc<SceneSpec>,
+    scenery: Arc<LazyScenery>,
+    inputs: Vec<Input>,
+    judging: Judging,
 }
 
 impl Running {
-    /// Ends the run and completes its record.
+    /// Ends the run, completes its record and judges it.
     pub fn finish(self) -> Finished {
-        let Self { scheduler, settings, scene, scenery, mut inputs, tally, notes } = self;
-        let ended = scheduler.finish();
+        self.end().judge()
+    }
+
+    /// Ends the run and completes its record. The caller may now end what its programs have left behind, before programs of checks read the
+    /// record.
+    pub fn end(self) -> Over {
+        let Self { scheduler, settings, scene, scenery, inputs, judging } = self;
+        Over { ended: scheduler.finish(), settings, scene, scenery, inputs, judging }
+    }
+}
+
+impl Over {
+    /// Judges the run by the checks of its scene.
+    pub fn judge(self) -> Finished {
+        let Self { ended, settings, scene, scenery, mut inputs, judging } = self;
+        let Judging { tally, notes, events, interrupt, may_run } = judging;
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
@@ -243,7 +282,8 @@ impl Running {
             let environment = ended.run.environment.read();
             let findings = environment.monitor().into_iter().flat_map(Monitor::findings);
             let tally = tally.as_ref().map(|tally| tally.lock());
-            let mut checks = verdicts::results(&scene.checks, findings, tally.as_deref(), &report);
+            let evidence = events.as_deref().map(|events| Evidence { events, interrupt: &interrupt, may_run });
+            let mut checks = verdicts::results(&scene.checks, findings, tally.as_deref(), &report, evidence);
             for (index, series) in environment.monitor().into_iter().flat_map(Monitor::series) {
                 checks[index].series = Some(series.to_vec());
             }

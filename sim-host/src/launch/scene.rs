@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use sim_core::spec::{CostsRef, Dialect, RobotSpec, SceneSpec};
+use sim_format::suite::is_suite;
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
 use super::built::BuiltScene;
@@ -59,7 +60,7 @@ impl Scene {
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
         }
-        loaded.diagnostics.extend(check::unknown_calls(&loaded.scene).collect::<Vec<_>>());
+        loaded.diagnostics.extend(check::wrong_checks(&loaded.scene));
         Ok(Self { options, files, loaded })
     }
 
@@ -143,10 +144,11 @@ impl Scene {
         }
         let settings = self.settings()?;
         let of_options = || settings.costs_input.iter().chain(&settings.stdin_input);
+        let scripts = hashed(check::scripts(&self.loaded.scene));
         let key = ProgramCache::key(&self.loaded.scene);
         if let Some((programs, sources)) = cache.known.get(&key) {
             let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
-            let read = read_files(inputs.iter().chain(of_options()), sources);
+            let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
             let scene = Arc::new(scene);
             let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
             return Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs: programs.clone() });
@@ -160,7 +162,7 @@ impl Scene {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
         let programs = Programs::build(&scene, &search, builder)?;
         let sources = source_inputs(&programs);
-        let read = read_files(inputs.iter().chain(of_options()), &sources);
+        let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
         cache.known.insert(key, (programs.clone(), sources));
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
@@ -190,6 +192,9 @@ pub enum NotAScene {
     /// It is a folder.
     #[error("`{}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)", .0.display())]
     Folder(PathBuf),
+    /// It is a suite.
+    #[error("`{path}` is a suite: `eyesim test {path}` runs it", path = .0.display())]
+    Suite(PathBuf),
     /// It is a TOML file without the tables of a scene.
     #[error("`{}` is no scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
     OtherToml(PathBuf),
@@ -215,8 +220,12 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("toml") {
         // The reader reports a file that cannot be read.
-        let is_scene = read_regular(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
-        if !is_scene {
+        let text = read_regular(path).map(|bytes| decode(&bytes).0);
+        let is_of = |is: fn(&str, &str) -> bool| text.as_ref().map(|text| is(&path.to_string_lossy(), text));
+        if is_of(is_suite).unwrap_or(false) {
+            return Err(NotAScene::Suite(path_buf()));
+        }
+        if !is_of(is_scene).unwrap_or(true) {
             return Err(NotAScene::OtherToml(path_buf()));
         }
     } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
@@ -226,15 +235,20 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
 }
 
 /// Every file that determines the run, each once, in the order in which the files are read.
-fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, sources: &[Input]) -> Vec<Input> {
+fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, hashed: impl Iterator<Item = &'a Input>) -> Vec<Input> {
     let mut inputs: Vec<Input> = files.map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
-    inputs.extend(sources.iter().cloned());
+    inputs.extend(hashed.cloned());
     inputs
 }
 
 /// The files of programs, each once.
 fn source_inputs(programs: &Programs) -> Vec<Input> {
-    let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
+    hashed(programs.iter().flat_map(|program| program.inputs()))
+}
+
+/// The files at these paths, each once.
+fn hashed(paths: impl Iterator<Item = PathBuf>) -> Vec<Input> {
+    let paths: BTreeSet<PathBuf> = paths.collect();
     // A source that was deleted after its compilation cannot be hashed any more.
     paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))).collect()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::cache::Cache;
-use super::command::{CARGO_TIMEOUT, build_timeout, output_within};
+use super::command::{CARGO_TIMEOUT, build_output, build_timeout};
 
 /// A package that was built.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -152,7 +152,7 @@ fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Resu
     for (name, value) in [("DEBUG", "line-tables-only"), ("PANIC", "unwind"), ("STRIP", "none")] {
         command.env(format!("CARGO_PROFILE_RELEASE_{name}"), value);
     }
-    let output = match output_within(&mut command, build_timeout(CARGO_TIMEOUT)) {
+    let output = match build_output(&mut command, build_timeout(CARGO_TIMEOUT)) {
         Err(error) if error.kind() == io::ErrorKind::TimedOut => {
             return Err(CargoError::Endless { folder: folder.to_owned(), error });
         }
@@ -189,7 +189,7 @@ fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
 fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["locate-project", "--workspace", "--message-format=plain", "--manifest-path"]).arg(manifest);
-    let output = output_within(&mut command, build_timeout(CARGO_TIMEOUT))?;
+    let output = build_output(&mut command, build_timeout(CARGO_TIMEOUT))?;
     let said = String::from_utf8_lossy(&output.stdout);
     Ok(if output.status.success() { PathBuf::from(said.trim()) } else { manifest.to_owned() })
 }

@@ -3,7 +3,8 @@
 use std::io::{self, Read};
 use std::os::unix::process::CommandExt as _;
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -67,16 +68,43 @@ pub fn spawn(command: Command) -> io::Result<Child> {
     started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
 }
 
-/// Runs `command` to its end and collects its output; its standard input is empty. A command that has not ended after `timeout` is
+/// Limits of a command.
+pub struct CommandLimits<'a> {
+    /// Real time after which it is killed.
+    pub timeout: Duration,
+    /// Bytes of each stream of its output, after which it is killed.
+    pub output: usize,
+    /// Returns true to kill it.
+    pub is_cancelled: &'a dyn Fn() -> bool,
+}
+
+impl CommandLimits<'static> {
+    /// A limit of time alone.
+    pub fn of_time(timeout: Duration) -> Self {
+        Self { timeout, output: usize::MAX, is_cancelled: &|| false }
+    }
+}
+
+/// Runs a build command to its end and collects its output; its standard input is empty. A command that has not ended after `timeout` is
 /// killed with all processes that it has started.
 ///
 /// # Errors
 /// The command cannot be started; [`io::ErrorKind::TimedOut`] if it was killed.
-pub fn output_within(command: &mut Command, timeout: Duration) -> io::Result<Output> {
-    collect(prepared(command).spawn()?, timeout).map_err(|error| match error.kind() {
+pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Output> {
+    output_within(command, &CommandLimits::of_time(timeout)).map_err(|error| match error.kind() {
         io::ErrorKind::TimedOut => io::Error::new(error.kind(), format!("{error} (see {TIMEOUT_VARIABLE})")),
         _ => error,
     })
+}
+
+/// Runs `command` to its end and collects its output; its standard input is empty. A command that exceeds a limit is killed with all
+/// processes that it has started.
+///
+/// # Errors
+/// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or [`io::ErrorKind::Interrupted`] if it was
+/// killed.
+pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::Result<Output> {
+    collect(prepared(command).spawn()?, limits)
 }
 
 /// As [`output_within`], for a thread of a program, whose restrictions the command does not inherit.
@@ -85,7 +113,7 @@ pub fn output_within(command: &mut Command, timeout: Duration) -> io::Result<Out
 /// As [`output_within`].
 pub fn output_apart(mut command: Command, timeout: Duration) -> io::Result<Output> {
     prepared(&mut command);
-    collect(spawn(command)?, timeout)
+    collect(spawn(command)?, &CommandLimits::of_time(timeout))
 }
 
 /// Gives `command` pipes for its output and a process group, and lets it end with the thread that starts it.
@@ -101,29 +129,44 @@ fn prepared(command: &mut Command) -> &mut Command {
 }
 
 /// Collects the output of a process until it ends.
-fn collect(mut child: Child, timeout: Duration) -> io::Result<Output> {
+fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     /// Interval of the checks for its end.
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let group = child.id() as i32;
     // SAFETY: kill takes no pointer; the number identifies the group as long as the group has a member.
     let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
-    let readers = [read_all(child.stdout.take())?, read_all(child.stderr.take())?];
+    let (timeout, is_flooded) = (limits.timeout, Arc::new(AtomicBool::new(false)));
+    let readers = [
+        read_all(child.stdout.take(), limits.output, &is_flooded)?,
+        read_all(child.stderr.take(), limits.output, &is_flooded)?,
+    ];
     let start = Instant::now();
+    let excess = || match () {
+        () if is_flooded.load(Ordering::Relaxed) => {
+            let what = format!("it printed more than {} kB and was killed", limits.output / 1000);
+            Some((io::ErrorKind::FileTooLarge, what))
+        }
+        () if start.elapsed() > timeout => {
+            let what = format!("it had not ended after {} s and was killed", timeout.as_secs_f64());
+            Some((io::ErrorKind::TimedOut, what))
+        }
+        () if (limits.is_cancelled)() => Some((io::ErrorKind::Interrupted, "it was interrupted".to_owned())),
+        () => None,
+    };
     let status = loop {
         if let Some(status) = child.try_wait()? {
             break status;
         }
-        if start.elapsed() > timeout {
+        if let Some((kind, what)) = excess() {
             kill();
             child.wait()?;
-            let what = format!("it had not ended after {} s and was killed", timeout.as_secs_f64());
-            return Err(io::Error::new(io::ErrorKind::TimedOut, what));
+            return Err(io::Error::new(kind, what));
         }
         thread::sleep(POLL_INTERVAL);
     };
     // Processes that the command has started and left running may hold the pipes open.
     let [stdout, stderr] = readers.map(|reader| {
-        while !reader.is_finished() && start.elapsed() <= timeout {
+        while !reader.is_finished() && excess().is_none() {
             thread::sleep(POLL_INTERVAL);
         }
         if !reader.is_finished() {
@@ -131,15 +174,26 @@ fn collect(mut child: Child, timeout: Duration) -> io::Result<Output> {
         }
         reader.join().unwrap_or_default()
     });
-    Ok(Output { status, stdout, stderr })
+    match excess() {
+        Some((kind @ io::ErrorKind::FileTooLarge, what)) => Err(io::Error::new(kind, what)),
+        _ => Ok(Output { status, stdout, stderr }),
+    }
 }
 
-/// Reads a stream to its end on a new thread, so that the other stream cannot block.
-fn read_all(stream: Option<impl Read + Send + 'static>) -> io::Result<thread::JoinHandle<Vec<u8>>> {
+/// Reads a stream to its end on a new thread, so that the other stream cannot block, or until it has more than `most` bytes.
+fn read_all(
+    stream: Option<impl Read + Send + 'static>,
+    most: usize,
+    is_flooded: &Arc<AtomicBool>,
+) -> io::Result<thread::JoinHandle<Vec<u8>>> {
+    let is_flooded = Arc::clone(is_flooded);
     thread::Builder::new().name("output".to_owned()).spawn(move || {
         let mut bytes = Vec::new();
         // Bytes read before an error count.
-        let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));
+        let _ = stream.map(|stream| stream.take((most as u64).saturating_add(1)).read_to_end(&mut bytes));
+        if bytes.len() > most {
+            is_flooded.store(true, Ordering::Relaxed);
+        }
         bytes
     })
 }
@@ -151,8 +205,7 @@ mod tests {
     #[test]
     fn a_command_that_hangs_is_killed_with_what_it_has_started() {
         let start = Instant::now();
-        let error =
-            output_within(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
+        let error = build_output(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
         assert_eq!(error.expect_err("it hangs").kind(), io::ErrorKind::TimedOut);
         assert!(start.elapsed() < Duration::from_secs(500));
     }
@@ -160,7 +213,7 @@ mod tests {
     #[test]
     fn what_both_streams_say_is_collected() {
         let command = "i=0; while [ $i -lt 5000 ]; do echo out$i; echo err$i >&2; i=$((i+1)); done; exit 3";
-        let output = output_within(Command::new("sh").args(["-c", command]), COMMAND_TIMEOUT).expect("a shell");
+        let output = build_output(Command::new("sh").args(["-c", command]), COMMAND_TIMEOUT).expect("a shell");
         assert_eq!(output.status.code(), Some(3));
         assert_eq!(
             [&output.stdout, &output.stderr].map(|text| text.iter().filter(|byte| **byte == b'\n').count()),

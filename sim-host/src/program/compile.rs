@@ -10,7 +10,7 @@ use std::sync::{LazyLock, OnceLock};
 use robios_sys::c;
 
 use super::cache::Cache;
-use super::command::{COMMAND_TIMEOUT, build_timeout, output_within};
+use super::command::{COMMAND_TIMEOUT, build_output, build_timeout};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
@@ -464,7 +464,7 @@ impl Compiled {
     /// Runs `command`; returns its output, as `Err` if it failed.
     fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
         self.note(command);
-        let output = match output_within(command, build_timeout(COMMAND_TIMEOUT)) {
+        let output = match build_output(command, build_timeout(COMMAND_TIMEOUT)) {
             Err(error) if error.kind() == io::ErrorKind::TimedOut => {
                 return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));
             }

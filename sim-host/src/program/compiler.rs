@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use robios_sys::c;
 
 use super::cache::Cache;
-use super::command::{COMMAND_TIMEOUT, output_within};
+use super::command::{COMMAND_TIMEOUT, build_output};
 use super::language::Language;
 use super::words::split_words;
 use crate::host;
@@ -292,13 +292,13 @@ impl Compiler {
         let mut command = self.command();
         command.current_dir(folder).args(c::LINK_FLAGS).args(["probe.o", "-o", "probe.so"]);
         self.language == Language::Cpp
-            && output_within(&mut command, COMMAND_TIMEOUT).is_ok_and(|output| output.status.success())
+            && build_output(&mut command, COMMAND_TIMEOUT).is_ok_and(|output| output.status.success())
     }
 
     /// The flags of `wanted` that the compiler accepts in a call with `base`: tried all at once, then one by one.
     fn accepted(&self, folder: &Path, base: &[&str], wanted: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
-            let output = output_within(self.command().current_dir(folder).args(flags).args(base), COMMAND_TIMEOUT)?;
+            let output = build_output(self.command().current_dir(folder).args(flags).args(base), COMMAND_TIMEOUT)?;
             // GNU ld only warns about an unknown `-z` keyword.
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             let accepted = output.status.success() && (flags.is_empty() || !said.contains("warning"));
@@ -366,7 +366,7 @@ fn ask_version(command: &[String]) -> io::Result<String> {
     let (program, arguments) =
         command.split_first().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no command"))?;
     let mut command = Command::new(program);
-    let output = output_within(command.args(arguments).arg("--version").env("LC_ALL", "C"), COMMAND_TIMEOUT)?;
+    let output = build_output(command.args(arguments).arg("--version").env("LC_ALL", "C"), COMMAND_TIMEOUT)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         return Err(io::Error::other(format!("`--version` gives {}: {}", output.status, said.trim())));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::cache::Cache;
-use super::command::{COMMAND_TIMEOUT, output_within};
+use super::command::{COMMAND_TIMEOUT, build_output};
 use super::compiler::which;
 use crate::host;
 
@@ -69,7 +69,7 @@ impl Python {
         let interpreter = self.interpreter.clone();
         let mut command = Command::new(&interpreter);
         command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
-        let asked = match output_within(&mut command, COMMAND_TIMEOUT) {
+        let asked = match build_output(&mut command, COMMAND_TIMEOUT) {
             Ok(asked) => asked,
             Err(error) => return Err(PythonError::Missing { interpreter, error }),
         };

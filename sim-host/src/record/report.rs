@@ -72,6 +72,8 @@ pub struct CheckReport {
     pub kind: String,
     /// The condition is met.
     pub passed: bool,
+    /// The program of a check gave no verdict: the check is wrong, not the run.
+    pub broken: bool,
     /// Points of the run.
     #[serde(serialize_with = "finite")]
     pub points: f64,
@@ -339,6 +341,7 @@ mod tests {
             name: "touches nothing".into(),
             kind: "contacts".into(),
             passed: false,
+            broken: false,
             points: 0.0,
             max_points: 3.0,
             at_s: Some(5.25),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record};
-use sim_core::spec::{CheckSpec, SceneSpec};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::suite::check_of_suite;
 use sim_format::{Diagnostic, Severity};
@@ -86,7 +86,7 @@ impl Session {
         let mut mistakes = check_of_suite(&suite.spec, scene.spec());
         let of_suite =
             SceneSpec { file: suite.spec.file.clone(), checks: suite.spec.checks.clone(), ..SceneSpec::default() };
-        mistakes.extend(check::unknown_calls(&of_suite));
+        mistakes.extend(check::wrong_checks(&of_suite));
         let own = scene.diagnostics().iter().chain(&mistakes);
         if let Some(first) = own.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
             let details = own.map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
@@ -226,8 +226,10 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
             break;
         }
     }
-    let finished = running.finish();
+    let over = running.end();
+    // Programs of checks run after everything that the submission has started.
     session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
+    let finished = over.judge();
     let limit = is_over_limit.then_some(suite.spec.limits.processor);
     let row = Row { key, words, ..judge(suite, case, &finished, limit) };
     let is_shown = row.outcome != RowOutcome::Passed;
@@ -244,7 +246,8 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
 fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) -> Row {
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
-    let failed_check = report.checks.iter().find(|check| !check.passed);
+    let broken_check = report.checks.iter().find(|check| check.broken);
+    let failed_check = broken_check.or(report.checks.iter().find(|check| !check.passed));
     let of_robot = failed_robot.map(|robot| {
         let reason = robot.reason.as_deref().unwrap_or(robot.outcome.name());
         format!("r{} (`{}`) {reason}", robot.id, robot.program)
@@ -256,6 +259,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         }
         End::Interrupted => (RowOutcome::Interrupted, "interrupted".to_owned()),
         End::Record(error) => (RowOutcome::Error, error.to_string()),
+        _ if let (Some(_), Some(message)) = (broken_check, &of_check) => (RowOutcome::Error, message.clone()),
         _ => match (of_robot, of_check) {
             (Some(message), _) | (None, Some(message)) => (RowOutcome::Failed, message),
             (None, None) => (RowOutcome::Passed, String::new()),
@@ -294,7 +298,6 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
 /// Hash of everything that determines the row of a case.
 fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     let Options { seed, slot, until, linger, keys, arguments, noise, settings, programs, .. } = &case.options;
-    let checks: Vec<&CheckSpec> = suite.spec.checks.iter().collect();
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {
         hasher.update(&(text.len() as u64).to_le_bytes());
@@ -304,7 +307,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
     settings.iter().for_each(|setting| add(setting.to_string()));
     programs.iter().for_each(|program| add(program.to_string()));
-    add(format!("{checks:?} {:?}", suite.spec.limits));
+    add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
     inputs.iter().for_each(|input| add(input.sha256.clone()));
     hasher.finalize().to_hex()[..32].to_owned()
 }

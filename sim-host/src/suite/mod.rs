@@ -19,7 +19,7 @@ pub use select::{Selection, SelectionError};
 use std::path::{Path, PathBuf};
 
 use sim_core::time::Time;
-use sim_format::suite::{Axis, AxisKind, LoadedSuite, SuiteSpec, load_suite};
+use sim_format::suite::{Axis, AxisKind, LoadedSuite, SuiteSpec, load_suite, print_suite};
 use sim_format::{Diagnostic, InputFile};
 
 use crate::executive::program::Exec;
@@ -35,7 +35,11 @@ pub struct Suite {
     pub diagnostics: Vec<Diagnostic>,
     /// The files of the suite and of that scene.
     pub inputs: Vec<InputFile>,
+    /// The programs of checks may run: the suite is the user's own, not that of an archive.
+    pub may_run_checks: bool,
     axes: Vec<Axis>,
+    /// Its checks as text: lines of the file and its place do not matter.
+    checks_text: String,
     /// Programs that replace those of the suite.
     programs: Vec<ProgramOption>,
 }
@@ -46,7 +50,16 @@ impl Suite {
         let mut files = DiskFiles::of_environment();
         let LoadedSuite { suite: spec, loaded } = load_suite(&files.name(path), &files);
         let axes = spec.matrix.axes();
-        Self { spec, diagnostics: loaded.diagnostics, inputs: loaded.inputs, axes, programs }
+        let checks_text = print_suite(&SuiteSpec { checks: spec.checks.clone(), ..SuiteSpec::default() });
+        Self {
+            spec,
+            diagnostics: loaded.diagnostics,
+            inputs: loaded.inputs,
+            may_run_checks: true,
+            axes,
+            checks_text,
+            programs,
+        }
     }
 
     /// The axes of the matrix.
@@ -118,6 +131,7 @@ impl Suite {
             stdin: spec.stdin.as_ref().map(|file| PathBuf::from(in_folder(&file.text))),
             noise: value(AxisKind::Noise).map(in_folder),
             settings: SuiteSpec::settings(&self.axes, indices),
+            may_run_checks: self.may_run_checks,
             output_limit: spec.limits.output,
             ..Options::default()
         }

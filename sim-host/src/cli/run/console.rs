@@ -168,10 +168,12 @@ impl ConsoleRun {
         }
     }
 
-    /// Ends the run and completes its report.
-    pub fn finish(self) -> Ran {
+    /// Ends the run, calls `ended`, and completes its report.
+    pub fn finish(self, ended: impl FnOnce()) -> Ran {
         let Self { running, mut progress, trails } = self;
-        let finished = running.finish();
+        let over = running.end();
+        ended();
+        let finished = over.judge();
         progress.clear();
         Ran { finished, trails }
     }

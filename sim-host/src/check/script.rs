@@ -1,0 +1,165 @@
+//! Programs of the user that judge a run: the report and the trace go in, a verdict in JSON comes out.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use parking_lot::Mutex;
+use serde::Deserialize;
+use serde_json::Value;
+use sim_core::spec::CheckKind;
+
+use super::Verdict;
+use crate::executive::interrupt::Interrupt;
+use crate::program::Tools;
+use crate::program::command::{CommandLimits, output_within};
+use crate::record::EventStore;
+
+/// Most bytes that a program may print.
+const MOST_OUTPUT: usize = 1 << 20;
+/// Most characters of its message, and of what is quoted of its output.
+const MOST_MESSAGE: usize = 400;
+
+/// What programs may read of a run that is over.
+#[derive(Clone, Copy)]
+pub struct Evidence<'r> {
+    /// Events of the run.
+    pub events: &'r Mutex<EventStore>,
+    /// Ends programs that are running.
+    pub interrupt: &'r Interrupt,
+    /// Programs may run: the scene is the user's own.
+    pub may_run: bool,
+}
+
+/// The last line that a program prints on its standard output.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Answer {
+    passed: bool,
+    points: Option<f64>,
+    message: Option<String>,
+    at_s: Option<f64>,
+}
+
+/// Path of a check's program.
+///
+/// # Errors
+/// It cannot be started.
+pub fn path_of(folder: &str, program: &str) -> Result<PathBuf, String> {
+    let path = Path::new(folder).join(program);
+    command(&path).map(|_| path).map_err(|why| format!("`{program}` {why}"))
+}
+
+/// The command that runs the program at `path`.
+fn command(path: &Path) -> Result<Command, String> {
+    let metadata = fs::metadata(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => "is not there".to_owned(),
+        _ => format!("cannot be read: {error}"),
+    })?;
+    if !metadata.is_file() {
+        return Err("is no file".to_owned());
+    }
+    let path = std::path::absolute(path).map_err(|error| error.to_string())?;
+    let mut head = Vec::new();
+    let read = File::open(&path).and_then(|file| file.take(256).read_to_end(&mut head));
+    read.map_err(|error| format!("cannot be read: {error}"))?;
+    let first = String::from_utf8_lossy(&head);
+    let first = first.lines().next().and_then(|line| line.strip_prefix("#!")).unwrap_or_default().trim();
+    let mut command = if path.extension().is_some_and(|extension| extension == "py") {
+        let mut command = Command::new(Tools::of_environment().python.unwrap_or_else(|| "python3".into()));
+        // Nothing is written beside the program.
+        command.arg("-B").arg(&path);
+        command
+    } else if !first.is_empty() {
+        // The kernel would refuse it without the right to execute it, which archives do not keep.
+        let (interpreter, argument) = first.split_once(char::is_whitespace).unwrap_or((first, ""));
+        let mut command = Command::new(interpreter);
+        command.args(Some(argument.trim()).filter(|argument| !argument.is_empty())).arg(&path);
+        command
+    } else if metadata.permissions().mode() & 0o111 != 0 {
+        Command::new(&path)
+    } else {
+        return Err("cannot be started: expected a program in Python (NAME.py), one that begins with `#!`, or one that may be executed (chmod +x)".to_owned());
+    };
+    command.env("PYTHONHASHSEED", "0");
+    Ok(command)
+}
+
+/// Runs the program of a check of this kind and takes its verdict; `report` is that of the run.
+///
+/// # Errors
+/// The program gives none.
+pub(super) fn judge(
+    kind: &CheckKind,
+    max_points: f64,
+    report: &Value,
+    evidence: Option<Evidence<'_>>,
+) -> Result<Verdict, String> {
+    let CheckKind::Script { program, arguments, timeout, folder } = kind else {
+        return Err("it was not evaluated".to_owned());
+    };
+    let Evidence { events, interrupt, may_run } = evidence.ok_or("it was not evaluated")?;
+    let name = &program.text;
+    if !may_run {
+        return Err(format!("`{name}` of the archive was not run: `--allow-execute` allows it"));
+    }
+    let mut command = command(&Path::new(folder).join(name)).map_err(|why| format!("`{name}` {why}"))?;
+    let (_files, paths) = write_evidence(report, events)
+        .map_err(|why| format!("report and trace for `{name}` cannot be written: {why}"))?;
+    if !folder.is_empty() {
+        command.current_dir(folder);
+    }
+    command.args(arguments).args(paths);
+    let is_cancelled = || interrupt.is_set();
+    let timeout = Duration::from_secs_f64(timeout.seconds());
+    let limits = CommandLimits { timeout, output: MOST_OUTPUT, is_cancelled: &is_cancelled };
+    let output = output_within(&mut command, &limits).map_err(|error| match error.kind() {
+        io::ErrorKind::TimedOut | io::ErrorKind::FileTooLarge | io::ErrorKind::Interrupted => {
+            format!("`{name}` gave no verdict: {error}")
+        }
+        _ => format!("`{name}` cannot be started: {error}"),
+    })?;
+    let [printed, complaints] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    let last = |text: &str| text.lines().rev().find(|line| !line.trim().is_empty()).map(|line| cut(line.trim()));
+    if !output.status.success() {
+        let reason = last(&complaints).map(|line| format!(": {line}")).unwrap_or_default();
+        return Err(format!("`{name}` gave no verdict: it ended with {}{reason}", output.status));
+    }
+    let line = last(&printed).ok_or_else(|| format!("`{name}` printed no verdict; expected {EXPECTED}"))?;
+    let answer = printed.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().trim();
+    let answer: Answer = serde_json::from_str(answer).map_err(|error| {
+        format!("the last line of `{name}` is no verdict: {error}; expected {EXPECTED}, found `{line}`")
+    })?;
+    let share = match answer.points {
+        None => f64::from(u8::from(answer.passed)),
+        Some(points) if !(0.0..=max_points).contains(&points) => {
+            return Err(format!("`{name}` gives {points} points; expected 0 to {max_points}"));
+        }
+        Some(_) if max_points == 0.0 => 0.0,
+        Some(points) => points / max_points,
+    };
+    let message = answer.message.unwrap_or_else(|| if answer.passed { "passed" } else { "not passed" }.to_owned());
+    let at = answer.at_s.filter(|at| *at >= 0.0);
+    Ok(Verdict { share, at, ..Verdict::new(answer.passed, cut(&message)) })
+}
+
+const EXPECTED: &str = r#"a line such as {"passed": true, "points": 2, "message": "..."}"#;
+
+fn cut(text: &str) -> String {
+    text.chars().take(MOST_MESSAGE).collect()
+}
+
+/// Writes the report and the trace into a new temporary folder; returns the folder, removed when it is dropped, and their paths.
+fn write_evidence(report: &Value, events: &Mutex<EventStore>) -> Result<(tempfile::TempDir, [PathBuf; 2]), String> {
+    let trace = EventStore::trace(events).map_err(|error| error.to_string())?;
+    let folder = tempfile::Builder::new().prefix("eyesim-check-").tempdir().map_err(|error| error.to_string())?;
+    let paths = ["report.json", "trace.jsonl"].map(|name| folder.path().join(name));
+    let texts = [report.to_string().into_bytes(), trace];
+    for (path, text) in paths.iter().zip(&texts) {
+        fs::write(path, text).map_err(|error| error.to_string())?;
+    }
+    Ok((folder, paths))
+}
