@@ -12,7 +12,7 @@ use sim_format::Files as _;
 use super::run::print;
 use crate::files::DiskFiles;
 use crate::host;
-use crate::program::command::output_within;
+use crate::program::command::build_output;
 use crate::program::compiler::Compiler;
 use crate::program::language::Language;
 use crate::program::python::Python;
@@ -225,7 +225,7 @@ fn on_path(command: &str) -> Option<String> {
 
 /// First line of what a command says of its version.
 fn version(command: &str) -> Option<String> {
-    let output = output_within(Command::new(command).arg("--version"), VERSION_TIMEOUT).ok()?;
+    let output = build_output(Command::new(command).arg("--version"), VERSION_TIMEOUT).ok()?;
     let said = String::from_utf8_lossy(&output.stdout).lines().next()?.trim().to_owned();
     output.status.success().then_some(said)
 }
