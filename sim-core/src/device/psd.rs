@@ -4,6 +4,8 @@
 //! computed lazily: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
 //! library, position sensing devices.
 
+use std::ops::Range;
+
 use super::cycle::Cycle;
 use crate::sensor::Reading;
 use crate::time::Time;
@@ -90,6 +92,12 @@ impl Psds {
         let taken = latest.taken?;
         let reading = *latest.value.get_or_insert_with(|| measure(index, taken));
         Some(Measured { taken, reading })
+    }
+
+    /// Addresses of the heap memory that [`Psds::read`] touches.
+    pub(crate) fn hot_memory(&self) -> Range<*const u8> {
+        let Range { start, end } = self.readings.as_ptr_range();
+        start.cast()..end.cast()
     }
 
     /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]. [`settle`](Self::settle) must

@@ -2,7 +2,7 @@
 
 mod legs;
 
-use std::{collections::VecDeque, sync::Arc};
+use std::{collections::VecDeque, ops::Range, sync::Arc};
 
 use glam::DVec2;
 
@@ -569,6 +569,15 @@ impl Motion {
 
     // Functions for the world.
 
+    /// Addresses of the heap memory that commands and queries touch.
+    pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
+        let (older, newer) = self.stages.as_slices();
+        [older, newer].map(|stages| {
+            let Range { start, end } = stages.as_ptr_range();
+            start.cast()..end.cast()
+        })
+    }
+
     pub(crate) fn radius(&self) -> f64 {
         self.vehicle.model.body_radius
     }
@@ -941,7 +950,9 @@ impl Motion {
     fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
         let mut impacts = Vec::new();
-        for (index, stage) in self.stages.iter().enumerate() {
+        // A stage that ended before the slot has no new impact, and is not looked at: its memory is cold.
+        let first = self.stages.iter().rposition(|stage| stage.piece.start < self.committed).unwrap_or(0);
+        for (index, stage) in self.stages.iter().enumerate().skip(first) {
             let piece = &stage.piece;
             let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
             let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);

@@ -1,5 +1,7 @@
 //! Journal: list of a robot's events in the slot in progress.
 
+use std::ops::Range;
+
 use crate::RobotId;
 use crate::time::Time;
 
@@ -84,6 +86,13 @@ impl Journal {
     /// Turns the recording of [`Event::Call`] on or off.
     pub fn set_verbose(&mut self, is_verbose: bool) {
         self.is_verbose = is_verbose;
+    }
+
+    /// Addresses of the heap memory that [`Journal::record`] writes to.
+    pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
+        let Page { events, entries, .. } = &self.page;
+        let entries = entries.as_ptr()..entries.as_ptr().wrapping_add(entries.capacity());
+        [events.as_ptr()..events.as_ptr().wrapping_add(events.capacity()), entries.start.cast()..entries.end.cast()]
     }
 
     /// Returns true if nothing has been recorded in this slot.

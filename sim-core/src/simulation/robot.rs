@@ -1,5 +1,6 @@
 //! One robot: its virtual time, motion, devices and journal.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -221,6 +222,13 @@ impl Robot {
             let reading = is_stuck.then(|| measure_range((ranges, servos, switches), motion, world, index, at));
             switches.stick(index, reading);
         }
+    }
+
+    /// Addresses of the heap memory that the robot's commands and readings touch, which a caller may fetch into the processor's caches
+    /// before.
+    pub fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
+        let readings = [self.devices.psds.hot_memory()];
+        readings.into_iter().chain(self.motion.hot_memory()).chain(self.journal.hot_memory())
     }
 
     /// Commands the drive at the robot's present virtual time.

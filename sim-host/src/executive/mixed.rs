@@ -11,6 +11,7 @@ use super::fiber::FiberExecutor;
 use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
+use super::run::Member;
 use super::team::Job;
 use super::thread::ThreadExecutor;
 
@@ -54,14 +55,14 @@ impl Executor for MixedExecutor {
         self.threads.must_end() || self.fibers.must_end()
     }
 
-    fn admit(&self, robot: RobotId, program: &RobotProgram) {
+    fn admit(&self, robot: RobotId, program: &RobotProgram, member: Option<&Arc<Member>>) {
         while self.are_fibers.count() < robot.index() {
             self.are_fibers.push(false);
         }
         if self.are_fibers.count() == robot.index() {
             self.are_fibers.push(program.is_fiber());
         }
-        self.of(robot).admit(robot, program);
+        self.of(robot).admit(robot, program, member);
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {

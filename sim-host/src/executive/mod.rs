@@ -20,6 +20,7 @@ pub mod load;
 pub mod mixed;
 pub mod notifier;
 pub mod pace;
+mod prefetch;
 pub mod process;
 pub mod program;
 pub mod program_status;
@@ -54,8 +55,8 @@ pub trait Executor: Send + Sync {
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn must_end(&self) -> bool;
 
-    /// Prepares for robots with ids up to this one, which runs `program`.
-    fn admit(&self, robot: RobotId, program: &RobotProgram);
+    /// Prepares for robots with ids up to this one, which runs `program`. A robot that is being spawned is no `member` yet.
+    fn admit(&self, robot: RobotId, program: &RobotProgram, member: Option<&Arc<run::Member>>);
 
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
     /// comes first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` for

@@ -1,5 +1,6 @@
 //! State that the flows of a run share (robots, world, run queues), and the functions that flows execute.
 
+use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
@@ -17,6 +18,7 @@ use super::fault::Broken;
 use super::flow::{self, RobotFlow};
 use super::interrupt::Interrupt;
 use super::notifier::Notifier;
+use super::prefetch::prefetch;
 use super::program::RobotProgram;
 use super::program_status::{self, PossibleSenders};
 use super::scheduler::{Limits, RunParts};
@@ -63,7 +65,7 @@ pub struct Run {
 }
 
 /// A robot in a run.
-pub(super) struct Member {
+pub struct Member {
     robot: Mutex<Robot>,
     /// `None` for a robot without a program.
     program: Option<RobotProgram>,
@@ -76,7 +78,7 @@ pub(super) struct Member {
 }
 
 impl Member {
-    pub fn new(robot: Robot, program: Option<RobotProgram>) -> Self {
+    pub(super) fn new(robot: Robot, program: Option<RobotProgram>) -> Self {
         let has_departed = AtomicBool::new(program.is_none());
         Self {
             robot: Mutex::new(robot),
@@ -91,6 +93,15 @@ impl Member {
     #[inline]
     pub fn robot(&self) -> MutexGuard<'_, Robot> {
         self.robot.lock()
+    }
+
+    /// Fetches what the robot's calls touch into the caches; nothing if somebody uses the robot.
+    pub fn prefetch(&self) {
+        let own = ptr::from_ref(self);
+        prefetch(own.cast()..own.wrapping_add(1).cast());
+        if let Some(robot) = self.robot.try_lock() {
+            robot.hot_memory().for_each(prefetch);
+        }
     }
 
     /// Returns true once the robot has been removed.
@@ -153,7 +164,7 @@ impl Run {
     /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         let weak_self = Weak::clone(&self.weak_self);
-        self.executor.admit(id, program);
+        self.executor.admit(id, program, self.members.get(id.index()));
         self.executor.start(id, MAIN, Box::new(move || weak_self.upgrade()?.run_main_flow(id)))?;
         if let Some(child) = program.child() {
             self.executor.serve(id, Arc::clone(child));

@@ -19,6 +19,7 @@ use super::notifier::Notifier;
 use super::process::Child;
 use super::process::child::Release;
 use super::program::RobotProgram;
+use super::run::Member;
 use super::signal::{self, FlowBlock, Handlers};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
@@ -270,7 +271,7 @@ impl Executor for ThreadExecutor {
         damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
     }
 
-    fn admit(&self, robot: RobotId, _: &RobotProgram) {
+    fn admit(&self, robot: RobotId, _: &RobotProgram, _: Option<&Arc<Member>>) {
         self.make_room(robot.index() + 1);
     }
 

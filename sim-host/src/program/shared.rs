@@ -80,6 +80,15 @@ impl Variables {
         self.copy.worker
     }
 
+    /// Addresses of the values while those of another robot are in the copy.
+    ///
+    /// # Safety
+    /// As for [`Variables::swap_in`].
+    pub unsafe fn saved(&self) -> Range<*const u8> {
+        // SAFETY: nobody changes the values meanwhile, by this function's contract.
+        unsafe { (*self.values.get()).as_ptr_range() }
+    }
+
     /// Brings the values of these variables into the copy.
     ///
     /// # Safety
