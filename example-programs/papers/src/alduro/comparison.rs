@@ -7,7 +7,7 @@ use accuracy::comparison::{Difference, Interval, Tuned, Verdict};
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 
-use super::fusion::{GRIDS, METHODS, Method, OURS, PRINTED, READINGS, SEARCH, Surface, centimetres, closer};
+use super::fusion::{GRIDS, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer};
 use super::fusion::{errors, tuned, work};
 use super::picture::{Panel, maps};
 use super::survey::{Condition, SIDE, Survey, measure};
@@ -180,7 +180,7 @@ pub fn sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     for (method, line) in METHODS.iter().zip(lines) {
         let values = line.rsplit(',').next().unwrap_or_default().split(' ').map(str::parse);
         let setting: Vec<f64> = values.collect::<Result<_, _>>().with_context(|| line.to_owned())?;
-        row.push(format!("{:.4}", 100.0 * method.error(&setting, survey, readings)?));
+        row.push(format!("{:.4}", 100.0 * method.error(&setting, survey, readings, Part::Whole)?));
     }
     Ok(row.join(","))
 }
@@ -458,8 +458,8 @@ fn figure(survey: &Survey, result: &Results) -> anyhow::Result<Figure> {
     let methods = [PRINTED[1], PRINTED[0], GRIDS[0], GRIDS[1], OURS[0]];
     let readings = survey.readings(result.readings)?;
     let map = |(method, letter): (usize, &str)| -> anyhow::Result<(String, Surface, f64)> {
-        let surface = METHODS[method].map(&result.tuned[method].setting, &readings).context("no map")?;
-        let rms = 100.0 * survey.rms(|x, y| surface.height(x, y));
+        let surface = METHODS[method].map(&result.tuned[method].setting, &readings, Part::Whole).context("no map")?;
+        let rms = 100.0 * survey.rms(SIDE, |x, y| surface.height(x, y));
         Ok((format!("{letter}  {}: {rms:.1} cm", METHODS[method].name), surface, rms))
     };
     let surfaces: Vec<_> =
