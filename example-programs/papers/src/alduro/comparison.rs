@@ -123,7 +123,7 @@ fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R>
         let other = thread::Builder::new().name("fusion".to_owned()).spawn_scoped(scope, work);
         let mut done = work();
         let other = other.context("a thread cannot be started")?.join();
-        done.extend(other.map_err(|_| anyhow::anyhow!("a thread panicked"))?);
+        done.extend(other.ok().context("a thread panicked")?);
         Ok(done)
     })?;
     done.sort_by_key(|(place, _)| *place);
@@ -407,7 +407,7 @@ fn intervals(results: &[Results]) -> Figure {
                 "<line x1=\"{0:.1}\" x2=\"{0:.1}\" y1=\"{TOP}\" y2=\"{bottom}\" stroke=\"#dddddd\"/>",
                 x(error)
             );
-            if tick % 2 == 0 {
+            if tick.is_multiple_of(2) {
                 let _ = writeln!(
                     svg,
                     "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{:.0}</text>",
@@ -423,7 +423,7 @@ fn intervals(results: &[Results]) -> Figure {
             left + WIDTH / 2.0,
             bottom + 34.0
         );
-        for (index, _) in METHODS.iter().enumerate() {
+        for index in 0..METHODS.len() {
             for (place, condition) in Condition::ALL.into_iter().enumerate() {
                 let Interval { mean, low, high, .. } = Interval::of(result.of(condition, index));
                 let y = TOP + ROW * (index as f64 + 0.2 + 0.2 * place as f64);
