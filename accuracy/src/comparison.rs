@@ -299,10 +299,12 @@ mod tests {
 
     #[test]
     fn the_optimum_is_found_wherever_it_lies() {
-        for at in [-9.0, -1.0, 0.0, 7.0, 10.0] {
-            let error = |setting: &[f64], case: usize| valley(setting[0], at) * valley(setting[1], -2.0) + case as f64;
+        for at in [-9, -1, 0, 7, 10] {
+            let error = |setting: &[f64], case: usize| {
+                valley(setting[0], f64::from(at)) * valley(setting[1], -2.0) + case as f64
+            };
             let tuned = tune(&[parameter(1.0), parameter(0.5)], SEARCH, error).expect("within the budget");
-            assert_eq!(tuned.setting, [2.0_f64.powf(at), 0.25]);
+            assert_eq!(tuned.setting, [2.0_f64.powi(at), 0.25]);
             assert_eq!((tuned.errors.len(), tuned.errors[0]), (12, 1.0));
             assert!(tuned.evaluations <= 1000 && tuned.settings >= 5);
         }
@@ -354,7 +356,7 @@ mod tests {
         assert_eq!((difference.verdict(), difference.wins), (Verdict::First, 20));
         assert_eq!(Difference::of(&level, &lower).verdict(), Verdict::Second);
         let mixed: Vec<f64> =
-            level.iter().map(|value| value + if *value as u32 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            level.iter().map(|value| value + if (*value as u32).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
         assert_eq!(Difference::of(&mixed, &level).verdict(), Verdict::Open);
     }
 }

@@ -14,10 +14,8 @@ use crate::run::Job;
 
 /// Number of random terrains on which the robot walks.
 const WALKS: usize = 20;
-/// Number of training and of held-out terrains in the comparison of maps.
-const COMPARED: usize = 20;
-/// Number of terrains in the comparison of the planner's equations.
-const PLANNED: usize = 14;
+/// Number of training and of held-out terrains in a comparison.
+const COMPARED: usize = 40;
 
 /// Makes the page of the walks of section 5, over `terrains` terrains, 20 if not given.
 ///
@@ -30,7 +28,7 @@ pub fn run(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// Makes the page that compares maps of sections 3 and 4, with `terrains` training and as many held-out terrains, 20 if not given.
+/// Makes the page that compares maps of sections 3 and 4, with `terrains` training and as many held-out terrains, 40 if not given.
 ///
 /// # Errors
 /// A scene that does not run to its end; a search that does not enclose the optimum.
@@ -46,10 +44,10 @@ pub fn fusion_sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     comparison::sample(job, settings)
 }
 
-/// Makes the page that compares the planner's equations, over `terrains` terrains, 14 if not given.
+/// Makes the page that compares the planner's equations, over `terrains` terrains, 40 if not given.
 ///
 /// # Errors
 /// A scene that does not run to its end.
 pub fn planner(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
-    planner::page(job, terrains.unwrap_or(PLANNED))
+    planner::page(job, terrains.unwrap_or(COMPARED))
 }

@@ -7,7 +7,7 @@ use accuracy::comparison::{Difference, Interval, Tuned, Verdict};
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 
-use super::fusion::{GRIDS, METHODS, Method, OURS, PRINTED, READINGS, SEARCH, Surface, centimetres, closer};
+use super::fusion::{GRIDS, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer};
 use super::fusion::{errors, tuned, work};
 use super::picture::{Panel, maps};
 use super::survey::{Condition, SIDE, Survey, measure};
@@ -123,7 +123,7 @@ fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R>
         let other = thread::Builder::new().name("fusion".to_owned()).spawn_scoped(scope, work);
         let mut done = work();
         let other = other.context("a thread cannot be started")?.join();
-        done.extend(other.map_err(|_| anyhow::anyhow!("a thread panicked"))?);
+        done.extend(other.ok().context("a thread panicked")?);
         Ok(done)
     })?;
     done.sort_by_key(|(place, _)| *place);
@@ -180,7 +180,7 @@ pub fn sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     for (method, line) in METHODS.iter().zip(lines) {
         let values = line.rsplit(',').next().unwrap_or_default().split(' ').map(str::parse);
         let setting: Vec<f64> = values.collect::<Result<_, _>>().with_context(|| line.to_owned())?;
-        row.push(format!("{:.4}", 100.0 * method.error(&setting, survey, readings)?));
+        row.push(format!("{:.4}", 100.0 * method.error(&setting, survey, readings, Part::Whole)?));
     }
     Ok(row.join(","))
 }
@@ -407,7 +407,7 @@ fn intervals(results: &[Results]) -> Figure {
                 "<line x1=\"{0:.1}\" x2=\"{0:.1}\" y1=\"{TOP}\" y2=\"{bottom}\" stroke=\"#dddddd\"/>",
                 x(error)
             );
-            if tick % 2 == 0 {
+            if tick.is_multiple_of(2) {
                 let _ = writeln!(
                     svg,
                     "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{:.0}</text>",
@@ -423,7 +423,7 @@ fn intervals(results: &[Results]) -> Figure {
             left + WIDTH / 2.0,
             bottom + 34.0
         );
-        for (index, _) in METHODS.iter().enumerate() {
+        for index in 0..METHODS.len() {
             for (place, condition) in Condition::ALL.into_iter().enumerate() {
                 let Interval { mean, low, high, .. } = Interval::of(result.of(condition, index));
                 let y = TOP + ROW * (index as f64 + 0.2 + 0.2 * place as f64);
@@ -458,8 +458,8 @@ fn figure(survey: &Survey, result: &Results) -> anyhow::Result<Figure> {
     let methods = [PRINTED[1], PRINTED[0], GRIDS[0], GRIDS[1], OURS[0]];
     let readings = survey.readings(result.readings)?;
     let map = |(method, letter): (usize, &str)| -> anyhow::Result<(String, Surface, f64)> {
-        let surface = METHODS[method].map(&result.tuned[method].setting, &readings).context("no map")?;
-        let rms = 100.0 * survey.rms(|x, y| surface.height(x, y));
+        let surface = METHODS[method].map(&result.tuned[method].setting, &readings, Part::Whole).context("no map")?;
+        let rms = 100.0 * survey.rms(SIDE, |x, y| surface.height(x, y));
         Ok((format!("{letter}  {}: {rms:.1} cm", METHODS[method].name), surface, rms))
     };
     let surfaces: Vec<_> =

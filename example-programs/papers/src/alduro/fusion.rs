@@ -16,9 +16,9 @@ use super::survey::{HEIGHT, Reading, SIDE, Survey};
 /// Numbers of readings of a terrain: many and few.
 pub const READINGS: [usize; 2] = [500, 174];
 /// Rules of the search for parameters, for all methods alike.
-pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 5, tolerance: 0.03 };
+pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 5, tolerance: 0.05 };
 /// Number of training terrains on which times are taken, and factors on the number of cells along a side there.
-const TIMED: usize = 6;
+const TIMED: usize = 3;
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
 
 /// Projection of the grid's boxes to heights.
@@ -35,7 +35,7 @@ pub enum Projection {
 /// A way to a map. All have the parameters cut (least membership that counts) and cells, behind their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Occupancy grid. Parameters: band, box.
+    /// Occupancy grid of cubes. Parameter: band.
     Grid(Projection),
     /// TSK, Eq. 3. Parameter: ridge.
     Printed(Order),
@@ -43,6 +43,25 @@ enum Kind {
     Evidence(Order),
     /// TSK with an equation for each cell, our choice. Parameters: weight of equations that raise, error of a reading.
     Cells(Order),
+}
+
+/// Part of a terrain that is mapped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// The square with half the side at the start: enough to choose parameters, at a quarter of the cost.
+    Quarter,
+}
+
+impl Part {
+    /// Side of the square, m.
+    fn side(self) -> f64 {
+        match self {
+            Self::Whole => SIDE,
+            Self::Quarter => SIDE / 2.0,
+        }
+    }
 }
 
 /// A method of fusing readings.
@@ -74,7 +93,6 @@ pub const OURS: [usize; 2] = [7, 8];
 
 const CELLS: Parameter = Parameter { name: "cells", start: 20.0, ratio: std::f64::consts::SQRT_2, most: f64::INFINITY };
 const CUT: Parameter = Parameter { name: "cut", start: 0.05, ratio: 2.0, most: 1.0 };
-const BOX: Parameter = Parameter { name: "box, m", start: 0.1, ratio: std::f64::consts::SQRT_2, most: HEIGHT };
 const BAND: Parameter = Parameter { name: "band", start: 0.03, ratio: 2.0, most: 1.0 };
 const RIDGE: Parameter = Parameter { name: "ridge", start: 1.0, ratio: 4.0, most: f64::INFINITY };
 const ABOVE: Parameter = Parameter { name: "raise", start: 0.1, ratio: 2.0, most: 1.0 };
@@ -84,7 +102,7 @@ impl Method {
     /// Its free parameters.
     pub fn parameters(&self) -> &'static [Parameter] {
         match self.kind {
-            Kind::Grid(_) => &[BAND, BOX, CUT, CELLS],
+            Kind::Grid(_) => &[BAND, CUT, CELLS],
             Kind::Printed(_) => &[RIDGE, CUT, CELLS],
             Kind::Evidence(_) => &[CUT, CELLS],
             Kind::Cells(_) => &[ABOVE, SIGMA, CUT, CELLS],
@@ -92,16 +110,19 @@ impl Method {
     }
 
     /// The map of readings with a setting of the parameters; `None` if rounding leaves none.
-    pub fn map(&self, setting: &[f64], readings: &[Reading]) -> Option<Surface> {
+    pub fn map(&self, setting: &[f64], readings: &[Reading], part: Part) -> Option<Surface> {
         let [own @ .., least, cells] = setting else { return None };
         let count = cells.round().max(1.0) as usize;
-        let partition = Partition { cell: SIDE / count as f64, columns: count, rows: count, low: (0, 0) };
+        let cell = SIDE / count as f64;
+        let side = (part.side() / cell).ceil() as usize;
+        let partition = Partition { cell, columns: side, rows: side, low: (0, 0) };
+        let rules = side * side;
         let model = SonarModel { least: *least, ..SonarModel::srf08() };
         match self.kind {
             Kind::Grid(projection) => {
                 let model = SonarModel { epsilon: own[0], ..model };
-                let layers = (HEIGHT / own[1]).ceil() as usize;
-                let mut grid = OccupancyGrid::new(partition, 0.0, own[1], layers);
+                let layers = (HEIGHT / cell).ceil() as usize;
+                let mut grid = OccupancyGrid::new(partition, 0.0, cell, layers);
                 readings.iter().for_each(|(sonar, distance)| {
                     grid.fuse(&model, sonar, *distance);
                 });
@@ -109,12 +130,12 @@ impl Method {
             }
             Kind::Printed(order) => {
                 let equations = printed(&partition, &model, order, readings);
-                let parameters = equations.solve(count * count * order.parameters(), own[0])?;
+                let parameters = equations.solve(rules * order.parameters(), own[0])?;
                 Some(Surface::Rules { partition, order, parameters })
             }
             Kind::Evidence(order) => {
                 let equations = printed(&partition, &model, order, readings);
-                let unknowns = count * count * order.parameters();
+                let unknowns = rules * order.parameters();
                 let parameters = equations.solve(unknowns, equations.likeliest_ridge(unknowns)?)?;
                 Some(Surface::Rules { partition, order, parameters })
             }
@@ -130,13 +151,13 @@ impl Method {
         }
     }
 
-    /// Error of its map of a survey, m; NaN without a map.
+    /// Error of its map of a part of a survey, m; NaN without a map.
     ///
     /// # Errors
     /// Too few readings.
-    pub fn error(&self, setting: &[f64], survey: &Survey, readings: usize) -> anyhow::Result<f64> {
-        let map = self.map(setting, &survey.readings(readings)?);
-        Ok(map.map_or(f64::NAN, |map| survey.rms(|x, y| map.height(x, y))))
+    pub fn error(&self, setting: &[f64], survey: &Survey, readings: usize, part: Part) -> anyhow::Result<f64> {
+        let map = self.map(setting, &survey.readings(readings)?, part);
+        Ok(map.map_or(f64::NAN, |map| survey.rms(part.side(), |x, y| map.height(x, y))))
     }
 
     /// A setting in words.
@@ -233,7 +254,9 @@ impl Surface {
 pub fn tuned(method: &Method, training: &[Survey], readings: usize) -> anyhow::Result<Tuned> {
     let search = Search { cases: training.len(), ..SEARCH };
     // Too few readings are told by the first case: all searches begin with it.
-    let error = |setting: &[f64], case: usize| method.error(setting, &training[case], readings).unwrap_or(f64::NAN);
+    let error = |setting: &[f64], case: usize| {
+        method.error(setting, &training[case], readings, Part::Quarter).unwrap_or(f64::NAN)
+    };
     tune(method.parameters(), search, error).with_context(|| format!("{}, {readings} readings", method.name))
 }
 
@@ -243,7 +266,7 @@ pub fn tuned(method: &Method, training: &[Survey], readings: usize) -> anyhow::R
 /// No map, or too few readings.
 pub fn errors(method: &Method, setting: &[f64], surveys: &[Survey], readings: usize) -> anyhow::Result<Vec<f64>> {
     let one = |survey: &Survey| {
-        let error = method.error(setting, survey, readings)?;
+        let error = method.error(setting, survey, readings, Part::Whole)?;
         anyhow::ensure!(error.is_finite(), "{}: no map of terrain {}", method.name, survey.seed);
         Ok(error)
     };
@@ -263,7 +286,7 @@ pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usi
         let time = |survey: &Survey| -> anyhow::Result<f64> {
             let taken = survey.readings(readings)?;
             let begin = Instant::now();
-            black_box(method.map(&setting, &taken));
+            black_box(method.map(&setting, &taken, Part::Whole));
             Ok(begin.elapsed().as_secs_f64() / readings as f64)
         };
         // The shortest of all terrains: other programs on the machine only lengthen it.

@@ -12,7 +12,7 @@ use crate::run::Job;
 const FIRST: u64 = 128_000;
 const APART: u64 = 100_000;
 /// Noise profiles.
-const NOISES: [&str; 2] = ["none", "harsh"];
+const NOISES: [&str; 3] = ["none", "real", "harsh"];
 /// Planners: name in tables, argument of the program.
 const PLANNERS: [(&str, &str); 4] =
     [("A* alone", "none"), ("A* and Eq. 4", "eq4"), ("A* and Eq. 5", "eq5"), ("A*, Eq. 4 and 5", "both")];

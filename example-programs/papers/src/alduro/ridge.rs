@@ -3,6 +3,7 @@
 //! Recursive least squares without forgetting has the same solution (`mapping::rls`); all equations at once cost n^3 operations for n
 //! equations, whatever the number of unknowns.
 
+use mapping::math;
 use nalgebra::linalg::SymmetricTridiagonal;
 use nalgebra::{DMatrix, DVector};
 
@@ -48,15 +49,15 @@ impl Equations {
         let evidence = |ridge: f64| {
             // L D L^T of the tridiagonal matrix with the ridge on its diagonal.
             let (mut pivot, mut solved) = (diagonal[0] + ridge, values[0]);
-            let (mut logarithms, mut square) = (pivot.ln(), solved * solved / pivot);
+            let (mut logarithms, mut square) = (math::ln(pivot), solved * solved / pivot);
             for index in 1..count {
                 let below = beside[index - 1] / pivot;
                 solved = values[index] - below * solved;
                 pivot = diagonal[index] + ridge - below * beside[index - 1];
-                logarithms += pivot.ln();
+                logarithms += math::ln(pivot);
                 square += solved * solved / pivot;
             }
-            -0.5 * (logarithms + count as f64 * square.ln())
+            -0.5 * (logarithms + count as f64 * math::ln(square))
         };
         let all: Vec<(i32, f64)> = RIDGES.map(|power| (power, evidence(2.0_f64.powi(power)))).collect();
         let finite = all.into_iter().filter(|(_, evidence)| evidence.is_finite());

@@ -96,10 +96,12 @@ impl Survey {
         Ok((0..count).map(|index| self.readings[index * all / count]).collect())
     }
 
-    /// Root mean square error of a map of heights, m.
-    pub fn rms(&self, height: impl Fn(f64, f64) -> f64) -> f64 {
+    /// Root mean square error of a map of heights, m, in the square from (0, 0) with this side.
+    pub fn rms(&self, side: f64, height: impl Fn(f64, f64) -> f64) -> f64 {
+        let compared = places().zip(&self.heights).filter(|((x, y), _)| *x < side && *y < side);
         let square = |((x, y), truth): ((f64, f64), &f64)| (height(x, y) - truth).powi(2);
-        (places().zip(&self.heights).map(square).sum::<f64>() / self.heights.len() as f64).sqrt()
+        let (sum, count) = compared.map(square).fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
+        (sum / f64::from(count)).sqrt()
     }
 }
 
