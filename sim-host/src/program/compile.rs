@@ -508,7 +508,7 @@ fn remark_on_encoding(source: &Path, text: &[u8]) -> String {
     // Latin-1 has each of these bytes as the character of the same number; below 0xA0 it has none that are printed.
     let letter = if byte >= 0xA0 { format!(" (`{}` in Latin-1)", char::from(byte)) } else { String::new() };
     format!(
-        "{name}:{line}: the byte 0x{byte:X}{letter} is no UTF-8, and appears as `\u{FFFD}` where it is printed: save the file as UTF-8\n"
+        "{name}:{line}: the byte 0x{byte:X}{letter} is no UTF-8, and is lost where it is printed: save the file as UTF-8\n"
     )
 }
 
@@ -554,7 +554,7 @@ mod tests {
         assert_eq!(remark("int main(void) { return 0; } // größer".as_bytes()), "");
         assert_eq!(
             remark(b"int i;\n// gr\xF6\xDFer\n"),
-            "maze.c:2: the byte 0xF6 (`\u{F6}` in Latin-1) is no UTF-8, and appears as `\u{FFFD}` where it is printed: save the file as UTF-8\n"
+            "maze.c:2: the byte 0xF6 (`\u{F6}` in Latin-1) is no UTF-8, and is lost where it is printed: save the file as UTF-8\n"
         );
         assert!(remark(b"\x80").starts_with("maze.c:1: the byte 0x80 is no UTF-8"));
     }
