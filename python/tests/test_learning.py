@@ -7,6 +7,7 @@ import eyesim.pettingzoo
 import gymnasium
 import numpy as np
 import pytest
+from eyesim import _native
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
@@ -114,6 +115,21 @@ def test_a_reset_is_a_fresh_start():
     assert env.digest != digest
     env.reset(seed=3)
     assert env.digest == digest
+
+
+def test_an_episode_is_a_new_simulation_with_its_seed():
+    env = eyesim.gym.Env(WALL, starts=(), jitter=(0.0, 0.0, 0.0), noise="real")
+    env.reset(seed=5)
+    for action in actions(1, 40):
+        env.step(action[0])
+    env.reset()
+    sim = eyesim.load(WALL.scene, seed=_native.episode_seed(5, 1), noise="real")
+    robot = sim.robot()
+    for _ in range(60):
+        env.step(np.array([0.5, 0.25], np.float32))
+        robot.drive(0.5 * robot.max_speed, 0.25 * robot.max_turn)
+        sim.step(0.05)
+    assert env.digest == sim.digest
 
 
 def test_a_task_around_any_scene():
