@@ -1,7 +1,9 @@
 //! Built-in types: the robots and objects that EyeSim VR has without any file.
 //!
-//! Their texts are files of the usual formats, compiled in. Sizes and devices are those of the published robots; values without a
+//! Their texts are files of the usual formats, compiled in, and read once in a process. Sizes and devices are those of the published robots; values without a
 //! source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
+
+use std::sync::{Arc, OnceLock};
 
 use super::form::robot::read_robot_type;
 use super::spec::{ObjectType, RobiSpec};
@@ -13,17 +15,21 @@ pub const ROBOTS: [&str; 3] = ["LabBot", "S4", "Mako"];
 pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 
 /// Built-in robot type `name`, case-insensitive.
-pub fn robot(name: &str) -> Option<RobiSpec> {
-    read_robot(name).map(|(robi, _)| robi)
+pub fn robot(name: &str) -> Option<Arc<RobiSpec>> {
+    static KNOWN: [OnceLock<Option<Arc<RobiSpec>>>; ROBOTS.len()] = [const { OnceLock::new() }; ROBOTS.len()];
+    let place = place(&ROBOTS, name)?;
+    KNOWN[place].get_or_init(|| read_robot(ROBOTS[place]).map(|(robi, _)| Arc::new(robi))).clone()
 }
 
 /// Built-in object type `name`, case-insensitive.
-pub fn object(name: &str) -> Option<ObjectType> {
-    read_object(name).map(|(object, _)| object)
+pub fn object(name: &str) -> Option<Arc<ObjectType>> {
+    static KNOWN: [OnceLock<Option<Arc<ObjectType>>>; OBJECTS.len()] = [const { OnceLock::new() }; OBJECTS.len()];
+    let place = place(&OBJECTS, name)?;
+    KNOWN[place].get_or_init(|| read_object(OBJECTS[place]).map(|(object, _)| Arc::new(object))).clone()
 }
 
 fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
-    let name = named(&ROBOTS, name)?;
+    let name = ROBOTS[place(&ROBOTS, name)?];
     let (robi, companion) = match name {
         // A robi has neither a hull nor PSDs that look down.
         "Mako" => return Some(read_robot_type(name, include_str!("builtin/mako.toml"))),
@@ -36,7 +42,7 @@ fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
 }
 
 fn read_object(name: &str) -> Option<(ObjectType, Vec<Diagnostic>)> {
-    let name = named(&OBJECTS, name)?;
+    let name = OBJECTS[place(&OBJECTS, name)?];
     let text = match name {
         "Can" => include_str!("builtin/can.esObj"),
         "Soccer" => include_str!("builtin/soccer.esObj"),
@@ -46,8 +52,8 @@ fn read_object(name: &str) -> Option<(ObjectType, Vec<Diagnostic>)> {
     Some(read_esobj(name, text))
 }
 
-fn named(names: &[&'static str], name: &str) -> Option<&'static str> {
-    names.iter().copied().find(|known| known.eq_ignore_ascii_case(name))
+fn place(names: &[&str], name: &str) -> Option<usize> {
+    names.iter().position(|known| known.eq_ignore_ascii_case(name))
 }
 
 #[cfg(test)]

@@ -226,7 +226,7 @@ impl Placer<'_> {
             self.sink.warn(Code::SimObjectShape, path.span, message, expected);
         }
         let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, turns: DVec3::ZERO };
-        let shape = known.unwrap_or_else(|| ObjectType::with_defaults(&path.text));
+        let shape = known.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
         let file = self.sim.file.clone();
         let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
         self.shapes.insert(path.text.clone(), Arc::clone(&kind));

@@ -53,10 +53,8 @@ impl Types {
     /// Registers the built-in types and those that `sim` loads. Built-in names are reserved; of two types of one name the first counts.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
-        let robots =
-            builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| LoadedType::Robot(Arc::new(it)));
-        let objects =
-            builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(|it| LoadedType::Object(Arc::new(it)));
+        let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(LoadedType::Robot);
+        let objects = builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(LoadedType::Object);
         for kind in robots.chain(objects) {
             types.add(kind, None);
         }

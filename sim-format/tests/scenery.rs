@@ -144,7 +144,7 @@ fn types() -> Vec<RobiSpec> {
         assert_eq!(read_companion("a.toml", "", &mut robi), []);
         robi
     });
-    read.chain(builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name))).collect()
+    read.chain(builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(Arc::unwrap_or_clone)).collect()
 }
 
 /// Mesh of a robot of this type.

@@ -8,9 +8,10 @@ mod tally;
 mod wording;
 
 use sim_core::RobotId;
-use sim_core::check::Finding;
+use sim_core::check::{Finding, Monitor};
 use sim_core::record::Outcome;
 use sim_core::spec::{CheckKind, CheckSpec, Printed, Screen};
+use sim_core::time::Time;
 
 use crate::record::Report;
 use crate::record::report::{CheckReport, RobotReport};
@@ -94,6 +95,101 @@ pub fn results(
         }
     };
     checks.iter().enumerate().map(result).collect()
+}
+
+/// Verdict of a check during a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The rest of the run decides.
+    Open,
+    /// It is met for good.
+    Met,
+    /// It can no longer be met.
+    Failed,
+}
+
+/// A check during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// The verdict up to now.
+    pub progress: Progress,
+    /// The verdict in words.
+    pub message: String,
+    /// Present value of the metric of a swarm.
+    pub value: Option<f64>,
+}
+
+/// State of all checks of a scene at `now`, in its order, from the findings and events up to now.
+pub fn standings(checks: &[CheckSpec], monitor: Option<&Monitor>, tally: Option<&Tally>, now: Time) -> Vec<Standing> {
+    let mut findings: Vec<Option<Finding>> = vec![None; checks.len()];
+    monitor.into_iter().flat_map(Monitor::findings).for_each(|(index, finding)| findings[index] = Some(finding));
+    let mut values: Vec<Option<f64>> = vec![None; checks.len()];
+    for (index, series) in monitor.into_iter().flat_map(Monitor::series) {
+        values[index] = Some(series.last().map_or(0.0, |[_, value]| *value));
+    }
+    let standing = |(index, check): (usize, &CheckSpec)| {
+        let count = tally.and_then(|tally| tally.count(index));
+        let (progress, message) = match (&findings[index], count) {
+            (Some(finding), _) => {
+                let is_violated = !finding.is_met && finding.at.is_some();
+                let message = wording::of_finding(&check.kind, finding).replace("at the end", "now");
+                (progress(&check.kind, finding.is_met, is_violated, now), message)
+            }
+            (None, Some(count)) => {
+                let is_met = count.is_met(&check.kind);
+                let is_violated = !is_met && count.is_too_many(&check.kind);
+                (progress(&check.kind, is_met, is_violated, now), wording::of_count(&check.kind, count))
+            }
+            (None, None) => (Progress::Open, "judged at the end of the run".to_owned()),
+        };
+        Standing { progress, message, value: values[index] }
+    };
+    checks.iter().enumerate().map(standing).collect()
+}
+
+/// Returns true if a check that is met stays so.
+fn is_met_for_good(kind: &CheckKind) -> bool {
+    match kind {
+        CheckKind::Reach { .. }
+        | CheckKind::Visits { .. }
+        | CheckKind::Laps { .. }
+        | CheckKind::Coverage { .. }
+        | CheckKind::Prints { on: Screen::Stdout, .. } => true,
+        CheckKind::Event { count, .. } | CheckKind::Calls { count, .. } | CheckKind::Message { count, .. } => {
+            count.max.is_none()
+        }
+        _ => false,
+    }
+}
+
+/// Returns true if a check that is violated stays so.
+fn is_failed_for_good(kind: &CheckKind) -> bool {
+    match kind {
+        CheckKind::StaysIn { .. }
+        | CheckKind::Clearance { .. }
+        | CheckKind::Contacts { .. }
+        | CheckKind::Event { .. }
+        | CheckKind::Calls { .. }
+        | CheckKind::Message { .. } => true,
+        CheckKind::OdometryError { at_end, .. } | CheckKind::Swarm { at_end, .. } => !at_end,
+        _ => false,
+    }
+}
+
+fn progress(kind: &CheckKind, is_met: bool, is_violated: bool, now: Time) -> Progress {
+    let by = match kind {
+        CheckKind::Reach { by, .. }
+        | CheckKind::Visits { by, .. }
+        | CheckKind::Laps { by, .. }
+        | CheckKind::Coverage { by, .. } => *by,
+        CheckKind::Event { by, count, .. } => by.filter(|_| count.min > 0),
+        _ => None,
+    };
+    match is_met {
+        true if is_met_for_good(kind) => Progress::Met,
+        false if is_violated && is_failed_for_good(kind) || by.is_some_and(|by| now > by) => Progress::Failed,
+        _ => Progress::Open,
+    }
 }
 
 fn of_finding(kind: &CheckKind, finding: &Finding) -> Verdict {

@@ -148,6 +148,18 @@ impl Count {
         }
     }
 
+    /// Returns true if there are more than the greatest number of this kind.
+    pub fn is_too_many(&self, kind: &CheckKind) -> bool {
+        let most = match kind {
+            CheckKind::Contacts { max, .. } => Some(*max),
+            CheckKind::Event { count, .. } | CheckKind::Calls { count, .. } | CheckKind::Message { count, .. } => {
+                count.max
+            }
+            _ => None,
+        };
+        most.is_some_and(|most| self.number > most)
+    }
+
     /// Returns true if the least number was reached only after `by`.
     pub fn is_late(&self, count: Counts, by: Option<Time>) -> bool {
         let is_enough = count.min > 0 && self.number >= count.min;

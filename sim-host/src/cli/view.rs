@@ -276,6 +276,7 @@ impl Session {
             spec: Arc::clone(ready.scene()),
             scenery: Arc::clone(ready.scenery()),
             feed: Arc::clone(&feed),
+            tally: ready.tally().cloned(),
         });
         (Arc::new(Mutex::new(show)), feed)
     }
@@ -356,7 +357,8 @@ impl Session {
         let state = RunState::Ended { why: why(ran), digest: ran.finished.ended.digest.to_string() };
         let (run, ends) = (&*ran.finished.ended.run, &ran.finished.ended.robots[..]);
         let world = run.world();
-        show.present(Moment { run, world: &world, now: ran.finished.ended.time, state, speed, rate: 0.0, ends });
+        let (now, results) = (ran.finished.ended.time, Some(&ran.finished.report.checks[..]));
+        show.present(Moment { run, world: &world, now, state, speed, rate: 0.0, ends, results });
     }
 
     /// Builds a run with these arguments to replace the current one; answers `pending` when that is done.

@@ -212,12 +212,12 @@ pub fn roster_of(scene: &SceneSpec) -> Roster {
     let mut roster = Roster::of(scene);
     for name in builtin::ROBOTS {
         if let Some(robi) = builtin::robot(name) {
-            roster.robot_types.add(name, name, || Arc::new(robi));
+            roster.robot_types.add(name, name, || robi);
         }
     }
     for name in builtin::OBJECTS {
         if let Some(kind) = builtin::object(name) {
-            roster.object_types.add(name, name, || Arc::new(kind));
+            roster.object_types.add(name, name, || kind);
         }
     }
     roster

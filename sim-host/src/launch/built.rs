@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use parking_lot::Mutex;
 use sim_core::spec::SceneSpec;
 
 use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
+use crate::check::Tally;
 use crate::executive::load::{ProgramLoadError, load_programs, place_of};
 use crate::executive::program::Place;
 use crate::executive::spawn::{RobotOptions, Spawner};
@@ -109,6 +111,7 @@ impl BuiltScene {
         let (world, robots) = spawner.start()?;
         let loaded =
             load_programs(&scene, &programs, options.exec, options.debug.as_ref(), options.worker_count(), loader)?;
-        Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs: loaded })
+        let tally = Tally::new(&scene).map(|tally| Arc::new(Mutex::new(tally)));
+        Ok(Ready { options, settings, scene, scenery, inputs, frames, spawner, world, robots, tally, programs: loaded })
     }
 }

@@ -44,6 +44,7 @@ pub struct Ready {
     pub(super) spawner: Spawner,
     pub(super) world: World,
     pub(super) robots: Vec<Robot>,
+    pub(super) tally: Option<Arc<Mutex<Tally>>>,
     pub(super) programs: Vec<Option<RobotProgram>>,
 }
 
@@ -82,6 +83,11 @@ impl Ready {
         self.frames.as_ref()
     }
 
+    /// Events that checks count, if there are such checks.
+    pub fn tally(&self) -> Option<&Arc<Mutex<Tally>>> {
+        self.tally.as_ref()
+    }
+
     /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
@@ -114,8 +120,9 @@ impl Ready {
     /// # Errors
     /// [`Error::Start`] if the system has no room for the robots.
     pub fn start(self, observers: Observers) -> Result<Running, Error> {
-        let header = self.trace_header();
-        let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs } = self;
+        let has_scripts = self.scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
+        let events = has_scripts.then(|| EventStore::new(self.trace_header())).transpose().map_err(Error::Start)?;
+        let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, tally, programs } = self;
         let Observers { sinks, diagnostics, interrupt } = observers;
         let watch = SceneryWatch {
             scenery: Arc::clone(&scenery),
@@ -124,12 +131,9 @@ impl Ready {
             is_told: false,
         };
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
-        let tally = Tally::new(&scene).map(|tally| Arc::new(Mutex::new(tally)));
         let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
         let notes = Arc::new(Mutex::new(Notes::default()));
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
-        let has_scripts = scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
-        let events = if has_scripts { Some(EventStore::new(header).map_err(Error::Start)?) } else { None };
         let events = events.map(|events| Arc::new(Mutex::new(events)));
         let stored = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
         let noise = |id: RobotId| robots.get(id.index()).map(|robot| robot.noise().clone()).unwrap_or_default();

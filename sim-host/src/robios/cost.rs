@@ -5,6 +5,7 @@
 //! entry for every function; any matching entry of the user's table takes precedence over it.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use robios_sys::{Robios6Call, Robios7Call};
 use sim_core::spec::{CostEntry, CostTable};
@@ -125,8 +126,15 @@ impl Costs {
 }
 
 impl Default for Costs {
-    /// The table that is compiled in.
+    /// The table that is compiled in, read once in a process.
     fn default() -> Self {
+        static COMPILED_IN: LazyLock<Costs> = LazyLock::new(Costs::compiled_in);
+        COMPILED_IN.clone()
+    }
+}
+
+impl Costs {
+    fn compiled_in() -> Self {
         // A test checks that the compiled-in table is complete, so the 1 us for missing entries never applies.
         let table = parse(DEFAULT).unwrap_or_default();
         let cost = |section: &str, call: Call| {

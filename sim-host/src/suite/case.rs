@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record};
-use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::suite::check_of_suite;
 use sim_format::{Diagnostic, Severity};
@@ -21,10 +20,10 @@ use crate::executive::interrupt::Interrupt;
 use crate::executive::scheduler;
 use crate::executive::subreaper::Subreaper;
 use crate::files::slashed;
-use crate::launch::{BuiltScene, Error, Finished, Observers, Options, ProgramCache, Rejected, Scene, check};
+use crate::launch::{BuiltScene, Error, Finished, Observers, Options, ProgramCache, Rejected, Scene};
 use crate::program::Builder;
 use crate::program::load::Loader;
-use crate::record::report::Input;
+use crate::record::report::{CheckReport, Input};
 use crate::record::trail::BodyTrails;
 use crate::record::{RecordError, Sink, Trails};
 
@@ -83,10 +82,7 @@ impl Session {
 
     fn build(&mut self, suite: &Suite, case: &Case) -> Result<BuiltScene, Failure> {
         let mut scene = Scene::open(&case.scene, case.options.clone())?;
-        let mut mistakes = check_of_suite(&suite.spec, scene.spec());
-        let of_suite =
-            SceneSpec { file: suite.spec.file.clone(), checks: suite.spec.checks.clone(), ..SceneSpec::default() };
-        mistakes.extend(check::wrong_checks(&of_suite));
+        let mistakes = check_of_suite(&suite.spec, scene.spec());
         let own = scene.diagnostics().iter().chain(&mistakes);
         if let Some(first) = own.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
             let details = own.map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
@@ -231,7 +227,10 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
     let finished = over.judge();
     let limit = is_over_limit.then_some(suite.spec.limits.processor);
-    let row = Row { key, words, ..judge(suite, case, &finished, limit) };
+    let mut row = Row { key, words, ..judge(suite, case, &finished, limit) };
+    if session.interrupt.is_set() && row.checks.iter().any(|check| check.broken) {
+        (row.outcome, row.message) = (RowOutcome::Interrupted, "interrupted".to_owned());
+    }
     let is_shown = row.outcome != RowOutcome::Passed;
     let trace = |(index, trail): (usize, &BodyTrails)| {
         let points = |line: Vec<glam::DVec2>| line.into_iter().map(|point| point.to_array()).collect();
@@ -247,7 +246,10 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
     let broken_check = report.checks.iter().find(|check| check.broken);
-    let failed_check = broken_check.or(report.checks.iter().find(|check| !check.passed));
+    // The earliest failure is the cause of others.
+    let instant = |check: &CheckReport| check.at_s.unwrap_or(f64::INFINITY);
+    let failed_checks = report.checks.iter().filter(|check| !check.passed);
+    let failed_check = broken_check.or(failed_checks.min_by(|a, b| instant(a).total_cmp(&instant(b))));
     let of_robot = failed_robot.map(|robot| {
         let reason = robot.reason.as_deref().unwrap_or(robot.outcome.name());
         format!("r{} (`{}`) {reason}", robot.id, robot.program)

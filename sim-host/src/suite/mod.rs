@@ -18,14 +18,15 @@ pub use select::{Selection, SelectionError};
 
 use std::path::{Path, PathBuf};
 
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::suite::{Axis, AxisKind, LoadedSuite, SuiteSpec, load_suite, print_suite};
 use sim_format::{Diagnostic, InputFile};
 
 use crate::executive::program::Exec;
 use crate::files::{DiskFiles, slashed};
-use crate::launch::Options;
 use crate::launch::settings::ProgramOption;
+use crate::launch::{Options, check};
 
 /// A suite that has been read.
 pub struct Suite {
@@ -48,7 +49,9 @@ impl Suite {
     /// Reads the suite at `path`; `programs` take precedence over those that it names.
     pub fn open(path: &Path, programs: Vec<ProgramOption>) -> Self {
         let mut files = DiskFiles::of_environment();
-        let LoadedSuite { suite: spec, loaded } = load_suite(&files.name(path), &files);
+        let LoadedSuite { suite: spec, mut loaded } = load_suite(&files.name(path), &files);
+        let own = SceneSpec { file: spec.file.clone(), checks: spec.checks.clone(), ..SceneSpec::default() };
+        loaded.diagnostics.extend(check::wrong_checks(&own));
         let axes = spec.matrix.axes();
         let checks_text = print_suite(&SuiteSpec { checks: spec.checks.clone(), ..SuiteSpec::default() });
         Self {

@@ -96,7 +96,8 @@ impl Driver {
         };
         let rate = if self.is_paused { 0.0 } else { self.rate.measure(start, self.now) };
         let (run, world) = (run.run(), &run.run().world());
-        self.show.lock().present(Moment { run, world, now: self.now, state, speed: self.speed, rate, ends: &[] });
+        let (now, speed) = (self.now, self.speed);
+        self.show.lock().present(Moment { run, world, now, state, speed, rate, ends: &[], results: None });
         let is_full_speed = self.speed.is_none() && !self.is_paused;
         // The texts of the update are serialised on another thread, but on the same processors.
         let rest = if is_full_speed {

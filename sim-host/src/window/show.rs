@@ -9,15 +9,17 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::LiveEntity;
-use sim_view::protocol::{AddableTypes, Detail, Reading, RunState, Scene, Snapshot};
+use sim_view::protocol::{AddableTypes, CheckState, CheckVerdict, Detail, Reading, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
 use super::feed::Feed;
 use super::scene::{ObjectInput, RobotInput, SceneInput};
 use super::snapshot;
+use crate::check::{self, Progress, Standing, Tally};
 use crate::executive::run::Run;
 use crate::executive::scheduler::RobotEnd;
+use crate::record::report::CheckReport;
 use crate::scenery::LazyScenery;
 
 /// Shows a run to its pages; remembers what they have already received.
@@ -29,6 +31,7 @@ pub struct Show {
     spec: Arc<SceneSpec>,
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
+    tally: Option<Arc<Mutex<Tally>>>,
     /// Bodies of the scene that pages received last, and that scene.
     bodies: Option<(BodySet, Arc<Scene>)>,
     /// Bodies when the run was shown last.
@@ -61,6 +64,8 @@ pub struct ShowParts {
     pub scenery: Arc<LazyScenery>,
     /// Events and readings of the run.
     pub feed: Arc<Mutex<Feed>>,
+    /// Events that its checks count.
+    pub tally: Option<Arc<Mutex<Tally>>>,
 }
 
 /// Types and poses of the robots and movable objects in the world.
@@ -88,19 +93,21 @@ pub struct Moment<'a> {
     pub rate: f64,
     /// Ends of its robots, once the run is over.
     pub ends: &'a [RobotEnd],
+    /// Results of its checks, once the run is over.
+    pub results: Option<&'a [CheckReport]>,
 }
 
 impl Show {
     /// Creates a show; pages have received nothing of it yet.
     pub fn new(parts: ShowParts) -> Self {
-        let ShowParts { window, run, seed, slot, spec, scenery, feed } = parts;
+        let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
-        Self { window, run, seed, slot, spec, scenery, feed, bodies, body_poses, looks, details }
+        Self { window, run, seed, slot, spec, scenery, feed, tally, bodies, body_poses, looks, details }
     }
 
     /// Shows the run; if no page is connected, only events are kept, for later pages.
     pub fn present(&mut self, moment: Moment<'_>) {
-        let Moment { run, world, now, state, speed, rate, ends } = moment;
+        let Moment { run, world, now, state, speed, rate, ends, results } = moment;
         self.look(run);
         self.body_poses = body_poses(run, world);
         let events = self.feed.lock().take_events();
@@ -123,10 +130,31 @@ impl Show {
             robots: snapshot::robots(run, world, robots.iter().copied()),
             objects: snapshot::objects(world, objects.into_iter()),
             beams: snapshot::beams(run, world, chosen.iter().copied().chain(others)),
+            checks: self.checks(run, now, results),
         };
         let details = self.looks.clone().into_iter().filter(|look| chosen.contains(&RobotId(look.robot)));
         let details = details.map(|look| self.detail(run, world, look, ends)).collect();
         self.window.show(snapshot, details);
+    }
+
+    /// The checks of the scene, by their final `results` once there are any.
+    fn checks(&self, run: &Run, now: Time, results: Option<&[CheckReport]>) -> Vec<CheckState> {
+        if self.spec.checks.is_empty() {
+            return Vec::new();
+        }
+        // The caller looks at the world meanwhile.
+        let environment = run.environment.read_recursive();
+        let tally = self.tally.as_ref().map(|tally| tally.lock());
+        let standings = check::standings(&self.spec.checks, environment.monitor(), tally.as_deref(), now);
+        let state = |(index, standing): (usize, Standing)| {
+            let (verdict, text) = match results.and_then(|results| results.get(index)) {
+                Some(result) if result.passed => (CheckVerdict::Met, result.message.clone()),
+                Some(result) => (CheckVerdict::Failed, result.message.clone()),
+                None => (verdict(standing.progress), standing.message),
+            };
+            CheckState { name: self.spec.checks[index].title().to_owned(), verdict, text, value: standing.value }
+        };
+        standings.into_iter().enumerate().map(state).collect()
     }
 
     /// Returns true if pages have selected other robots since the last update, or if the first page has connected.
@@ -211,6 +239,14 @@ impl Show {
             at_s: at.seconds(),
         }));
         Detail { run: self.run, camera, readings, ..detail }
+    }
+}
+
+fn verdict(progress: Progress) -> CheckVerdict {
+    match progress {
+        Progress::Open => CheckVerdict::Open,
+        Progress::Met => CheckVerdict::Met,
+        Progress::Failed => CheckVerdict::Failed,
     }
 }
 

@@ -120,6 +120,7 @@ export class RecordedSource implements Source, Player {
         return this.model.motion.object(id, this.t_s, pose) ? [{ id, pose }] : [];
       }),
       beams: [],
+      checks: [],
     };
   }
 

@@ -94,6 +94,7 @@ function snapshot(motions, t_s) {
       is_stalled: i % 40 === 7,
     })),
     objects: [],
+    checks: [],
     beams: now.flatMap(({ pose: { x_m, y_m, phi_rad } }, i) =>
       Array.from({ length: BEAMS }, (_, sensor) => {
         const angle = phi_rad + (2 * Math.PI * sensor) / BEAMS;

@@ -52,6 +52,7 @@ const at = (t_s, turn = 0) => ({
     is_stalled: false,
   })),
   objects: [],
+  checks: [],
   beams: [{ robot: 1, sensor: 0, from_m: [0.2, 1, 0.05], to_m: [0.2, 1.3, 0.05], is_hit: true }],
 });
 

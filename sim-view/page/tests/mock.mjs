@@ -165,7 +165,7 @@ export function scene() {
 
 const pose = (id, t_s) => ({ x_m: 0.3 * id + 0.1 * Math.cos(t_s), y_m: 0.5 + 0.1 * Math.sin(t_s), phi_rad: t_s + Math.PI / 2 });
 
-export function snapshot(t_s = 0, state = { is: "running" }) {
+export function snapshot(t_s = 0, state = { is: "running" }, checks = []) {
   const robotState = (id) => ({
     id,
     legs: [{ t_s, from: pose(id, t_s), v_m_per_s: 0.1, left_m_per_s: 0, omega_rad_per_s: 1, lasts_s: 0.05 }],
@@ -175,7 +175,7 @@ export function snapshot(t_s = 0, state = { is: "running" }) {
     is_stalled: false,
   });
   const objects = [{ id: 1, pose: { x_m: 1.5, y_m: 0.5, phi_rad: 0 } }];
-  return { run: 1, t_s, state, speed: 1, rate: 0.998, robots: [1, 2, 3].map(robotState), objects, beams: [] };
+  return { run: 1, t_s, state, speed: 1, rate: 0.998, robots: [1, 2, 3].map(robotState), objects, beams: [], checks };
 }
 
 export function detail(robot, t_s) {

@@ -225,3 +225,18 @@ function findFaults() {
     .map((control) => control.outerHTML);
   return [[...faint], nameless];
 }
+
+test("checks show their verdicts, and metrics a curve", { skip }, async () => {
+  assert(await control("checks-panel").isHidden(), "a scene without checks has no panel");
+  const checks = (verdict, value) => [
+    { name: "the goal", verdict, text: "at 2.000 s <b>", value: null },
+    { name: "together", verdict: "open", text: "300 mm", value },
+  ];
+  for (const [t_s, value] of [[1, 100], [2, 300], [3, 200]])
+    mock.send({ type: "snapshot", ...snapshot(t_s, { is: "running" }, checks(t_s < 2 ? "open" : "met", value)) });
+  await page.waitForFunction(() => document.querySelector("[data-testid=checks] polyline")?.getAttribute("points").split(" ").length === 3);
+  const rows = control("checks").locator("li");
+  assert.equal(await rows.first().getAttribute("data-is"), "met");
+  assert.match(await rows.first().textContent(), /metthe goalat 2.000 s <b>/);
+  assert.equal(await rows.nth(1).locator("polyline").getAttribute("points"), "0.00,22.00 50.00,2.00 100.00,12.00");
+});

@@ -22,8 +22,8 @@ pub use scene::{
     Scene, Sensor, SensorKind, Sky, Spot,
 };
 pub use state::{
-    Beam, Detail, MotionPiece, ObjectState, Parameter, Picture, Pose, Reading, RobotState, RunState, Scan, SensorState,
-    Snapshot, Standing,
+    Beam, CheckState, CheckVerdict, Detail, MotionPiece, ObjectState, Parameter, Picture, Pose, Reading, RobotState,
+    RunState, Scan, SensorState, Snapshot, Standing,
 };
 
 use serde::{Deserialize, Serialize};

@@ -22,6 +22,35 @@ pub struct Snapshot {
     pub objects: Vec<ObjectState>,
     /// Noise-free beams of the range sensors.
     pub beams: Vec<Beam>,
+    /// The checks of the scene, in the order of the file.
+    pub checks: Vec<CheckState>,
+}
+
+/// A check of the scene at one instant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct CheckState {
+    /// Its name.
+    pub name: String,
+    /// Its verdict up to now.
+    pub verdict: CheckVerdict,
+    /// The verdict in words.
+    pub text: String,
+    /// Present value of a metric that changes over time; none for another check.
+    pub value: Option<f64>,
+}
+
+/// Verdict of a check up to now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum CheckVerdict {
+    /// The rest of the run decides.
+    Open,
+    /// It is met for good.
+    Met,
+    /// It can no longer be met.
+    Failed,
 }
 
 /// State of a run.

@@ -64,8 +64,8 @@ pub fn scene(run: u32) -> Scene {
 }
 
 pub fn snapshot(t_s: f64) -> Snapshot {
-    let (robots, objects, beams) = (vec![], vec![], vec![]);
-    Snapshot { run: 1, t_s, state: RunState::Running, speed: Some(1.0), rate: 1.0, robots, objects, beams }
+    let (robots, objects, beams, checks) = (vec![], vec![], vec![], vec![]);
+    Snapshot { run: 1, t_s, state: RunState::Running, speed: Some(1.0), rate: 1.0, robots, objects, beams, checks }
 }
 
 pub fn detail(robot: u32, t_s: f64, lcd: Option<&str>) -> Detail {

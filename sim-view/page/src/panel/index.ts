@@ -3,6 +3,7 @@ import { bannerPanel } from "./banner";
 import { buildPanel } from "./build";
 import { callsPanel } from "./calls";
 import { cameraPanel } from "./camera";
+import { checksPanel } from "./checks";
 import { editPanel } from "./edit";
 import { eventsPanel } from "./events";
 import { helpPanel } from "./help";
@@ -28,6 +29,7 @@ export function panels(model: Model): HTMLElement[] {
     bannerPanel(model),
     buildPanel(model),
     robotsPanel(model),
+    checksPanel(model),
     lcdPanel(model),
     inputPanel(model),
     cameraPanel(model),

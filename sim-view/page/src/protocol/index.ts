@@ -113,6 +113,20 @@ export type Camera = {
   /** Whole vertical angle of view. */
   vertical_rad: number, };
 
+/** A check of the scene at one instant. */
+export type CheckState = {
+  /** Its name. */
+  name: string,
+  /** Its verdict up to now. */
+  verdict: CheckVerdict,
+  /** The verdict in words. */
+  text: string,
+  /** Present value of a metric that changes over time; none for another check. */
+  value: number | null, };
+
+/** Verdict of a check up to now. */
+export type CheckVerdict = "open" | "met" | "failed";
+
 /** Command of a page. */
 export type Command = { "command": "run", } | { "command": "pause", } | { "command": "step", } | { "command": "speed",
   /** Simulated seconds for each second of real time; none for as fast as possible. */
@@ -516,7 +530,9 @@ export type Snapshot = {
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<ObjectState>,
   /** Noise-free beams of the range sensors. */
-  beams: Array<Beam>, };
+  beams: Array<Beam>,
+  /** The checks of the scene, in the order of the file. */
+  checks: Array<CheckState>, };
 
 /** A disc on the floor. */
 export type Spot = {
