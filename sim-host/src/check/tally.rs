@@ -48,12 +48,11 @@ impl Tally {
         (!checks.is_empty()).then_some(Self { checks, interest })
     }
 
-    /// Robots of whose calls checks need a record: `None` stands for all.
-    pub fn called_robots(&self) -> impl Iterator<Item = Option<RobotId>> {
-        self.checks.iter().filter_map(|(_, kind, _)| match kind {
-            CheckKind::Calls { robot, .. } => Some(*robot),
-            _ => None,
-        })
+    /// Returns true if a check counts calls of `id`.
+    pub fn counts_calls_of(&self, id: RobotId) -> bool {
+        let counts =
+            |kind: &CheckKind| matches!(kind, CheckKind::Calls { robot, .. } if robot.is_none_or(|robot| robot == id));
+        self.checks.iter().any(|(_, kind, _)| counts(kind))
     }
 
     /// Count of the check at `index` of the scene.

@@ -183,10 +183,8 @@ impl Ready {
 /// Lets the calls be recorded that checks count.
 fn record_calls(tally: &Tally, scheduler: &Scheduler) {
     let run = scheduler.run();
-    let all = || (0..run.robot_count()).map(RobotId::from_index);
-    for called in tally.called_robots() {
-        all().filter(|id| called.is_none_or(|called| called == *id)).for_each(|id| run.set_verbose(id, true));
-    }
+    let all = (0..run.robot_count()).map(RobotId::from_index);
+    all.filter(|id| tally.counts_calls_of(*id)).for_each(|id| run.set_verbose(id, true));
 }
 
 /// Arguments of `eyesim run` that repeat the run: everything that determines its results.

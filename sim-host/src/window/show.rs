@@ -162,18 +162,23 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Records the RoBIOS calls of those robots whose calls a page requests, and of no others.
+    /// Records the RoBIOS calls of those robots whose calls a page requests or a check counts, and of no others.
     fn look(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {
             return;
         }
-        let wants_calls = |looks: &[Look], robot| looks.iter().any(|look| look.robot == robot && look.calls);
+        let tally = self.tally.as_ref().map(|tally| tally.lock());
+        let wants_calls = |robot| {
+            looks.iter().any(|look| look.robot == robot && look.calls)
+                || tally.as_ref().is_some_and(|tally| tally.counts_calls_of(RobotId(robot)))
+        };
         for Look { robot, .. } in self.looks.iter().chain(&looks) {
             if (1..=run.robot_count()).contains(&(*robot as usize)) {
-                run.set_verbose(RobotId(*robot), wants_calls(&looks, *robot));
+                run.set_verbose(RobotId(*robot), wants_calls(*robot));
             }
         }
+        drop(tally);
         self.looks = looks;
     }
 
