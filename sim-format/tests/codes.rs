@@ -12,8 +12,9 @@ use sim_format::{
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
 /// robots, a program, a conversion or the functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 17] = [
+const WITHOUT_EXAMPLE: [Code; 18] = [
     Code::CheckFunction,
+    Code::CheckProgram,
     Code::ConvertKind,
     Code::ConvertLost,
     Code::ConvertMaze,

@@ -245,6 +245,7 @@ fn schema_and_reader_know_the_same_keys() {
         "event",
         "calls",
         "message",
+        "script",
         "swarm\"\nof = \"groups",
         "swarm\"\nof = \"coverage",
     ]

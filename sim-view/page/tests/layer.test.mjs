@@ -109,10 +109,11 @@ test("runs that start anew take no more memory", { skip }, async () => {
   const memory = () => page.evaluate(() => ({ ...globalThis.eyesim.view.memory }));
   const restart = async (run) => {
     mock.scene.run = run;
-    await drawn(async () => {
-      mock.send({ type: "scene", ...mock.scene });
-      mock.send({ ...at(0.05), run });
-    });
+    mock.send({ type: "scene", ...mock.scene });
+    mock.send({ ...at(0.05), run });
+    await page.waitForFunction((run) => globalThis.eyesim.model.snapshot.run === run, run);
+    // The frame of the scene alone may come before that of the snapshot.
+    for (let frame = 0; frame < 3; frame++) await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
   };
   await restart(2);
   const before = await memory();

@@ -277,8 +277,8 @@ async fn open_socket(
     let place = SocketGuard::take(server, address);
     let open = place.server.sockets.load(Ordering::Relaxed);
     let refused = why_full(open, place.of_address, address.is_loopback());
-    if open > MAX_PAGES + MAX_REFUSED || place.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2 && refused.is_some()
-    {
+    let is_crowding = !address.is_loopback() && place.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2;
+    if open > MAX_PAGES + MAX_REFUSED || is_crowding {
         return (StatusCode::SERVICE_UNAVAILABLE, refused.unwrap_or_default()).into_response();
     }
     upgrade
