@@ -35,7 +35,6 @@ use crate::record::{Report, TraceFilter};
 use sim_core::record::Outcome;
 
 pub(super) use console::report_diagnostics;
-#[cfg(feature = "window")]
 pub use console::{ConsoleRun, Ran};
 #[cfg(feature = "window")]
 pub(super) use console::{build, open};

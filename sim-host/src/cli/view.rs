@@ -517,7 +517,7 @@ fn parse_listen(text: &str) -> Result<ListenAddress, String> {
     let alone = text.parse::<IpAddr>().map(|ip| ListenAddress { ip, port: None });
     let with_port =
         |text: &str| text.parse::<SocketAddr>().map(|at| ListenAddress { ip: at.ip(), port: Some(at.port()) });
-    alone.or_else(|_| with_port(text)).map_err(|_| {
+    alone.or_else(|_| with_port(text)).map_err(|_not_an_address| {
         "expected an address of this machine, alone or with a port: `0.0.0.0` (all), `192.168.1.20:7412`, `[::]:7412`".to_owned()
     })
 }

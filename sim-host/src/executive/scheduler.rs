@@ -48,8 +48,11 @@ pub struct Scheduler {
     /// Faults of the scene that are still to come.
     faults: Faults,
     /// Hears which programs compute for long.
-    listener: Option<Box<dyn FnMut(&str) + Send>>,
+    listener: Option<Listener>,
 }
+
+/// Hears a line of text.
+type Listener = Box<dyn FnMut(&str) + Send>;
 
 /// State of a run after it was advanced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
