@@ -111,7 +111,7 @@ test("runs that start anew take no more memory", { skip }, async () => {
     mock.scene.run = run;
     mock.send({ type: "scene", ...mock.scene });
     mock.send({ ...at(0.05), run });
-    await page.waitForFunction((run) => globalThis.eyesim.model.snapshot.run === run, run);
+    await page.waitForFunction((run) => globalThis.eyesim.model.snapshot?.run === run, run);
     // The frame of the scene alone may come before that of the snapshot.
     for (let frame = 0; frame < 3; frame++) await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
   };
