@@ -40,7 +40,7 @@ pub struct DiskFiles {
 }
 
 impl DiskFiles {
-    /// Files with the installation that [`HOME_VARIABLE`] names; else the one that the [host](host) brings; else the folder above the
+    /// Files with the installation that [`HOME_VARIABLE`] names; else the one that the [host] brings; else the folder above the
     /// running binary that contains `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
     pub fn of_environment() -> Self {
         if let Some(home) = OF_ARCHIVE.get() {

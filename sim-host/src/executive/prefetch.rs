@@ -1,18 +1,22 @@
 //! Prefetch of memory into the processor's caches, while a worker computes something else.
 
+#[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
 use std::ops::Range;
 
 /// Length of a cache line in bytes.
 const LINE: usize = 64;
 
-/// Fetches the memory at these addresses into the second cache. Any addresses are allowed.
+/// Fetches the memory at these addresses into the second cache, on processors of x86-64. Any addresses are allowed.
 #[inline]
 pub fn prefetch(addresses: Range<*const u8>) {
     let mut line = addresses.start;
     while line < addresses.end {
+        #[cfg(target_arch = "x86_64")]
         // SAFETY: a prefetch reads nothing and never faults.
-        unsafe { _mm_prefetch::<_MM_HINT_T1>(line.cast()) };
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T1>(line.cast())
+        };
         line = line.wrapping_add(LINE);
     }
 }

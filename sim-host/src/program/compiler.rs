@@ -139,7 +139,7 @@ pub enum CompilerError {
     Io(#[from] io::Error),
 }
 
-/// The command that installs the compiler of the [host](host).
+/// The command that installs the compiler of the [host].
 fn of_host() -> String {
     let installer = host::current().map(|host| &host.zig_installer).filter(|installer| !installer.is_empty());
     installer.map_or_else(String::new, |installer| format!("; without the system's packages: `{installer}`"))
@@ -151,7 +151,7 @@ fn quoted(names: &[&str]) -> String {
 
 impl Compiler {
     /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain arguments),
-    /// else the first of its [usual commands](Language::commands), else the zig of the [host](host).
+    /// else the first of its [usual commands](Language::commands), else the zig of the [host].
     ///
     /// The optional flags that it knows are tried once and stored in `cache`.
     ///
@@ -194,7 +194,7 @@ impl Compiler {
         format!("{} ({})", self.command.join(" "), version.trim())
     }
 
-    /// Line for the user if this is the compiler of the [host](host), for want of another.
+    /// Line for the user if this is the compiler of the [host], for want of another.
     pub fn note(&self) -> Option<String> {
         let language = self.language.name();
         self.is_zig
@@ -321,7 +321,7 @@ impl Compiler {
     }
 }
 
-/// The command of the zig that the [host](host) brings, for want of another compiler. It is clang; the check for undefined behaviour that
+/// The command of the zig that the [host] brings, for want of another compiler. It is clang; the check for undefined behaviour that
 /// it adds by itself would stop programs that others run.
 fn zig(language: Language) -> Option<Vec<String>> {
     let zig = host::current().map(|host| &host.zig).filter(|zig| !zig.is_empty())?;

@@ -70,6 +70,8 @@ struct Worker {
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
     /// Length of the queue.
     queued: AtomicUsize,
+    /// Number of robots that have their home here.
+    residents: AtomicUsize,
     /// It waits in the kernel, which takes microseconds to wake it.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
@@ -206,6 +208,7 @@ impl RunningWorker {
             block: FlowBlock::notifying(Arc::clone(notifier)),
             queue: Mutex::default(),
             queued: AtomicUsize::new(0),
+            residents: AtomicUsize::new(0),
             is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
             team: Arc::clone(team),
@@ -295,12 +298,17 @@ impl Worker {
         }
     }
 
-    /// Takes the first fiber from the queue. Lets the caches fetch what the following one touches: ten thousand robots do not fit in them.
+    /// Takes the first fiber from the queue. Lets the caches fetch what the following one touches, unless the robots are so few that they
+    /// fit in them.
     fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
+        /// Number of robots that fit in the second cache: with a hundred, fetching neither gains nor costs (docs/performance.md).
+        const FEW: usize = 100;
         let mut queue = self.queue.lock();
         let first = queue.pop_front();
         self.queued.store(queue.len(), Ordering::SeqCst);
-        if let Some((robot, fiber)) = queue.front() {
+        if self.residents.load(Ordering::Relaxed) > FEW
+            && let Some((robot, fiber)) = queue.front()
+        {
             // SAFETY: fibers of this queue run on the calling thread alone.
             unsafe {
                 robot.prefetch();
@@ -586,7 +594,11 @@ impl Executor for FiberExecutor {
         let fibers = self.robot(robot);
         let Some(workers) = self.workers.get() else { return };
         let worker = fibers.variables.as_ref().map_or(worker, |variables| variables.worker());
-        let home = fibers.home.get_or_init(|| Arc::clone(&workers[worker as usize]));
+        let home = fibers.home.get_or_init(|| {
+            let home = Arc::clone(&workers[worker as usize]);
+            home.residents.fetch_add(1, Ordering::Relaxed);
+            home
+        });
         if let Some(token_holder) = fibers.token_holder() {
             home.enqueue(fibers, token_holder);
         }
