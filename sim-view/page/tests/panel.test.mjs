@@ -234,7 +234,7 @@ test("checks show their verdicts, and metrics a curve", { skip }, async () => {
   ];
   for (const [t_s, value] of [[1, 100], [2, 300], [3, 200]])
     mock.send({ type: "snapshot", ...snapshot(t_s, { is: "running" }, checks(t_s < 2 ? "open" : "met", value)) });
-  await page.waitForFunction(() => document.querySelector("[data-testid=checks] polyline")?.getAttribute("points").split(" ").length === 3);
+  await page.waitForFunction(() => document.querySelector("[data-testid=checks] polyline")?.getAttribute("points")?.split(" ").length === 3);
   const rows = control("checks").locator("li");
   assert.equal(await rows.first().getAttribute("data-is"), "met");
   assert.match(await rows.first().textContent(), /metthe goalat 2.000 s <b>/);
