@@ -139,6 +139,63 @@ fn programs_that_break_hang_or_do_not_compile_are_rows() {
 }
 
 #[test]
+fn a_program_that_writes_into_the_pool_s_connection_is_an_error_of_its_case() {
+    let scratch = of_page();
+    let scribble = |text: &str| {
+        let write = format!("for (int fd = 3; fd < 64; fd++) write(fd, {text});");
+        format!("#include \"eyebot.h\"\n#include <unistd.h>\nint main(void) {{ {write} return 0; }}\n")
+    };
+    let long = "\"\\xff\\xff\\xff\\xff\\x7f\", 5";
+    let empty = "\"\\0\\2\\0\\0\\0{}\", 7";
+    for text in [long, empty] {
+        scratch.write("square.c", &scribble(text));
+        let ran = test(&scratch, &["0.suite.toml", "--report", "r.json"], 1);
+        for row in rows(&scratch, "r.json") {
+            assert_eq!(row["outcome"], "error", "{row:#}");
+            let message = row["message"].as_str().expect("a message");
+            assert!(message.contains("gave something else than a result"), "{message}\n{ran:#?}");
+        }
+    }
+}
+
+#[test]
+fn an_input_that_changes_meanwhile_is_told() {
+    let scratch = of_page();
+    let program =
+        "import os\nfrom eye import *\nwith open('room.scene.toml', 'a') as scene:\n    scene.write('# changed\\n')\n";
+    scratch.write("writes.py", program);
+    let args = ["0.suite.toml", "-j", "1", "--program", "1=writes.py", "--report", "r.json"];
+    test(&scratch, &args, 1);
+    let rows = rows(&scratch, "r.json");
+    let message = rows[rows.len() - 1]["message"].as_str().expect("a message");
+    assert!(message.contains("`room.scene.toml` has changed since the first case"), "{message}");
+}
+
+#[test]
+fn outputs_do_not_overwrite_programs() {
+    let scratch = of_page();
+    scratch.write("mine.c", "int main(void) { return 0; }\n");
+    for option in ["--report", "--junit"] {
+        let ran = test(&scratch, &["0.suite.toml", "--program", "1=mine.c", option, "mine.c"], 2);
+        assert!(ran.stderr.contains("would overwrite the input `mine.c`"), "{ran:#?}");
+    }
+}
+
+#[test]
+fn cases_that_were_not_run_are_told() {
+    let scratch = failing();
+    let files = ["--report", "r.json", "--junit", "r.xml", "--html", "h"];
+    let ran = test(&scratch, &[&["0.suite.toml", "-x", "-j", "1"], &files[..]].concat(), 1);
+    let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+    let missing = report["missing"].as_u64().expect("a number");
+    assert!(missing > 0 && report["passed"] == false, "{report:#}");
+    assert_eq!(missing as usize + report["suites"][0]["rows"].as_array().expect("rows").len(), 16);
+    let words = format!("{missing} not run");
+    assert!(ran.stdout.contains(&words) && scratch.read("h/index.html").contains(&words), "{ran:#?}");
+    assert_eq!(scratch.read("r.xml").matches("message=\"not run\"").count(), missing as usize);
+}
+
+#[test]
 fn wrong_suites_are_told() {
     let scratch = of_page();
     let base = scratch.read("0.suite.toml");

@@ -211,9 +211,14 @@ fn of_times(count: &Count, wanted: Counts) -> String {
         Counts { min, max: Some(max) } => format!("{min} to {max} times"),
     };
     let is_too_often = count.number > wanted.min;
-    let since = count.at.filter(|_| is_too_often).map(|at| format!(", too often since {}", seconds(at)));
+    let (what, since) = if wanted.max == Some(0) {
+        ("allowed is none".to_owned(), "first at")
+    } else {
+        (format!("not {bounds}"), "too often since")
+    };
+    let since = count.at.filter(|_| is_too_often).map(|at| format!(", {since} {}", seconds(at)));
     let robot = count.robot.filter(|_| is_too_often).map(|robot| format!(" ({robot})"));
-    format!("{}, not {bounds}{}{}", times(count.number), since.unwrap_or_default(), robot.unwrap_or_default())
+    format!("{}, {what}{}{}", times(count.number), since.unwrap_or_default(), robot.unwrap_or_default())
 }
 
 fn times(number: u64) -> String {

@@ -94,6 +94,8 @@ pub struct SuiteRun {
     pub suite: Suite,
     /// All its cases.
     pub cases: Vec<Case>,
+    /// Indices of the cases that were to run.
+    pub selected: Vec<usize>,
     /// Results, by the index of the case.
     pub results: BTreeMap<usize, CaseResult>,
     /// Its variants.
@@ -114,6 +116,13 @@ impl SuiteRun {
     /// At least one variant does not pass.
     pub fn is_failed(&self) -> bool {
         self.variants.iter().any(|variant| !variant.passed)
+    }
+
+    /// Number of cases that were to run and did not, since the user has ended them or `-x` one that failed.
+    pub fn missing(&self) -> usize {
+        let was_run =
+            |index| self.results.get(index).is_some_and(|result| result.row.outcome != RowOutcome::Interrupted);
+        self.selected.iter().filter(|index| !was_run(index)).count()
     }
 }
 
@@ -140,10 +149,10 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         };
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
         let cases = suite.cases().map_err(anyhow::Error::msg).with_context(|| format!("`{}`", path.display()))?;
-        runs.push(SuiteRun { suite, cases, results: BTreeMap::new(), variants: Vec::new() });
+        runs.push(SuiteRun { suite, cases, selected: Vec::new(), results: BTreeMap::new(), variants: Vec::new() });
     }
-    let inputs: Vec<String> =
-        runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone())).collect();
+    let read = runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone()));
+    let inputs: Vec<String> = read.chain(args.programs.iter().map(|program| program.program().to_owned())).collect();
     check_outputs(&given(&[("--junit", &args.junit), ("--report", &args.report)]), inputs.iter().map(String::as_str))?;
     let last_failed = LastFailed::of_user();
     let selected: Vec<Vec<usize>> = select(&runs, selection.as_ref(), args.lf.then_some(&last_failed));
@@ -159,9 +168,12 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         }
         return Ok(ExitCode::from(if count == 0 { EXIT_NO_CASES } else { 0 }));
     }
+    for (run, selected) in runs.iter_mut().zip(selected) {
+        run.selected = selected;
+    }
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
-    for (run, selected) in runs.iter_mut().zip(&selected).filter(|(_, selected)| !selected.is_empty()) {
-        let SuiteRun { suite, cases, results, .. } = run;
+    for run in runs.iter_mut().filter(|run| !run.selected.is_empty()) {
+        let SuiteRun { suite, cases, selected, results, .. } = run;
         let session = Session::new(builder(args.quiet)?, interrupt.clone());
         let preparation = Preparation::of(suite, selected.iter().map(|&index| &cases[index]), session);
         console.begin(&suite.spec.file, selected.len());
@@ -294,7 +306,10 @@ impl LastFailed {
 struct Report<'r> {
     schema: u32,
     eyesim_version: &'static str,
+    /// All suites passed, and all their cases have run.
     passed: bool,
+    /// Number of cases that were to run and did not.
+    missing: usize,
     suites: Vec<SuiteReport<'r>>,
 }
 
@@ -302,6 +317,7 @@ struct Report<'r> {
 struct SuiteReport<'r> {
     suite: &'r str,
     passed: bool,
+    missing: usize,
     pass_rate: f64,
     points: f64,
     max_points: f64,
@@ -314,7 +330,8 @@ impl<'r> SuiteReport<'r> {
         let SuiteRun { suite, results, variants, .. } = run;
         Self {
             suite: &suite.spec.file,
-            passed: !run.is_failed(),
+            passed: !run.is_failed() && run.missing() == 0,
+            missing: run.missing(),
             pass_rate: suite.spec.pass_rate,
             points: variants.iter().map(|variant| variant.points).sum(),
             max_points: variants.iter().map(|variant| variant.max_points).sum(),
@@ -332,7 +349,8 @@ fn write_files(args: &TestArgs, runs: &[SuiteRun], elapsed: Duration) -> anyhow:
         let report = Report {
             schema: ROW_SCHEMA,
             eyesim_version: env!("CARGO_PKG_VERSION"),
-            passed: !runs.iter().any(SuiteRun::is_failed),
+            passed: !runs.iter().any(|run| run.is_failed() || run.missing() > 0),
+            missing: runs.iter().map(SuiteRun::missing).sum(),
             suites: runs.iter().map(SuiteReport::of).collect(),
         };
         let mut json = serde_json::to_vec_pretty(&report)?;

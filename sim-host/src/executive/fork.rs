@@ -6,7 +6,7 @@ use std::io;
 use std::os::fd::AsRawFd as _;
 use std::os::unix::net::UnixStream;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::confine::exit_at_once;
 
@@ -55,6 +55,31 @@ impl ForkedWorker {
             // SAFETY: the child has not been waited for, so that its number is still its own.
             unsafe { libc::kill(self.pid, libc::SIGKILL) };
         }
+    }
+
+    /// Waits for the end of the copy, and kills it after `timeout`; returns how it ended, in words.
+    pub fn end_within(&mut self, timeout: Duration) -> String {
+        let start = Instant::now();
+        while !self.has_ended() {
+            if start.elapsed() > timeout {
+                self.kill();
+                break;
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        self.wait()
+    }
+
+    /// Returns true if [`ForkedWorker::wait`] would not block.
+    fn has_ended(&self) -> bool {
+        // SAFETY: a struct of numbers, for which zeros are valid.
+        let mut info: libc::siginfo_t = unsafe { std::mem::zeroed() };
+        let options = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
+        // SAFETY: a child that has not been waited for, and a valid pointer. If there is none, there is nothing to wait for.
+        let result =
+            self.is_over || unsafe { libc::waitid(libc::P_PID, self.pid.cast_unsigned(), &raw mut info, options) } != 0;
+        // SAFETY: the kernel has filled in the structure of a child that has ended, or left it.
+        result || unsafe { info.si_pid() } != 0
     }
 
     /// Waits for the end of the copy; returns how it ended, in words.

@@ -1,6 +1,6 @@
 //! A case of a suite, and its run in this process.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -48,6 +48,8 @@ pub struct Session {
     programs: ProgramCache,
     loader: Option<Loader>,
     subreaper: Option<Subreaper>,
+    /// Files that cases have read: path and digest.
+    inputs: BTreeMap<String, String>,
     /// Ends the case that is running.
     pub interrupt: Interrupt,
 }
@@ -55,7 +57,14 @@ pub struct Session {
 impl Session {
     /// A session that builds programs with `builder`.
     pub fn new(builder: Builder, interrupt: Interrupt) -> Self {
-        Self { builder, programs: ProgramCache::default(), loader: None, subreaper: None, interrupt }
+        Self {
+            builder,
+            programs: ProgramCache::default(),
+            loader: None,
+            subreaper: None,
+            inputs: BTreeMap::new(),
+            interrupt,
+        }
     }
 
     /// Builds the programs of a case. Returns true if they may run in a process with others: all are on fibers.
@@ -93,6 +102,13 @@ impl Session {
         }
         scene.spec_mut().checks.extend(suite.spec.checks.iter().cloned());
         let built = scene.build_with(&self.builder, &mut self.programs)?;
+        for Input { path, sha256 } in built.inputs() {
+            if self.inputs.entry(path.clone()).or_insert_with(|| sha256.clone()) != sha256 {
+                return Err(Failure::of(format!(
+                    "`{path}` has changed since the first case: the cases after that are others"
+                )));
+            }
+        }
         Ok(built)
     }
 }
@@ -246,10 +262,13 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
     let broken_check = report.checks.iter().find(|check| check.broken);
-    // The earliest failure is the cause of others.
+    // The earliest failure is the cause of others; a goal that is missed at an instant is missed for what happened then.
     let instant = |check: &CheckReport| check.at_s.unwrap_or(f64::INFINITY);
+    let is_goal = |check: &CheckReport| check.kind == "reach";
     let failed_checks = report.checks.iter().filter(|check| !check.passed);
-    let failed_check = broken_check.or(failed_checks.min_by(|a, b| instant(a).total_cmp(&instant(b))));
+    let by_cause =
+        |a: &&CheckReport, b: &&CheckReport| instant(a).total_cmp(&instant(b)).then(is_goal(a).cmp(&is_goal(b)));
+    let failed_check = broken_check.or(failed_checks.min_by(by_cause));
     let of_robot = failed_robot.map(|robot| {
         let reason = robot.reason.as_deref().unwrap_or(robot.outcome.name());
         format!("r{} (`{}`) {reason}", robot.id, robot.program)
@@ -271,8 +290,12 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
     let at = failed_check.and_then(|check| check.at_s);
     let at = at.or(failed_robot.filter(|_| !is_timed_out).map(|robot| robot.virtual_time_s));
-    let place = failed_check.and_then(|check| check.x_m.zip(check.y_m));
-    let place = place.or(failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m)));
+    // The poses of robots are those of the end, not of the instant of a check.
+    let of_robot = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
+    let place = match failed_check {
+        Some(check) if check.at_s.is_some() => check.x_m.zip(check.y_m),
+        _ => of_robot,
+    };
     let place = place.filter(|_| outcome != RowOutcome::Passed && !is_timed_out);
     let robots = report.robots.iter().map(|robot| RowRobot {
         id: robot.id,

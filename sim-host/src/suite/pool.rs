@@ -42,6 +42,10 @@ pub struct Pool<'s> {
 /// A worker with the cases that it has been given.
 struct Worker {
     process: ForkedWorker,
+    /// The part of its next answer that has arrived.
+    received: Vec<u8>,
+    /// Start of that answer.
+    answers_since: Instant,
     /// Indices of cases, the one that runs first.
     given: VecDeque<usize>,
     /// The worker ends after its first case.
@@ -58,6 +62,15 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// Time in which workers must end after an interrupt.
 const END_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Time in which a worker must end that has nothing left to do or does not obey.
+const WORKER_END_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Time in which an answer must arrive once it has begun.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Longest answer of a worker, in bytes; paths of many robots and what programs printed are much shorter.
+const MAX_ANSWER: usize = 256 << 20;
 
 /// Real seconds of a case for each second of processor time that it may use, after which its worker is killed: a last resort, far beyond
 /// what a loaded machine needs.
@@ -111,14 +124,18 @@ impl<'s> Pool<'s> {
             let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
             let ready = readable(&streams, POLL).map_err(PoolError::Wait)?;
             for place in ready.into_iter().rev() {
-                let answer = receive(&mut workers[place].process.stream);
+                let asked = workers[place].given.front().map(|&index| &self.cases[index]);
+                let answer = match workers[place].receive(asked).transpose() {
+                    Some(answer) => answer,
+                    None => continue,
+                };
                 let first = workers[place].given.pop_front();
                 let (result, is_over) = match (answer, first) {
                     (Ok((result, is_last)), Some(first)) => (Some((first, result)), is_last),
-                    (Err(_), Some(first)) => {
-                        let how = workers[place].process.wait();
+                    (Err(why), Some(first)) => {
+                        let how = workers[place].process.end_within(WORKER_END_TIMEOUT);
                         if workers[place].is_single || suspects.contains(&first) {
-                            let message = format!("the process of the case ended without a result: {how}");
+                            let message = format!("the process of the case {why}: {how}");
                             (Some((first, lost_case(self.suite, &self.cases[first], &message))), true)
                         } else {
                             suspects.push(first);
@@ -134,7 +151,7 @@ impl<'s> Pool<'s> {
                     worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
                     let mut process = worker.process;
                     _ = process.stream.shutdown(std::net::Shutdown::Both);
-                    process.wait();
+                    process.end_within(WORKER_END_TIMEOUT);
                 }
                 if let Some((index, result)) = result
                     && (result.row.outcome != RowOutcome::Interrupted || !self.preparation.session.interrupt.is_set())
@@ -174,7 +191,9 @@ impl<'s> Pool<'s> {
             let session = &mut self.preparation.session;
             let serve = |stream| serve(suite, cases, session, stream, is_single);
             let process = ForkedWorker::start(serve).map_err(PoolError::Start)?;
-            let mut worker = Worker { process, given: VecDeque::new(), is_single, since: Instant::now() };
+            process.stream.set_nonblocking(true).map_err(PoolError::Start)?;
+            let (received, given, now) = (Vec::new(), VecDeque::new(), Instant::now());
+            let mut worker = Worker { process, received, answers_since: now, given, is_single, since: now };
             give(&mut worker, queue);
             workers.push(worker);
         }
@@ -182,7 +201,7 @@ impl<'s> Pool<'s> {
         for worker in workers.extract_if(.., |worker| worker.given.is_empty()) {
             let mut process = worker.process;
             _ = process.stream.shutdown(std::net::Shutdown::Write);
-            process.wait();
+            process.end_within(WORKER_END_TIMEOUT);
         }
         Ok(())
     }
@@ -196,16 +215,22 @@ impl<'s> Pool<'s> {
     ) -> ControlFlow<()> {
         let limits = &self.suite.spec.limits;
         let most = PATIENCE * (limits.processor + limits.slot_processor) + 10.0;
-        while let Some(place) =
-            workers.iter().position(|worker| !worker.given.is_empty() && worker.since.elapsed().as_secs_f64() > most)
-        {
+        let is_late = |worker: &Worker| {
+            let answers_late = !worker.received.is_empty() && worker.answers_since.elapsed() > ANSWER_TIMEOUT;
+            !worker.given.is_empty() && (answers_late || worker.since.elapsed().as_secs_f64() > most)
+        };
+        while let Some(place) = workers.iter().position(is_late) {
             let mut worker = workers.remove(place);
             worker.process.kill();
             worker.process.wait();
             let first = worker.given.pop_front();
             worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
             if let Some(index) = first {
-                let message = format!("the case did not end within {most:.0} s of real time; its process was killed");
+                let message = if worker.received.is_empty() {
+                    format!("the case did not end within {most:.0} s of real time; its process was killed")
+                } else {
+                    "the process of the case gave a part of a result only; it was killed".to_owned()
+                };
                 done(index, lost_case(self.suite, &self.cases[index], &message))?;
             }
         }
@@ -233,21 +258,56 @@ fn dismiss(mut workers: Vec<Worker>) {
         let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
         let Ok(ready) = readable(&streams, POLL) else { break };
         for place in ready.into_iter().rev() {
-            if receive(&mut workers[place].process.stream).is_err() {
+            if workers[place].receive(None).is_err() {
                 workers.remove(place);
             }
         }
     }
 }
 
-/// Reads a result and the mark of a worker's last one.
-fn receive(stream: &mut UnixStream) -> io::Result<(CaseResult, bool)> {
-    let mut head = [0; 5];
-    stream.read_exact(&mut head)?;
-    let [is_last, length @ ..] = head;
-    let mut bytes = vec![0; u32::from_le_bytes(length) as usize];
-    stream.read_exact(&mut bytes)?;
-    Ok((serde_json::from_slice(&bytes)?, is_last != 0))
+impl Worker {
+    /// Reads what has arrived: a result with the mark of the worker's last one, once it is whole. It must be that of the case `asked`, if one
+    /// is given. A program shares the worker's process and may write anything into the connection.
+    ///
+    /// # Errors
+    /// What the process did in place of giving a result, in words.
+    fn receive(&mut self, asked: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
+        const HEAD: usize = 5;
+        const ENDED: &str = "ended without a result";
+        const MALFORMED: &str = "gave something else than a result";
+        let mut bytes = [0; 1 << 16];
+        loop {
+            let missing = match self.received.get(..HEAD) {
+                None => HEAD - self.received.len(),
+                Some(head) => {
+                    let length = u32::from_le_bytes([head[1], head[2], head[3], head[4]]) as usize;
+                    if length > MAX_ANSWER {
+                        return Err(MALFORMED);
+                    }
+                    HEAD + length - self.received.len()
+                }
+            };
+            if missing == 0 && self.received.len() >= HEAD {
+                let answer = std::mem::take(&mut self.received);
+                let result: CaseResult = serde_json::from_slice(&answer[HEAD..]).map_err(|_| MALFORMED)?;
+                let is_asked = asked.is_none_or(|case| result.row.case == case.name);
+                return if is_asked { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
+            }
+            let most = missing.min(bytes.len());
+            match self.process.stream.read(&mut bytes[..most]) {
+                Ok(0) => return Err(ENDED),
+                Ok(count) => {
+                    if self.received.is_empty() {
+                        self.answers_since = Instant::now();
+                    }
+                    self.received.extend_from_slice(&bytes[..count]);
+                }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(None),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(_) => return Err(ENDED),
+            }
+        }
+    }
 }
 
 /// Runs the cases that the pool asks for until it closes the connection; a single one if `is_single`.

@@ -15,6 +15,13 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> anyhow::Result<S
         let mut suite = TestSuite::new(run.name());
         suite.set_time(run.results.values().map(|result| seconds(result.real_time_s)).sum());
         run.results.values().for_each(|result| _ = suite.add_test_case(case(run, result)));
+        for index in run.selected.iter().filter(|index| !run.results.contains_key(index)) {
+            let mut status = TestCaseStatus::skipped();
+            status.set_message("not run");
+            let mut case = TestCase::new(run.cases[*index].name.as_str(), status);
+            case.set_classname(run.name());
+            suite.add_test_case(case);
+        }
         report.add_test_suite(suite);
     }
     Ok(report.to_string()?)

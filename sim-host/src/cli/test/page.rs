@@ -31,10 +31,12 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
         rows.filter(|result| result.row.outcome == outcome).count()
     };
     let (passed, failed, errors) = (count(RowOutcome::Passed), count(RowOutcome::Failed), count(RowOutcome::Error));
+    let missing: usize = runs.iter().map(SuiteRun::missing).sum();
+    let missing = if missing > 0 { format!(", {missing} not run") } else { String::new() };
     // Writing to a string cannot fail.
     _ = write!(
         html,
-        "<h1>eyesim test</h1>\n<p>{passed} passed, {failed} failed, {errors} errors in {:.2} s</p>\n",
+        "<h1>eyesim test</h1>\n<p>{passed} passed, {failed} failed, {errors} errors{missing} in {:.2} s</p>\n",
         elapsed.as_secs_f64()
     );
     for run in runs.iter().filter(|run| !run.results.is_empty()) {
@@ -45,7 +47,11 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
 }
 
 fn suite(html: &mut String, run: &SuiteRun) {
-    let verdict = if run.is_failed() { "failed" } else { "passed" };
+    let verdict = match run.missing() {
+        _ if run.is_failed() => "failed",
+        0 => "passed",
+        _ => "interrupted",
+    };
     _ = write!(
         html,
         "<section>\n<h2><span class=\"{verdict}\">{verdict}</span> {}</h2>\n<p>{} of the seeds must pass.</p>\n",

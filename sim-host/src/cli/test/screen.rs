@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use console::Term;
 use owo_colors::{OwoColorize as _, Style};
+use sim_core::record::Outcome;
 
 use super::{SuiteRun, picture};
 use crate::cli::diagnostic::{Colour, Screen};
@@ -182,6 +183,9 @@ impl Console {
         if row.checks.is_empty() || row.robots.iter().any(|robot| robot.outcome.is_failure()) {
             self.styled(&format!("E   {}", row.message), Style::new().red());
         }
+        if row.points == 0.0 && row.checks.iter().any(|check| check.points > 0.0) {
+            self.line("    no points, since a program failed");
+        }
         let lines: Vec<&str> = row.details.lines().collect();
         lines.iter().take(MOST_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
         if lines.len() > MOST_OUTPUT {
@@ -229,6 +233,7 @@ impl Console {
                 self.line(&format!("... and {} more", failures.len() - MOST_LISTED));
             }
         }
+        let missing: usize = runs.iter().map(SuiteRun::missing).sum();
         if is_interrupted {
             self.rule("interrupted: the cases above have run", '!', Style::new().yellow());
         }
@@ -244,7 +249,17 @@ impl Console {
         ];
         let parts: Vec<String> =
             counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
-        let parts = if parts.is_empty() { "no cases ran".to_owned() } else { parts.join(", ") };
+        let mut parts = if parts.is_empty() { "no cases ran".to_owned() } else { parts.join(", ") };
+        if missing > 0 {
+            parts.push_str(&format!(", {missing} not run"));
+        }
+        if !runs
+            .iter()
+            .flat_map(|run| run.results.values())
+            .any(|result| result.row.outcome == RowOutcome::Error || !result.row.checks.is_empty())
+        {
+            parts.push_str(", without any check");
+        }
         let points: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.points).sum();
         let max: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.max_points).sum();
         let points = if max > 0.0 { format!(", {} of {} points", number(points), number(max)) } else { String::new() };
@@ -282,7 +297,7 @@ impl Console {
     }
 }
 
-/// A failure, and the number of further cases with the same error.
+/// A failure, and the number of further cases that failed in the same way.
 struct Failure<'r> {
     run: &'r SuiteRun,
     result: &'r CaseResult,
@@ -301,7 +316,8 @@ impl Failure<'_> {
     }
 }
 
-/// The failures; cases that could not be run for one reason count as one.
+/// The failures; cases that could not be run for one reason count as one, as do cases of a variant in which the same checks are not met and
+/// the same programs failed.
 fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     let mut failures: Vec<Failure<'_>> = Vec::new();
     for run in runs {
@@ -309,7 +325,11 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
         for result in run.failures() {
             let is_same = |other: &&mut Failure<'_>| {
                 let [a, b] = [&other.result.row, &result.row];
-                b.outcome == RowOutcome::Error && a.message == b.message && a.details == b.details
+                match b.outcome {
+                    _ if a.outcome != b.outcome => false,
+                    RowOutcome::Error => a.message == b.message && a.details == b.details,
+                    _ => a.variant == b.variant && way(a).eq(way(b)),
+                }
             };
             match failures[begin..].iter_mut().find(is_same) {
                 Some(failure) => failure.others += 1,
@@ -320,10 +340,21 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     failures
 }
 
+/// The way in which a case failed: verdicts of its checks, ends of its programs.
+fn way(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
+    let checks = row.checks.iter().map(|check| (check.passed, None));
+    checks.chain(row.robots.iter().map(|robot| (robot.outcome.is_failure(), Some(robot.outcome))))
+}
+
 /// `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
 pub(super) fn of_seeds(rate: &Rate) -> String {
     let Rate { passed, count, low, high } = rate;
-    let interval = format!("95 % interval {:.0} to {:.0} %", 100.0 * low, 100.0 * high);
+    // Near 0 and 100 % a rounded end would say that the rate is known.
+    let end = |share: f64| {
+        let digits = usize::from((0.0 < share && share < 0.01) || (0.99 < share && share < 1.0));
+        format!("{:.digits$}", 100.0 * share)
+    };
+    let interval = format!("95 % interval {} to {} %", end(*low), end(*high));
     format!("{passed} of {count} ({}, {interval})", percent(rate.share()))
 }
 
