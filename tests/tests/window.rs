@@ -428,7 +428,7 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
 fn a_restart_says_which_program_it_waits_for() {
     let endless = "#include \"eyebot.h\"\nint main(void) {\n  OSWait(10);\n  for (volatile int i = 0;; i++);\n}\n";
     let scratch = scene_of(&[("rover.c", endless)]);
-    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--timeout", "3"]);
     let mut page = served.page();
     page.until("a run", |page| page.run() == 1);
     assert_eq!(page.ask(Command::Restart { seed: Seed::Same }), None);
