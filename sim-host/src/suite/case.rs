@@ -175,7 +175,7 @@ pub(super) fn row_of(suite: &Suite, case: &Case) -> Row {
 }
 
 /// Result of a case that could not be run to its end, for this reason.
-pub(super) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
+pub(crate) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
     Failure::of(message).result(suite, case)
 }
 
