@@ -143,7 +143,12 @@ const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
             let patterns: Vec<String> = items(value).iter().filter_map(|item| reader.plain_text(key, item)).collect();
             if patterns.is_empty() || robots.is_empty() {
                 let message = format!("`{}` names no files", name.get_ref());
-                reader.sink.error(Code::TomlMissing, span, message, "a robot with patterns: `1 = [\"*.c\", \"*.cpp\"]`");
+                reader.sink.error(
+                    Code::TomlMissing,
+                    span,
+                    message,
+                    "a robot with patterns: `1 = [\"*.c\", \"*.cpp\"]`",
+                );
             }
             submit.push(SubmitSpec { robots, patterns, span });
         }

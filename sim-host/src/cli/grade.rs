@@ -16,12 +16,12 @@ use std::time::Instant;
 use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 
+use super::EXIT_INTERRUPTED;
 use super::output::say;
 use super::pack::{self, Collected, is_archive};
 use super::run::report_diagnostics;
 use super::test::screen::number;
 use super::test::{builder, junit};
-use super::EXIT_INTERRUPTED;
 use crate::executive::interrupt;
 use crate::files::read_regular;
 use crate::grade::submission::{Submission, read_all, read_one};

@@ -112,8 +112,7 @@ impl Collected {
     /// Adds a scene with all that it names: worlds, types, meshes, images, programs.
     pub(super) fn add_scene(&mut self, scene: Scene) -> anyhow::Result<()> {
         let mut files = DiskFiles::of_environment();
-        let loaded =
-            load_scene_with(&files.name(Path::new(&scene.spec().file)), scene.options().overrides(), &files);
+        let loaded = load_scene_with(&files.name(Path::new(&scene.spec().file)), scene.options().overrides(), &files);
         let loaded = with_looks(loaded, &files, |_| ());
         report_diagnostics(&loaded.diagnostics, &loaded.inputs, false)?;
         self.add_all(&loaded.inputs)?;

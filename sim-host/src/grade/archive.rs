@@ -72,7 +72,9 @@ pub enum ArchiveError {
     #[error("it has more than {0} entries")]
     Entries(usize),
     /// Archives lie too deep within each other.
-    #[error("`{0}` lies too deep: at most {MOST_NESTED} archives within each other, and {MOST_DEPTH} folders, are read")]
+    #[error(
+        "`{0}` lies too deep: at most {MOST_NESTED} archives within each other, and {MOST_DEPTH} folders, are read"
+    )]
     Depth(String),
 }
 
@@ -95,19 +97,20 @@ pub fn stem_of_archive(name: &str) -> Option<&str> {
     Some(kind_of(name)?.0)
 }
 
-/// Returns true for the name of an archive of a kind that is not read.
-pub fn is_other_archive(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    kind_of(name).is_none() && OTHER.iter().any(|ending| lower.ends_with(ending))
+/// Name without its ending of an archive of a kind that is not read; `None` if it is no such archive.
+pub fn stem_of_other_archive(name: &str) -> Option<&str> {
+    if kind_of(name).is_some() { None } else { OTHER.iter().find_map(|ending| without_ending(name, ending)) }
 }
 
 fn kind_of(name: &str) -> Option<(&str, Kind)> {
-    let find = |(ending, kind): (&str, Kind)| {
-        let at = name.len().checked_sub(ending.len())?;
-        let is_it = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
-        is_it.then(|| (&name[..at], kind))
-    };
-    KINDS.into_iter().find_map(find)
+    KINDS.into_iter().find_map(|(ending, kind)| Some((without_ending(name, ending)?, kind)))
+}
+
+/// The name without this ending, in any case of letters.
+fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
+    let at = name.len().checked_sub(ending.len())?;
+    let is_it = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
+    is_it.then(|| &name[..at])
 }
 
 /// Reads a submission of several parts within common limits.
@@ -211,7 +214,7 @@ impl<'w> Reader<'w> {
                 self.contents.files.insert(name.to_owned(), bytes);
                 Ok(())
             }
-            None if is_other_archive(name) => {
+            None if stem_of_other_archive(name).is_some() => {
                 self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
                 Ok(())
             }
@@ -255,9 +258,9 @@ impl<'w> Reader<'w> {
             } else if file.is_dir() || !self.is_read(&path) {
                 self.mark(&path, file.is_dir());
             } else {
-                let content = self.take(&mut file).map_err(|error| {
-                    error.map_or_else(|| self.too_large(), |error| broken(ZipError::Io(error)))
-                })?;
+                let content = self
+                    .take(&mut file)
+                    .map_err(|error| error.map_or_else(|| self.too_large(), |error| broken(ZipError::Io(error))))?;
                 drop(file);
                 self.read_file(&path, content, nested)?;
             }
@@ -282,8 +285,7 @@ impl<'w> Reader<'w> {
             } else if !(kind.is_file() || kind.is_contiguous() || kind.is_gnu_sparse()) {
                 self.note(&path, "is a link or a device");
             } else if self.is_read(&path) {
-                let content =
-                    self.take(&mut entry).map_err(|error| error.map_or_else(|| self.too_large(), broken))?;
+                let content = self.take(&mut entry).map_err(|error| error.map_or_else(|| self.too_large(), broken))?;
                 self.read_file(&path, content, nested)?;
             } else {
                 self.mark(&path, false);
@@ -329,7 +331,7 @@ impl<'w> Reader<'w> {
     /// The content of the file is looked at: it is wanted, or an archive.
     fn is_read(&mut self, name: &str) -> bool {
         let is_read = (self.wanted)(name) || kind_of(name).is_some();
-        if !is_read && is_other_archive(name) {
+        if !is_read && stem_of_other_archive(name).is_some() {
             self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
         }
         is_read
@@ -504,7 +506,9 @@ mod tests {
             nested = zip_of(&[("x.zip", &nested)]);
         }
         assert!(matches!(read("x.zip", nested), Err(ArchiveError::Depth(_))));
-        for (name, bytes) in [("x.zip", &b""[..]), ("x.zip", b"PK\x05\x06"), ("x.tgz", b"\x1f\x8b"), ("x.tar", &[7; 600])] {
+        for (name, bytes) in
+            [("x.zip", &b""[..]), ("x.zip", b"PK\x05\x06"), ("x.tgz", b"\x1f\x8b"), ("x.tar", &[7; 600])]
+        {
             assert!(matches!(read(name, bytes.to_vec()), Err(ArchiveError::Broken { .. })), "{name}");
         }
     }

@@ -60,14 +60,16 @@ pub fn choose(submit: &[SubmitSpec], contents: &Contents) -> Result<Choice, Stri
     let mut choice = Choice::default();
     let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
     for submit in submit {
-        let fitting: Vec<&str> =
-            contents.files.keys().map(String::as_str).filter(|path| fits(submit, path)).collect();
+        let fitting: Vec<&str> = contents.files.keys().map(String::as_str).filter(|path| fits(submit, path)).collect();
         let fitting = without_copies(fitting, contents);
         let expected = || patterns(submit);
         let Some(first) = fitting.first() else { return Err(nothing_fits(submit, contents)) };
         let of_robot = |path: &str| Kind::of(path);
         let Some(kind) = of_robot(first) else {
-            return Err(format!("`{}` is no program: expected a source in C or C++, a program in Python, or a library", printable(first)));
+            return Err(format!(
+                "`{}` is no program: expected a source in C or C++, a program in Python, or a library",
+                printable(first)
+            ));
         };
         if fitting.iter().any(|path| of_robot(path) != Some(kind)) {
             return Err(format!("files of several kinds fit {}: {}; expected one kind", expected(), names(&fitting)));
@@ -102,7 +104,8 @@ pub fn choose(submit: &[SubmitSpec], contents: &Contents) -> Result<Choice, Stri
         }
         choice.programs.push((submit.robots.clone(), fitting.into_iter().map(str::to_owned).collect()));
     }
-    let has_python = choice.programs.iter().any(|(_, files)| files.iter().any(|path| Kind::of(path) == Some(Kind::Python)));
+    let has_python =
+        choice.programs.iter().any(|(_, files)| files.iter().any(|path| Kind::of(path) == Some(Kind::Python)));
     let is_part = |path: &str| is_header(path) || has_python && Kind::of(path) == Some(Kind::Python);
     let chosen = |path: &String| owners.contains_key(path.as_str()) || is_part(path);
     let files = contents.files.iter().filter(|(path, _)| chosen(path));
@@ -272,7 +275,11 @@ mod tests {
         check(&c, &[("a.c", "1"), ("lib/b.cpp", "2")], Ok(&[&["a.c", "lib/b.cpp"]]));
         check(&c, &[("a.c", "1"), ("again/a.c", "1")], Ok(&[&["a.c"]]));
         check(&c, &[("a.c", "1"), ("old/a.c", "2")], Err("have one name"));
-        check(&c, &[("map.h", "")], Err("no file fits `*.c` or `*.cpp`, for the program of robot `1`; the submission has `map.h`\n`x.rar`"));
+        check(
+            &c,
+            &[("map.h", "")],
+            Err("no file fits `*.c` or `*.cpp`, for the program of robot `1`; the submission has `map.h`\n`x.rar`"),
+        );
         check(&c, &[], Err("no program files"));
         let python = [submit("1", &["*.py"])];
         check(&python, &[("a.py", "1"), ("b.py", "2")], Err("2 files fit"));

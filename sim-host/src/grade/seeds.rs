@@ -5,7 +5,9 @@ const MOST_SEEDS: u64 = 100_000;
 
 /// Text that is no list of seeds.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: `{word}` {what}; expected numbers and ranges such as `1..20`, with blanks or commas between them")]
+#[error(
+    "line {line}: `{word}` {what}; expected numbers and ranges such as `1..20`, with blanks or commas between them"
+)]
 pub struct SeedError {
     line: usize,
     word: String,

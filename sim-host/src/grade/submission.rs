@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::archive::{ArchiveError, Contents, Reader, is_junk, is_other_archive, stem_of_archive};
+use super::archive::{ArchiveError, Contents, Reader, is_junk, stem_of_archive, stem_of_other_archive};
 
 /// A submission that has been read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -124,7 +124,10 @@ fn of_archive(
         let is_around = firsts.len() == 1
             && files.iter().all(|(path, _)| {
                 let rest = path.split_once('/').map_or("", |(_, rest)| rest);
-                rest == "." || rest.contains('/') || stem_of_archive(rest).is_some() || rest.contains("_assignsubmission_")
+                rest == "."
+                    || rest.contains('/')
+                    || stem_of_archive(rest).is_some()
+                    || rest.contains("_assignsubmission_")
             });
         if !is_around || files.is_empty() {
             break;
@@ -208,8 +211,12 @@ fn owner(entry: &Entry, wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
         return of(name, stem, name);
     }
     // A source with its headers.
-    let stem = Path::new(name).file_stem().map_or(name.into(), std::ffi::OsStr::to_string_lossy);
-    if wanted(name) { of(&stem, &stem, name) } else { is_other_archive(name).then(|| of(name, name, name))? }
+    if wanted(name) {
+        let stem = Path::new(name).file_stem().map_or(name.into(), std::ffi::OsStr::to_string_lossy);
+        return of(&stem, &stem, name);
+    }
+    // Its owner is told that it cannot be read.
+    of(name, stem_of_other_archive(name)?, name)
 }
 
 fn is_number(text: &str) -> bool {
@@ -263,7 +270,11 @@ mod tests {
 
     #[test]
     fn names_of_learning_systems_tell_the_owner() {
-        check("Ana María Núñez_12345_assignsubmission_file_", true, Some(("Ana María Núñez_12345", "Ana María Núñez", "")));
+        check(
+            "Ana María Núñez_12345_assignsubmission_file_",
+            true,
+            Some(("Ana María Núñez_12345", "Ana María Núñez", "")),
+        );
         check("王小明_77_assignsubmission_file_lab 1.zip", false, Some(("王小明_77", "王小明", "lab 1.zip")));
         check("nunezana_LATE_123_4567_solve_it-2.c", false, Some(("nunezana_123", "nunezana", "solve_it.c")));
         check("nunezana_123_4567_map.h", false, Some(("nunezana_123", "nunezana", "map.h")));
@@ -272,7 +283,7 @@ mod tests {
         check("group 7.tar.gz", false, Some(("group 7.tar.gz", "group 7", "group 7.tar.gz")));
         check("ali.c", false, Some(("ali", "ali", "ali.c")));
         check("ali.h", false, Some(("ali", "ali", "ali.h")));
-        check("old.rar", false, Some(("old.rar", "old.rar", "old.rar")));
+        check("old.rar", false, Some(("old.rar", "old", "old.rar")));
         check("README.txt", false, None);
         check("__MACOSX", true, None);
         check(".hidden", true, None);

@@ -194,10 +194,7 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Resu
 ///
 /// # Errors
 /// The scene has no such robots.
-pub fn withdraw_programs<'r>(
-    scene: &mut SceneSpec,
-    robots: impl Iterator<Item = &'r str>,
-) -> Result<(), OptionError> {
+pub fn withdraw_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item = &'r str>) -> Result<(), OptionError> {
     // A name that no file has.
     const WITHDRAWN: &str = "\0withdrawn";
     let withdrawn = |robots: &str| {

@@ -79,7 +79,11 @@ fn distribution(html: &mut String, points: &[f64], most: f64) {
 }
 
 fn link(student: &Student) -> String {
-    format!("<a href=\"students/{0}/index.html\">{1}</a>", url(&student.submission.folder), escaped(&student.submission.name))
+    format!(
+        "<a href=\"students/{0}/index.html\">{1}</a>",
+        url(&student.submission.folder),
+        escaped(&student.submission.name)
+    )
 }
 
 /// A name of a folder within a link.
@@ -189,7 +193,8 @@ fn groups(html: &mut String, students: &[Student]) {
          by chance; the folder <code>sources</code> is for checkers of similarity.</p>\n<ul>\n",
     );
     for group in groups {
-        let files = |student: &Student| student.submission.contents.as_ref().ok().map(|contents| contents.files.clone());
+        let files =
+            |student: &Student| student.submission.contents.as_ref().ok().map(|contents| contents.files.clone());
         let is_copy = group.windows(2).all(|pair| files(pair[0]) == files(pair[1]));
         let names: Vec<String> = group.iter().map(|student| link(student)).collect();
         let copy = if is_copy { " (equal files)" } else { "" };

@@ -126,7 +126,8 @@ pub(super) fn points_of_check(results: &[CaseResult], variant: &Variant, index: 
     let of_variant = || results.iter().filter(|result| result.row.variant == variant.name);
     let check = |result: &CaseResult| Some((result.row.points, result.row.checks.get(index)?.clone()));
     // A case in which a program failed has no points, whatever its checks say.
-    let points = of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).map(|(_, check)| check.points).sum::<f64>();
+    let points =
+        of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).map(|(_, check)| check.points).sum::<f64>();
     let most = of_variant().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
     (points / of_variant().count().max(1) as f64, most)
 }
@@ -158,11 +159,8 @@ fn rubric(html: &mut String, student: &Student) {
 fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
     html.push_str("<h2>What failed</h2>\n");
     if !view.replays.is_empty() {
-        let names: Vec<String> = view
-            .replays
-            .iter()
-            .map(|(name, _)| format!("<a href=\"{0}\">{0}</a>", escaped(name)))
-            .collect();
+        let names: Vec<String> =
+            view.replays.iter().map(|(name, _)| format!("<a href=\"{0}\">{0}</a>", escaped(name))).collect();
         _ = writeln!(
             html,
             "<p>Each command below shows a failure in the window, in the folder of {}.</p>",

@@ -16,10 +16,11 @@ pub(super) fn grades(students: &[Student]) -> String {
             }
         }
     }
-    let mut head = vec!["student", "folder", "points", "max_points", "verdict", "passed", "cases", "first_failure", "behaviour"]
-        .into_iter()
-        .map(str::to_owned)
-        .collect::<Vec<_>>();
+    let mut head =
+        vec!["student", "folder", "points", "max_points", "verdict", "passed", "cases", "first_failure", "behaviour"]
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<Vec<_>>();
     head.extend(names.iter().map(|(variant, _, check)| match *variant {
         "run" => (*check).to_owned(),
         variant => format!("{check} ({variant})"),
@@ -51,7 +52,20 @@ pub(super) fn grades(students: &[Student]) -> String {
 
 /// A line for each case of each submission.
 pub(super) fn rows(students: &[Student]) -> String {
-    let head = ["student", "case", "variant", "seed", "outcome", "points", "max_points", "message", "at_s", "sim_time_s", "digest", "key"];
+    let head = [
+        "student",
+        "case",
+        "variant",
+        "seed",
+        "outcome",
+        "points",
+        "max_points",
+        "message",
+        "at_s",
+        "sim_time_s",
+        "digest",
+        "key",
+    ];
     let mut csv = line(&head.map(str::to_owned));
     for student in students {
         for result in &student.graded.results {
