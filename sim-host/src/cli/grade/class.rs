@@ -66,15 +66,15 @@ fn distribution(html: &mut String, points: &[f64], most: f64) {
             html,
             "<rect x=\"{x}\" y=\"{:.1}\" width=\"54\" height=\"{height:.1}\"/>\
              <text x=\"{}\" y=\"{:.1}\" text-anchor=\"middle\">{count}</text>\
-             <text x=\"{}\" y=\"174\" text-anchor=\"middle\">{} to {}</text>",
+             <text x=\"{}\" y=\"174\" text-anchor=\"middle\">{}</text>",
             155.0 - height,
             x + 27,
             150.0 - height,
-            x + 27,
-            label(index),
-            label(index + 1)
+            x - 3,
+            label(index)
         );
     }
+    _ = writeln!(html, "<text x=\"607\" y=\"174\" text-anchor=\"middle\">{}</text>", number(most));
     html.push_str("<line x1=\"5\" y1=\"155.5\" x2=\"615\" y2=\"155.5\"/>\n</svg></figure>\n");
 }
 

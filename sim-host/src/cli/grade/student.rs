@@ -102,7 +102,9 @@ pub(super) fn page(grader: &Grader, student: &Student, view: &View) -> String {
         html.push_str(FOOT);
         return html;
     }
-    rubric(&mut html, student);
+    if student.variants.iter().any(|variant| !variant.checks.is_empty()) {
+        rubric(&mut html, student);
+    }
     let sheet = Sheet { cases: grader.cases(), results: view.results.iter().collect() };
     student.variants.iter().for_each(|variant| heat_map(&mut html, &sheet, variant));
     let failures: Vec<&CaseResult> =
@@ -179,7 +181,11 @@ fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
         }
     }
     let same = failures.len() - told.len();
-    told.iter().take(MOST_DETAILED).for_each(|result| failure(html, result));
+    for (index, result) in told.iter().take(MOST_DETAILED).enumerate() {
+        let mut text = String::new();
+        failure(&mut text, result);
+        html.push_str(&if index == 0 { text.replacen("<details ", "<details open ", 1) } else { text });
+    }
     if same > 0 {
         _ = writeln!(html, "<p>{same} more cases end with the same error.</p>");
     }
