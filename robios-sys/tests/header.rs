@@ -31,7 +31,7 @@ fn each_header_compiles_alone_and_twice_in_every_dialect() {
     // RoBIOS-7 has always needed types of C99; its variadic macros need C++11 when a compiler is pedantic.
     let of_6 = ["gnu89", "c99", "gnu17", "c++98", "c++17"];
     let of_7 = ["gnu99", "c99", "gnu17", "c++11", "c++17", "c++20"];
-    for (headers, dialects) in [(&*c::HEADERS6, &of_6[..]), (&*c::HEADERS7, &of_7)] {
+    for (headers, dialects) in [(c::HEADERS6, &of_6[..]), (c::HEADERS7, &of_7)] {
         let folder = folder_with(headers);
         for header in headers {
             let text = format!("#include \"{0}\"\n#include \"{0}\"\nextern int unused;\n", header.name);
@@ -77,7 +77,7 @@ fn the_shim_compiles_without_warnings() {
     }
     for flags in [&[][..], &["-O0"], &["-O2"], &["-O3"]] {
         let strict = ["-Wall", "-Wextra", "-Werror", "-I.", "-c", c::SHIM_SOURCE];
-        for headers in [&*c::HEADERS6, &*c::HEADERS7] {
+        for headers in [c::HEADERS6, c::HEADERS7] {
             compile(folder_with(headers).path(), &[c::SHIM_FLAGS, flags, &strict].concat());
         }
     }

@@ -50,7 +50,7 @@ fn the_programs_know_every_function_that_takes_a_number() {
     let left_out = ["KEYWait", "OSError", "RADIOReceive", "AURecord", "SERSend"];
     let floats = ["float", "double", "meter", "meterPerSec", "radians", "radPerSec"];
     for (header, fixture, types, least) in
-        [(&HEADERS6, "ugly-floats.c", &floats[..], 8), (&HEADERS7, "ugly-ints.c", &["int"], 60)]
+        [(HEADERS6, "ugly-floats.c", &floats[..], 8), (HEADERS7, "ugly-ints.c", &["int"], 60)]
     {
         let program = std::fs::read_to_string(root().join("tests/fixtures").join(fixture)).expect("the fixture");
         let all = functions(header, types);

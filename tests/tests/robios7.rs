@@ -100,7 +100,7 @@ fn variants_of_older_headers_work() {
 #[test]
 fn fixtures_compile_without_a_warning() {
     let scratch = Scratch::new();
-    tests::write_headers(scratch.path(), &robios_sys::c::HEADERS7);
+    tests::write_headers(scratch.path(), robios_sys::c::HEADERS7);
     for name in ["every-function.c", "variants.c", "course.c"] {
         for (compiler, language, standard) in [("cc", "c", "-std=gnu17"), ("c++", "c++", "-std=c++17")] {
             let mut command = Command::new(compiler);

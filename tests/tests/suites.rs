@@ -52,6 +52,8 @@ fn failing() -> Scratch {
     let suite =
         scratch.read("0.suite.toml").replace("within_mm = 100", "within_mm = 4").replace("\"mild\"", "\"harsh\"");
     scratch.write("0.suite.toml", &suite.replace("1..3", "1..8"));
+    let program = scratch.read("square.c");
+    scratch.write("square.c", &program.replace("return 0;", "printf(\"METRIC side_mm=%d\\n\", side);\n    return 0;"));
     scratch
 }
 
@@ -70,6 +72,8 @@ fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
     assert_eq!(rows.len(), 16);
     let keys: std::collections::BTreeSet<&str> = rows.iter().map(|row| row["key"].as_str().expect("a key")).collect();
     assert_eq!(keys.len(), 16, "a key for each case");
+    let metrics: Vec<&Value> = rows.iter().map(|row| &row["robots"][0]["metrics"]["side_mm"]).collect();
+    assert!(metrics.iter().all(|metric| metric.as_f64() == Some(1000.0)), "{metrics:?}");
     // A row is that of the run alone.
     let words: Vec<&str> =
         rows[9]["words"].as_array().expect("words").iter().map(|word| word.as_str().expect("a word")).collect();

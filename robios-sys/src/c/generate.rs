@@ -21,31 +21,18 @@ struct Generation {
     includes_behind: &'static [&'static str],
 }
 
-/// A file: its name, without a folder, and its text.
-type File = (&'static str, String);
-
-/// The generated headers of RoBIOS 6.
-pub fn headers6() -> [File; 3] {
-    [
-        ("eyebot.h", eyebot_header(&six())),
-        ("hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
-        ("hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
-    ]
-}
-
-/// The generated header of RoBIOS-7.
-pub fn headers7() -> [File; 1] {
-    [("eyebot.h", eyebot_header(&seven()))]
-}
-
-/// The generated part of the shim.
-pub fn shim() -> [File; 3] {
+/// Files that follow from the lists: the path in the folder of this crate, and the text.
+pub fn generated_files() -> [(&'static str, String); 7] {
     let (six, seven) = (six(), seven());
     let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
     [
-        ("abi.h", abi_header(&support, &six.functions, &seven.functions)),
-        ("robios6.c", shim_functions(&six)),
-        ("robios7.c", shim_functions(&seven)),
+        ("include/robios6/eyebot.h", eyebot_header(&six)),
+        ("include/robios6/hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
+        ("include/robios6/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
+        ("include/robios7/eyebot.h", eyebot_header(&seven)),
+        ("shim/abi.h", abi_header(&support, &six.functions, &seven.functions)),
+        ("shim/robios6.c", shim_functions(&six)),
+        ("shim/robios7.c", shim_functions(&seven)),
     ]
 }
 

@@ -1,16 +1,14 @@
 //! The C side, as text: headers for programs, the shim that is compiled into every C program's library, the compiler's
-//! flags, and the interposed functions of the C library. Parts that follow from the lists of functions are generated on first use.
+//! flags, and the interposed functions of the C library. Files that follow from the lists of functions begin with a note that says so;
+//! `cargo run -p robios-sys --bin generate` writes them.
 
 mod generate;
 mod library;
 mod page;
 
-pub use generate::prototype;
+pub use generate::{generated_files, prototype};
 pub use library::{INTERPOSED, OUTSIDE_GUARANTEE, endangers_host, outside_guarantee};
 pub use page::c_library_page;
-
-use std::borrow::Cow;
-use std::sync::LazyLock;
 
 /// A file of the C side.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,49 +16,41 @@ pub struct SourceFile {
     /// Its name, without a folder.
     pub name: &'static str,
     /// Content of the file.
-    pub text: Cow<'static, str>,
-}
-
-impl SourceFile {
-    fn generated((name, text): (&'static str, String)) -> Self {
-        Self { name, text: text.into() }
-    }
+    pub text: &'static str,
 }
 
 macro_rules! files {
     ($($folder:literal / $name:literal),* $(,)?) => {
-        [$(SourceFile { name: $name, text: Cow::Borrowed(include_str!(concat!("../../", $folder, "/", $name))) }),*]
+        &[$(SourceFile { name: $name, text: include_str!(concat!("../../", $folder, "/", $name)) }),*]
     };
 }
 
 /// The headers for programs of RoBIOS 6: a folder of them goes to the compiler with `-I`.
-pub static HEADERS6: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
-    let written = files![
-        "include/robios6" / "types.h",
-        "include/robios6" / "keys.h",
-        "include/robios6" / "kern.h",
-        "include/robios6" / "protos.h",
-        "include/robios6" / "variants.h",
-        "include/both" / "eyesim-c-library.h",
-        "include/both" / "eyesim-truth.h",
-        "include/both" / "librobi/librobi.h",
-    ];
-    generate::headers6().into_iter().map(SourceFile::generated).chain(written).collect()
-});
+pub const HEADERS6: &[SourceFile] = files![
+    "include/robios6" / "eyebot.h",
+    "include/robios6" / "hdt_sem.h",
+    "include/robios6" / "hdt.h",
+    "include/robios6" / "types.h",
+    "include/robios6" / "keys.h",
+    "include/robios6" / "kern.h",
+    "include/robios6" / "protos.h",
+    "include/robios6" / "variants.h",
+    "include/both" / "eyesim-c-library.h",
+    "include/both" / "eyesim-truth.h",
+    "include/both" / "librobi/librobi.h",
+];
 
 /// The headers for programs of RoBIOS-7.
-pub static HEADERS7: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
-    let written = files![
-        "include/robios7" / "eyebot++.h",
-        "include/robios7" / "types.h",
-        "include/robios7" / "variants.h",
-        "include/robios7" / "X11/Xlib.h",
-        "include/both" / "eyesim-c-library.h",
-        "include/both" / "eyesim-truth.h",
-        "include/both" / "librobi/librobi.h",
-    ];
-    generate::headers7().into_iter().map(SourceFile::generated).chain(written).collect()
-});
+pub const HEADERS7: &[SourceFile] = files![
+    "include/robios7" / "eyebot.h",
+    "include/robios7" / "eyebot++.h",
+    "include/robios7" / "types.h",
+    "include/robios7" / "variants.h",
+    "include/robios7" / "X11/Xlib.h",
+    "include/both" / "eyesim-c-library.h",
+    "include/both" / "eyesim-truth.h",
+    "include/both" / "librobi/librobi.h",
+];
 
 /// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that calls functions of the C library
 /// without a declaration.
@@ -83,19 +73,19 @@ pub const VARIANTS7: &str = include_str!("../../include/robios7/variants.h");
 
 /// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
 /// a program.
-pub static SHIM: LazyLock<Vec<SourceFile>> = LazyLock::new(|| {
-    let written = files![
-        "shim" / "shim.c",
-        "shim" / "cpp.cpp",
-        "shim" / "exports.map",
-        "shim" / "robios6_own.c",
-        "shim" / "robios7_own.c",
-        "shim" / "libc.c",
-        "shim" / "getopt.c",
-        "shim" / "pthread.c",
-    ];
-    generate::shim().into_iter().map(SourceFile::generated).chain(written).collect()
-});
+pub const SHIM: &[SourceFile] = files![
+    "shim" / "abi.h",
+    "shim" / "robios6.c",
+    "shim" / "robios7.c",
+    "shim" / "shim.c",
+    "shim" / "cpp.cpp",
+    "shim" / "exports.map",
+    "shim" / "robios6_own.c",
+    "shim" / "robios7_own.c",
+    "shim" / "libc.c",
+    "shim" / "getopt.c",
+    "shim" / "pthread.c",
+];
 
 /// The file of [`SHIM`] that is compiled; it includes the others but [`CPP_SHIM_SOURCE`].
 pub const SHIM_SOURCE: &str = "shim.c";

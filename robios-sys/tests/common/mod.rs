@@ -30,13 +30,13 @@ pub fn has_compiler() -> bool {
 
 /// A folder with the files of the C side for RoBIOS 6.
 pub fn folder() -> tempfile::TempDir {
-    folder_with(&c::HEADERS6)
+    folder_with(c::HEADERS6)
 }
 
 /// A folder with these headers and the shim.
 pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("the temporary folder is writable");
-    for file in headers.iter().chain(&*c::SHIM) {
+    for file in headers.iter().chain(c::SHIM) {
         let path = folder.path().join(file.name);
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("the temporary folder is writable");
         std::fs::write(path, &*file.text).expect("the temporary folder is writable");

@@ -211,8 +211,8 @@ impl Project<'_> {
                 let standard = if self.lang == Language::C { "-std=gnu17" } else { "-xc++\n-std=gnu++17" };
                 files.push(("compile_flags.txt".into(), format!("{standard}\n-Wall\n-Iinclude\n")));
                 let headers = match self.generation {
-                    Generation::Robios6 => &robios_sys::c::HEADERS6,
-                    Generation::Robios7 => &robios_sys::c::HEADERS7,
+                    Generation::Robios6 => robios_sys::c::HEADERS6,
+                    Generation::Robios7 => robios_sys::c::HEADERS7,
                 };
                 files
                     .extend(headers.iter().map(|header| (format!("include/{}", header.name), header.text.to_string())));

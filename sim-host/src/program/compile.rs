@@ -34,11 +34,11 @@ impl ShimKit {
     /// The kit of a generation.
     pub fn of(generation: Generation) -> Self {
         let headers = match generation {
-            Generation::Robios6 => &c::HEADERS6,
-            Generation::Robios7 => &c::HEADERS7,
+            Generation::Robios6 => c::HEADERS6,
+            Generation::Robios7 => c::HEADERS7,
         };
-        let texts = |files: &'static [c::SourceFile]| files.iter().map(|file| (file.name, &*file.text)).collect();
-        let mut shim: Vec<_> = texts(&c::SHIM);
+        let texts = |files: &'static [c::SourceFile]| files.iter().map(|file| (file.name, file.text)).collect();
+        let mut shim: Vec<_> = texts(c::SHIM);
         shim.sort_by_key(|(name, _)| *name != c::SHIM_SOURCE);
         Self { headers: texts(headers), shim, shim_flags: c::SHIM_FLAGS, digest: OnceLock::new() }
     }

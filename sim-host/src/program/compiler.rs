@@ -384,7 +384,8 @@ pub(super) fn which(name: &str) -> Option<std::path::PathBuf> {
         use std::os::unix::fs::PermissionsExt as _;
         std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
     };
-    std::env::split_paths(&path).filter_map(|folder| std::fs::canonicalize(folder.join(name)).ok()).find(is_executable)
+    let found = std::env::split_paths(&path).map(|folder| folder.join(name)).find(is_executable)?;
+    std::fs::canonicalize(found).ok()
 }
 
 #[cfg(test)]

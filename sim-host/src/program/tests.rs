@@ -50,7 +50,7 @@ fn kit() -> ShimKit {
             ("eyebot.h", "#include <stdio.h>\nint TestAnswer(void);\n"),
             ("hdt_sem.h", "#define PSD_FRONT -200\n"),
         ],
-        shim: vec![("shim.c", SHIM), ("abi.h", &*abi_header.text)],
+        shim: vec![("shim.c", SHIM), ("abi.h", abi_header.text)],
         shim_flags: &["-g", "-O1", "-fPIC"],
         digest: Default::default(),
     }

@@ -27,12 +27,10 @@ const ROBIOS7: &str = "robios7";
 pub const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
 
 /// Functions of the generation of `section`.
-fn functions(section: &str) -> Vec<Call> {
-    match section {
-        ROBIOS6 => Robios6Call::ALL.iter().map(|call| Call::from(*call)).collect(),
-        ROBIOS7 => Robios7Call::ALL.iter().map(|call| Call::from(*call)).collect(),
-        _ => Vec::new(),
-    }
+fn functions(section: &str) -> impl Iterator<Item = Call> {
+    let of_6 = if section == ROBIOS6 { Robios6Call::ALL } else { &[] };
+    let of_7 = if section == ROBIOS7 { Robios7Call::ALL } else { &[] };
+    of_6.iter().map(|call| Call::from(*call)).chain(of_7.iter().map(|call| Call::from(*call)))
 }
 
 /// Greatest cost: an hour, in microseconds.
@@ -140,21 +138,21 @@ impl Costs {
         let cost = |section: &str, call: Call| {
             table.get(section).and_then(|entries| find(entries, call.name())).unwrap_or(Time(1))
         };
-        let costs = SECTIONS.iter().flat_map(|section| functions(section).into_iter().map(move |call| (section, call)));
+        let costs = SECTIONS.iter().flat_map(|section| functions(section).map(move |call| (section, call)));
         Self { costs: costs.map(|(section, call)| cost(section, call)).collect() }
     }
 }
 
 /// Entries of a scene's table that match no function, each with its error.
 pub fn mistakes(table: &CostTable) -> impl Iterator<Item = (&CostEntry, CostError)> {
-    let mistake = |entry: &CostEntry| unknown_function(&entry.generation, &entry.function, entry.span.line as usize);
+    let mistake = |entry: &CostEntry| unknown_function(&entry.generation, &entry.function, || entry.span.line as usize);
     table.entries.iter().filter_map(move |entry| Some((entry, mistake(entry)?)))
 }
 
 /// The error of an entry in `line` of `section`, if `name` matches no function.
-fn unknown_function(section: &str, name: &str, line: usize) -> Option<CostError> {
-    let is_known = functions(section).iter().any(|call| fits(name, call.name()));
-    let error = || CostError::Function { line, name: name.to_owned(), suggestion: most_similar(section, name) };
+fn unknown_function(section: &str, name: &str, line: impl Fn() -> usize) -> Option<CostError> {
+    let is_known = functions(section).any(|call| fits(name, call.name()));
+    let error = || CostError::Function { line: line(), name: name.to_owned(), suggestion: most_similar(section, name) };
     (!is_known).then(error)
 }
 
@@ -166,19 +164,22 @@ fn parse(table: &str) -> Result<Entries, CostError> {
     let sections: BTreeMap<Spanned<String>, Section> =
         toml::from_str(table).map_err(|error| CostError::Syntax(error.to_string().trim_end().to_owned()))?;
     let mut entries = Entries::new();
-    for (section, of_section) in &sections {
+    for (section, section_entries) in &sections {
         let name = section.get_ref();
         if !SECTIONS.contains(&name.as_str()) {
             return Err(CostError::Section { line: line_of(section.span().start), name: name.clone() });
         }
-        for (function, cost) in of_section {
-            let (line, function) = (line_of(function.span().start), function.get_ref().clone());
+        let of_section = entries.entry(name.clone()).or_default();
+        for (function, cost) in section_entries {
+            let (place, function) = (function.span().start, function.get_ref());
             let micros = cost.get_ref().as_integer().filter(|micros| (1..=MAX_COST_US).contains(micros));
-            let Some(micros) = micros else { return Err(CostError::Cost { line, name: function }) };
-            if let Some(error) = unknown_function(name, &function, line) {
+            let Some(micros) = micros else {
+                return Err(CostError::Cost { line: line_of(place), name: function.clone() });
+            };
+            if let Some(error) = unknown_function(name, function, || line_of(place)) {
                 return Err(error);
             }
-            entries.entry(name.clone()).or_default().insert(function, Time(micros));
+            of_section.insert(function.clone(), Time(micros));
         }
     }
     Ok(entries)
@@ -198,15 +199,14 @@ fn fits(name: &str, function: &str) -> bool {
 
 /// Returns true if a function of either generation has this name.
 pub fn is_function(name: &str) -> bool {
-    SECTIONS.iter().any(|section| functions(section).iter().any(|call| call.name() == name))
+    SECTIONS.iter().any(|section| functions(section).any(|call| call.name() == name))
 }
 
 /// The function of a section with the name closest to `name`, if at most a third of its letters differ.
 pub fn most_similar(section: &str, name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
-    let similar = functions(section)
-        .into_iter()
-        .map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
+    let similar =
+        functions(section).map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
     similar.min_by_key(|(edits, _)| *edits).filter(|(edits, call)| *edits * 3 <= call.len()).map(|(_, call)| call)
 }
 

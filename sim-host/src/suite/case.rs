@@ -281,6 +281,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         program: robot.program.clone(),
         outcome: robot.outcome,
         reason: robot.reason.clone(),
+        metrics: robot.metrics.clone(),
     });
     Row {
         outcome,

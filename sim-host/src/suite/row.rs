@@ -1,5 +1,7 @@
 //! Rows: the result of a case in the schema that tests, sweeps and graders share.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use sim_core::record::Outcome;
 
@@ -81,6 +83,8 @@ pub struct RowRobot {
     pub outcome: Outcome,
     /// Reason in words, if there is one.
     pub reason: Option<String>,
+    /// Last values of the metrics that its program printed, by name: for tables and plots, never for marks.
+    pub metrics: BTreeMap<String, f64>,
 }
 
 /// Path of a robot, m: corners within a few millimetres.
