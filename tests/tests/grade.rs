@@ -60,9 +60,9 @@ fn table(text: &str) -> BTreeMap<String, Vec<String>> {
     rows.into_iter().filter(|row| row.len() > 1).skip(1).map(|row| (row[0].clone(), row)).collect()
 }
 
-/// The results of a submission: its JSON without times.
-fn result(folder: &Path) -> Value {
-    let text = std::fs::read_to_string(folder.join("results.json")).expect("results");
+/// The results of a submission: its JSON without times, and without the beginning of the names of its files.
+fn result(folder: &Path, prefix: &str) -> Value {
+    let text = std::fs::read_to_string(folder.join("results.json")).expect("results").replace(prefix, "");
     let mut value: Value = serde_json::from_str(&text).expect("JSON");
     value["execution_time"] = Value::Null;
     value
@@ -114,9 +114,10 @@ fn write_class(scratch: &Scratch, folder: &str, cases: &[&Case], order: &dyn Fn(
 fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, Value)> {
     let grades = table(&scratch.read(&format!("{output}/grades.csv")));
     let of_row = |row: Vec<String>| {
-        let name = row[0].trim_start_matches('\'')[4..].to_owned();
-        let results = result(&scratch.path().join(output).join("students").join(&row[1]));
-        (name, (row[2..].to_vec(), results))
+        let (prefix, name) = row[0].trim_start_matches('\'').split_at(4);
+        let results = result(&scratch.path().join(output).join("students").join(&row[1]), prefix);
+        let row = row[2..].iter().map(|field| field.replace(prefix, "")).collect();
+        (name.to_owned(), (row, results))
     };
     grades.into_values().map(of_row).collect()
 }
@@ -175,7 +176,7 @@ fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
         names.sort();
         let Some(name) = names.iter().find(|name| name.starts_with(&format!("{index:03} "))) else { panic!("{index}") };
         grade(&scratch, &["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
-        let alone = result(&scratch.path().join("alone"));
+        let alone = result(&scratch.path().join("alone"), &format!("{index:03} "));
         let known = found.values().filter(|(_, results)| *results == alone).count();
         assert!(known > 0, "{name}: {alone:#}");
     }
