@@ -34,6 +34,8 @@ pub struct SuiteSpec {
     pub scene: Option<PathRef>,
     /// Programs of robots, as options `--program` of the command line.
     pub programs: Vec<PathRef>,
+    /// Files of a submission that become programs of robots.
+    pub submit: Vec<SubmitSpec>,
     /// End of each case.
     pub until: Option<Time>,
     /// Time that a case goes on after its last program has ended.
@@ -61,6 +63,7 @@ impl Default for SuiteSpec {
             folder: String::new(),
             scene: None,
             programs: Vec::new(),
+            submit: Vec::new(),
             until: None,
             linger: Time::ZERO,
             keys: Vec::new(),
@@ -72,6 +75,17 @@ impl Default for SuiteSpec {
             checks: Vec::new(),
         }
     }
+}
+
+/// Files of a submission that become the program of one or several robots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SubmitSpec {
+    /// The robots, in the words before `=` of an option `--program`: a number, or the name of a program or type.
+    pub robots: String,
+    /// Patterns for names of files, `*.c`; with a slash for the end of their paths, `src/*.c`.
+    pub patterns: Vec<String>,
+    /// Its place in the file.
+    pub span: Span,
 }
 
 /// Limits of each case.

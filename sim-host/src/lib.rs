@@ -29,6 +29,7 @@ pub mod check;
 pub mod cli;
 pub mod executive;
 pub mod files;
+pub mod grade;
 pub mod host;
 pub mod launch;
 pub mod pack;

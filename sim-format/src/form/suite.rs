@@ -13,7 +13,7 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::set::Setting;
 use crate::spec::PathRef;
-use crate::suite::{LimitSpec, MAX_CASES, Matrix, SuiteSpec, Values};
+use crate::suite::{LimitSpec, MAX_CASES, Matrix, SubmitSpec, SuiteSpec, Values};
 use crate::table::Reader;
 use sim_core::time::Time;
 
@@ -44,6 +44,11 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
         "Programs of robots in place of the scene's: `1=solve.c`, or `solve.c` for those without one.",
     )
     .list(PROGRAMS, &mut suite.programs);
+    keys.key(
+        "submit",
+        "Files of a submission that become programs in `eyesim grade`: `{ 1 = [\"*.c\", \"*.cpp\"] }` for robot 1.",
+    )
+    .list(SUBMIT, &mut suite.submit);
     keys.key("until_s", "Simulated seconds at which a case ends; those of the scene if left out.")
         .maybe(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
@@ -126,6 +131,35 @@ const PROGRAMS: Custom<Vec<PathRef>> = Custom {
     },
     print: |programs| Value::Array(programs.iter().map(|program| program.text.as_str().into()).collect()),
     describe: TEXTS.describe,
+};
+
+/// Table of patterns of files by robots.
+const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
+    read: |At { reader, section, key }| {
+        let table = reader.section(section, key)?;
+        let mut submit = Vec::new();
+        for (name, value) in table.table {
+            let (span, robots) = (reader.span(name.span()), name.get_ref().trim().to_owned());
+            let patterns: Vec<String> = items(value).iter().filter_map(|item| reader.plain_text(key, item)).collect();
+            if patterns.is_empty() || robots.is_empty() {
+                let message = format!("`{}` names no files", name.get_ref());
+                reader.sink.error(
+                    Code::TomlMissing,
+                    span,
+                    message,
+                    "a robot with patterns: `1 = [\"*.c\", \"*.cpp\"]`",
+                );
+            }
+            submit.push(SubmitSpec { robots, patterns, span });
+        }
+        Some(submit)
+    },
+    print: |submit| {
+        let patterns =
+            |submit: &SubmitSpec| Value::Array(submit.patterns.iter().map(|text| text.as_str().into()).collect());
+        Value::Table(submit.iter().map(|submit| (submit.robots.clone(), patterns(submit))).collect())
+    },
+    describe: |_| json!({ "type": "object", "additionalProperties": list_of(json!({ "type": "string" })) }),
 };
 
 /// Array of lengths of slots, kept as written.

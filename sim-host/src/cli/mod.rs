@@ -26,6 +26,7 @@ mod diff;
 mod doctor;
 pub mod excerpt;
 pub mod explain;
+pub mod grade;
 #[cfg(feature = "lsp")]
 mod lsp;
 pub mod new;
@@ -71,6 +72,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
     Test(test::TestArgs),
+    /// Grade submissions by a suite: each is built and run apart from the others; pages, tables, results for grading services
+    Grade(grade::GradeArgs),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
     #[cfg(feature = "window")]
     View(Box<view::ViewArgs>),
@@ -135,6 +138,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
         Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
+        Command::Grade(args) => grade::run(&args),
         #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),
         #[cfg(feature = "window")]

@@ -53,41 +53,33 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
     if is_suite(&slashed(&args.file), &sim_format::decode(&text).0) {
         let suite = Suite::open(&args.file, args.programs.clone());
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
-        files.add_all(&suite.inputs)?;
-        let of_suite = SceneSpec { checks: suite.spec.checks.clone(), ..SceneSpec::default() };
-        check::scripts(&of_suite).try_for_each(|script| files.add_program(&script))?;
+        files.add_suite(&suite)?;
         let cases = suite.cases().map_err(anyhow::Error::msg)?;
         let mut variants: BTreeMap<&str, &Case> = BTreeMap::new();
         cases.iter().for_each(|case| _ = variants.entry(&case.variant).or_insert(case));
         ensure!(variants.len() <= MOST_VARIANTS, "a suite of more than {MOST_VARIANTS} variants is not packed");
         for case in variants.values() {
-            files.add_scene(&case.scene, &case.options)?;
+            files.add_scene(Scene::open(&case.scene, case.options.clone())?)?;
         }
     } else {
         let options = Options { seed: args.seed, programs: args.programs.clone(), ..Options::default() };
-        files.add_scene(&args.file, &options)?;
+        files.add_scene(Scene::open(&args.file, options)?)?;
     }
     for program in &args.programs {
         files.add_program(Path::new(program.program()))?;
     }
     let root = files.root();
-    let inside = |path: &Path| Ok::<_, anyhow::Error>(slashed(normal(path)?.strip_prefix(&root)?));
-    let mut manifest = Manifest::new(inside(&args.file)?);
-    manifest.seed = args.seed;
-    let home = DiskFiles::of_environment();
-    let home = sim_format::Files::home(&home).and_then(|home| normal(Path::new(home)).ok());
-    manifest.home = home.and_then(|home| Some(slashed(home.strip_prefix(&root).ok()?)));
+    let mut pack = files.into_pack(&args.file)?;
+    pack.manifest.seed = args.seed;
     for program in &args.programs {
-        let path = inside(Path::new(program.program()))?;
+        let path = slashed(normal(Path::new(program.program()))?.strip_prefix(&root)?);
         let text = program.to_string();
         let selector = text.strip_suffix(program.program()).unwrap_or_default().to_owned();
-        manifest.programs.push((selector, path));
+        pack.manifest.programs.push((selector, path));
     }
-    let contents = files.0.into_iter().map(|(path, bytes)| anyhow::Ok((slashed(path.strip_prefix(&root)?), bytes)));
-    let pack = Pack { manifest, files: contents.collect::<anyhow::Result<_>>()? };
     let bytes = pack.to_bytes()?;
     let count = pack.files.len();
-    check_alone(pack)?;
+    check_alone(&pack)?;
     write_atomically(&args.output, &bytes).with_context(|| format!("cannot write `{}`", args.output.display()))?;
     say(format_args!("wrote `{}`: {count} files, {} kB", args.output.display(), bytes.len().div_ceil(1000)));
     Ok(ExitCode::SUCCESS)
@@ -100,7 +92,7 @@ pub(super) fn is_archive(path: &Path) -> bool {
 
 /// Files of an archive by their absolute paths.
 #[derive(Default)]
-struct Collected(BTreeMap<PathBuf, Vec<u8>>);
+pub(super) struct Collected(BTreeMap<PathBuf, Vec<u8>>);
 
 impl Collected {
     fn add_all(&mut self, inputs: &[InputFile]) -> anyhow::Result<()> {
@@ -110,14 +102,20 @@ impl Collected {
         Ok(())
     }
 
+    /// Adds a suite with the programs of its checks, but not its scenes.
+    pub(super) fn add_suite(&mut self, suite: &Suite) -> anyhow::Result<()> {
+        self.add_all(&suite.inputs)?;
+        let of_suite = SceneSpec { checks: suite.spec.checks.clone(), ..SceneSpec::default() };
+        check::scripts(&of_suite).try_for_each(|script| self.add_program(&script))
+    }
+
     /// Adds a scene with all that it names: worlds, types, meshes, images, programs.
-    fn add_scene(&mut self, path: &Path, options: &Options) -> anyhow::Result<()> {
+    pub(super) fn add_scene(&mut self, scene: Scene) -> anyhow::Result<()> {
         let mut files = DiskFiles::of_environment();
-        let loaded = load_scene_with(&files.name(path), options.overrides(), &files);
+        let loaded = load_scene_with(&files.name(Path::new(&scene.spec().file)), scene.options().overrides(), &files);
         let loaded = with_looks(loaded, &files, |_| ());
         report_diagnostics(&loaded.diagnostics, &loaded.inputs, false)?;
         self.add_all(&loaded.inputs)?;
-        let scene = Scene::open(path, options.clone())?;
         check::scripts(scene.spec()).try_for_each(|script| self.add_program(&script))?;
         let builder = scene.builder()?;
         let built = scene.build(&builder)?;
@@ -166,6 +164,17 @@ impl Collected {
         Ok(())
     }
 
+    /// The archive of these files, in which `main` is the scene or suite.
+    pub(super) fn into_pack(self, main: &Path) -> anyhow::Result<Pack> {
+        let root = self.root();
+        let mut manifest = Manifest::new(slashed(normal(main)?.strip_prefix(&root)?));
+        let home = DiskFiles::of_environment();
+        let home = home.home().and_then(|home| normal(Path::new(home)).ok());
+        manifest.home = home.and_then(|home| Some(slashed(home.strip_prefix(&root).ok()?)));
+        let contents = self.0.into_iter().map(|(path, bytes)| anyhow::Ok((slashed(path.strip_prefix(&root)?), bytes)));
+        Ok(Pack { manifest, files: contents.collect::<anyhow::Result<_>>()? })
+    }
+
     /// The folder that contains all files.
     fn root(&self) -> PathBuf {
         let mut folders = self.0.keys().filter_map(|path| path.parent());
@@ -206,8 +215,8 @@ fn normal(path: &Path) -> anyhow::Result<PathBuf> {
 }
 
 /// Checks that the files of an archive name no others.
-fn check_alone(pack: Pack) -> anyhow::Result<()> {
-    let unpacked = pack.unpack()?;
+pub(super) fn check_alone(pack: &Pack) -> anyhow::Result<()> {
+    let unpacked = pack.clone().unpack()?;
     let home =
         unpacked.manifest().home.as_deref().map_or_else(|| unpacked.folder().to_owned(), |home| unpacked.place(home));
     let files = DiskFiles::with_home(&home);
@@ -247,7 +256,10 @@ pub(super) fn unpack(path: &Path) -> anyhow::Result<Unpacked> {
 pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::Result<Vec<ProgramOption>> {
     let mut programs = Vec::new();
     for (selector, path) in &unpacked.manifest().programs {
-        let option = ProgramOption::parse(&format!("{selector}{}", slashed(&unpacked.place(path))));
+        // A name with a comma is that of one file, or those of several sources.
+        let several: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
+        let places: Vec<String> = several.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
+        let option = ProgramOption::parse(&format!("{selector}{}", places.join(",")));
         let option = option.map_err(anyhow::Error::msg)?;
         if !given.iter().any(|other| other.has_robots_of(&option)) {
             programs.push(option);

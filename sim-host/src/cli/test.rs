@@ -1,9 +1,9 @@
 //! `eyesim test`: runs the cases of suites and reports them as pytest does.
 
-mod junit;
-mod page;
+pub(super) mod junit;
+pub(super) mod page;
 mod picture;
-mod screen;
+pub(super) mod screen;
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -214,7 +214,7 @@ impl SuiteRun {
     }
 }
 
-fn builder(is_quiet: bool) -> anyhow::Result<Builder> {
+pub(super) fn builder(is_quiet: bool) -> anyhow::Result<Builder> {
     let cache = Cache::of_user().context("no folder for built programs")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     Ok(if is_quiet { builder } else { builder.with_observer(Box::new(Building::on_stderr())) })
@@ -358,7 +358,16 @@ fn write_files(args: &TestArgs, runs: &[SuiteRun], elapsed: Duration) -> anyhow:
         write("--report", path, &json)?;
     }
     if let Some(path) = &args.junit {
-        write("--junit", path, junit::document(runs, elapsed)?.as_bytes())?;
+        let ran = runs.iter().filter(|run| !run.results.is_empty());
+        let suites = ran.map(|run| {
+            let missing = run.selected.iter().filter(|index| !run.results.contains_key(index));
+            junit::Cases {
+                suite: run.name(),
+                results: run.results.values().collect(),
+                missing: missing.map(|index| run.cases[*index].name.as_str()).collect(),
+            }
+        });
+        write("--junit", path, junit::document(suites, elapsed)?.as_bytes())?;
     }
     if let Some(folder) = &args.html {
         std::fs::create_dir_all(folder)

@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use super::confine::exit_at_once;
+use super::watchdog::process_time;
 
 /// A copy of this process, made by [`ForkedWorker::start`]. It is killed when this value is dropped.
 #[derive(Debug)]
@@ -172,10 +173,40 @@ pub fn limit_memory(more: u64) -> io::Result<()> {
     }
 }
 
-/// Processor time that this process has used, in seconds.
+/// Processor time that this process and its children have used, in seconds; of grandchildren only if they have ended.
 pub fn processor_seconds() -> f64 {
-    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: a struct of numbers, for which zeros are valid.
+    let mut ended: libc::rusage = unsafe { std::mem::zeroed() };
     // SAFETY: a valid pointer.
-    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+    unsafe { libc::getrusage(libc::RUSAGE_CHILDREN, &raw mut ended) };
+    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
+    let own = std::process::id().cast_signed();
+    let running = children().chain([own]).filter_map(process_time).map(|time| time.as_secs_f64());
+    seconds(ended.ru_utime) + seconds(ended.ru_stime) + running.sum::<f64>()
+}
+
+/// Numbers of the children of this process; none where the kernel does not list them.
+fn children() -> impl Iterator<Item = libc::pid_t> {
+    let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+    lists.flat_map(|list| list.split_whitespace().filter_map(|pid| pid.parse().ok()).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn processor_time_has_that_of_running_and_of_ended_children() {
+        let before = processor_seconds();
+        let mut child = std::process::Command::new("sh").args(["-c", "while :; do :; done"]).spawn().expect("a child");
+        let start = std::time::Instant::now();
+        while processor_seconds() < before + 0.2 {
+            assert!(start.elapsed() < Duration::from_secs(60), "the time of the child is not counted");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let running = processor_seconds();
+        child.kill().and_then(|()| child.wait()).expect("the child ends");
+        assert!(processor_seconds() >= running);
+    }
 }

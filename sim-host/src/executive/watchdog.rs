@@ -165,7 +165,7 @@ pub fn threads(pid: i32) -> Vec<i32> {
 }
 
 /// Processor time that the process has used so far.
-fn process_time(pid: i32) -> Option<Duration> {
+pub(super) fn process_time(pid: i32) -> Option<Duration> {
     // The kernel's encoding of a process's clock: ~pid << 3, all time (2).
     (pid > 0).then(|| clock(!pid << 3 | 2)).flatten()
 }

@@ -36,6 +36,11 @@ impl BuiltScene {
         &self.inputs
     }
 
+    /// The scene's specification.
+    pub fn scene(&self) -> &SceneSpec {
+        &self.scene
+    }
+
     /// Sources of its programs.
     pub fn sources(&self) -> impl Iterator<Item = &ProgramSource> {
         self.programs.iter().map(|program| &program.source)

@@ -190,6 +190,25 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Resu
     Ok(())
 }
 
+/// Takes the programs away from `robots`, which are named as in options `--program`.
+///
+/// # Errors
+/// The scene has no such robots.
+pub fn withdraw_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item = &'r str>) -> Result<(), OptionError> {
+    // A name that no file has.
+    const WITHDRAWN: &str = "\0withdrawn";
+    let withdrawn = |robots: &str| {
+        let named = ProgramOption::parse(&format!("{robots}={WITHDRAWN}")).ok();
+        named.unwrap_or(ProgramOption { selector: RobotSelector::Without, program: WITHDRAWN.to_owned() })
+    };
+    let options: Vec<ProgramOption> = robots.map(withdrawn).collect();
+    assign_programs(scene, &options)?;
+    for robot in &mut scene.robots {
+        robot.program = robot.program.take().filter(|program| program.text != WITHDRAWN);
+    }
+    Ok(())
+}
+
 /// Gives all robots of a scene the noise profile `name` of the command line: a preset or a file. Mistakes in the file are added to the
 /// scene's diagnostics.
 ///

@@ -39,7 +39,8 @@ pub struct Manifest {
     pub home: Option<String>,
     /// Seed in place of that of the scene.
     pub seed: Option<u64>,
-    /// Programs in place of those of the scene: the beginning of the option `--program`, such as `1=`, and the path.
+    /// Programs in place of those of the scene: the beginning of the option `--program`, such as `1=`, and the path of a file or a folder,
+    /// or several paths with commas between them.
     pub programs: Vec<(String, String)>,
 }
 
@@ -172,8 +173,16 @@ impl Pack {
         if manifest.schema != SCHEMA {
             return Err(PackError::Schema { version: manifest.eyesim_version });
         }
-        let named = manifest.programs.iter().map(|(_, path)| path).chain([&manifest.main]);
-        if let Some(missing) = named.into_iter().find(|path| !files.contains_key(*path)) {
+        if !files.contains_key(&manifest.main) {
+            return Err(PackError::Missing(manifest.main));
+        }
+        // A program is a file, a folder, or several files.
+        let is_there = |path: &str| {
+            let folder = format!("{path}/");
+            files.contains_key(path) || check_path(path).is_ok() && files.keys().any(|file| file.starts_with(&folder))
+        };
+        let mut named = manifest.programs.iter().map(|(_, path)| path);
+        if let Some(missing) = named.find(|path| !is_there(path) && !path.split(',').all(is_there)) {
             return Err(PackError::Missing(missing.clone()));
         }
         manifest.home.as_deref().filter(|home| !home.is_empty()).map_or(Ok(()), check_path)?;

@@ -133,8 +133,10 @@ impl Failure {
     fn of(text: impl ToString) -> Self {
         let text = text.to_string();
         let is_long = text.lines().nth(1).is_some();
-        // Compilers tell first where they look.
-        let first = text.lines().find(|line| is_long && line.contains(" error: ")).or(text.lines().next());
+        // Compilers tell first where they look, and linkers last that they have failed.
+        let find = |part| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
+        let of_linker = || find("multiple definition of").or_else(|| find("undefined reference to"));
+        let first = find(" error: ").or_else(of_linker).or(text.lines().next());
         let message = first.unwrap_or_default().trim().to_owned();
         let details = if is_long { text } else { String::new() };
         Self { message, details, is_of_programs: false }
@@ -191,7 +193,7 @@ pub(super) fn row_of(suite: &Suite, case: &Case) -> Row {
 }
 
 /// Result of a case that could not be run to its end, for this reason.
-pub(super) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
+pub(crate) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
     Failure::of(message).result(suite, case)
 }
 

@@ -10,6 +10,7 @@ mod row;
 mod select;
 pub mod summary;
 
+pub(crate) use case::lost_case;
 pub use case::{Case, PrepareError, Session, run_case};
 pub use pool::{Pool, PoolError, PoolOptions};
 pub use prepare::Preparation;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_format::suite::{Axis, AxisKind, LoadedSuite, SuiteSpec, load_suite, print_suite};
+use sim_format::suite::{Axis, AxisKind, LoadedSuite, MAX_CASES, SuiteSpec, load_suite, print_suite};
 use sim_format::{Diagnostic, InputFile};
 
 use crate::executive::program::Exec;
@@ -38,6 +39,8 @@ pub struct Suite {
     pub inputs: Vec<InputFile>,
     /// The programs of checks may run: the suite is the user's own, not that of an archive.
     pub may_run_checks: bool,
+    /// Place of the programs.
+    pub exec: Exec,
     axes: Vec<Axis>,
     /// Its checks as text: lines of the file and its place do not matter.
     checks_text: String,
@@ -59,10 +62,32 @@ impl Suite {
             diagnostics: loaded.diagnostics,
             inputs: loaded.inputs,
             may_run_checks: true,
+            exec: Exec::Auto,
             axes,
             checks_text,
             programs,
         }
+    }
+
+    /// Adds seeds to those of the matrix, which may have them already.
+    ///
+    /// # Errors
+    /// Seeds advance together with other values, or there would be too many cases.
+    pub fn add_seeds(&mut self, seeds: impl Iterator<Item = u64>) -> Result<(), String> {
+        let matrix = &mut self.spec.matrix;
+        let new: Vec<u64> = seeds.filter(|seed| !matrix.seed.contains(seed)).collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        if matrix.zip.iter().flatten().any(|name| name == "seed") {
+            return Err("seeds cannot be added: `zip` lets them advance together with other values".to_owned());
+        }
+        matrix.seed.extend(new);
+        if matrix.count() > MAX_CASES {
+            return Err(format!("with all seeds the matrix has {} cases, at most {MAX_CASES}", matrix.count()));
+        }
+        self.axes = matrix.axes();
+        Ok(())
     }
 
     /// The axes of the matrix.
@@ -126,7 +151,7 @@ impl Suite {
             until: spec.until,
             linger: spec.linger,
             workers: std::num::NonZeroUsize::new(1),
-            exec: Exec::Auto,
+            exec: self.exec,
             timeout: spec.limits.slot_processor,
             programs: programs.to_vec(),
             keys: spec.keys.clone(),

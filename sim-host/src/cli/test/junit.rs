@@ -4,22 +4,34 @@ use std::time::Duration;
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-use super::SuiteRun;
 use crate::suite::{CaseResult, RowOutcome};
 
-/// The document of all suites.
-pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> anyhow::Result<String> {
+/// Cases of a suite.
+pub(in crate::cli) struct Cases<'r> {
+    /// Name of the suite.
+    pub suite: &'r str,
+    /// Results of the cases that have run.
+    pub results: Vec<&'r CaseResult>,
+    /// Names of those that were to run and did not.
+    pub missing: Vec<&'r str>,
+}
+
+/// The document of these suites.
+pub(in crate::cli) fn document<'r>(
+    suites: impl Iterator<Item = Cases<'r>>,
+    elapsed: Duration,
+) -> anyhow::Result<String> {
     let mut report = Report::new("eyesim");
     report.set_time(elapsed);
-    for run in runs.iter().filter(|run| !run.results.is_empty()) {
-        let mut suite = TestSuite::new(run.name());
-        suite.set_time(run.results.values().map(|result| seconds(result.real_time_s)).sum());
-        run.results.values().for_each(|result| _ = suite.add_test_case(case(run, result)));
-        for index in run.selected.iter().filter(|index| !run.results.contains_key(index)) {
+    for Cases { suite: name, results, missing } in suites {
+        let mut suite = TestSuite::new(name);
+        suite.set_time(results.iter().map(|result| seconds(result.real_time_s)).sum());
+        results.into_iter().for_each(|result| _ = suite.add_test_case(case(name, result)));
+        for missing in missing {
             let mut status = TestCaseStatus::skipped();
             status.set_message("not run");
-            let mut case = TestCase::new(run.cases[*index].name.as_str(), status);
-            case.set_classname(run.name());
+            let mut case = TestCase::new(missing, status);
+            case.set_classname(name);
             suite.add_test_case(case);
         }
         report.add_test_suite(suite);
@@ -27,7 +39,7 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> anyhow::Result<S
     Ok(report.to_string()?)
 }
 
-fn case(run: &SuiteRun, result: &CaseResult) -> TestCase {
+fn case(suite: &str, result: &CaseResult) -> TestCase {
     let row = &result.row;
     let failure = |kind, name: &str| {
         let mut status = TestCaseStatus::non_success(kind);
@@ -45,7 +57,7 @@ fn case(run: &SuiteRun, result: &CaseResult) -> TestCase {
         RowOutcome::Interrupted => TestCaseStatus::skipped(),
     };
     let mut case = TestCase::new(row.case.as_str(), status);
-    case.set_classname(run.name()).set_time(seconds(result.real_time_s)).set_assertions(row.checks.len());
+    case.set_classname(suite).set_time(seconds(result.real_time_s)).set_assertions(row.checks.len());
     if !result.output.is_empty() {
         case.set_system_out(result.output.join("\n"));
     }

@@ -9,8 +9,9 @@ use super::SuiteRun;
 use super::screen::{number, of_seeds, percent};
 use crate::launch::Scene;
 use crate::plot::{PictureKind, draw_trials};
+use crate::record::log::is_terminal_control;
 use crate::suite::summary::Variant;
-use crate::suite::{CaseResult, Row, RowOutcome};
+use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
 /// Most failures with details.
 const MOST_DETAILED: usize = 100;
@@ -21,11 +22,7 @@ const STYLE: &str = include_str!("page.css");
 
 /// The page of all suites.
 pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
-    let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>eyesim test</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n"
-    );
+    let mut html = head("eyesim test", "");
     let count = |outcome| {
         let rows = runs.iter().flat_map(|run| run.results.values());
         rows.filter(|result| result.row.outcome == outcome).count()
@@ -42,8 +39,29 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
     for run in runs.iter().filter(|run| !run.results.is_empty()) {
         suite(&mut html, run);
     }
-    html.push_str("</body>\n</html>\n");
+    html.push_str(FOOT);
     html
+}
+
+/// Beginning of a page, with rules for its looks besides those of all pages.
+pub(in crate::cli) fn head(title: &str, style: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n",
+        escaped(title)
+    )
+}
+
+/// End of a page.
+pub(in crate::cli) const FOOT: &str = "</body>\n</html>\n";
+
+/// Cases with their results, as a page shows them.
+pub(in crate::cli) struct Sheet<'r> {
+    /// The cases.
+    pub cases: &'r [Case],
+    /// Their results.
+    pub results: Vec<&'r CaseResult>,
 }
 
 fn suite(html: &mut String, run: &SuiteRun) {
@@ -58,8 +76,9 @@ fn suite(html: &mut String, run: &SuiteRun) {
         escaped(run.name()),
         percent(run.suite.spec.pass_rate)
     );
+    let sheet = Sheet { cases: &run.cases, results: run.results.values().collect() };
     for variant in &run.variants {
-        heat_map(html, run, variant);
+        heat_map(html, &sheet, variant);
     }
     let failures: Vec<&CaseResult> = run.failures().collect();
     if !failures.is_empty() {
@@ -73,8 +92,9 @@ fn suite(html: &mut String, run: &SuiteRun) {
 }
 
 /// Table of a variant: a row for each check, a column for each case; and the paths of its failures.
-fn heat_map(html: &mut String, run: &SuiteRun, variant: &Variant) {
-    let results: Vec<&CaseResult> = run.results.values().filter(|result| result.row.variant == variant.name).collect();
+pub(in crate::cli) fn heat_map(html: &mut String, sheet: &Sheet<'_>, variant: &Variant) {
+    let of_variant = sheet.results.iter().filter(|result| result.row.variant == variant.name);
+    let results: Vec<&CaseResult> = of_variant.copied().collect();
     let verdict = if variant.passed { "passed" } else { "failed" };
     let name = if variant.name == "run" { "all cases" } else { &variant.name };
     _ = write!(
@@ -87,7 +107,9 @@ fn heat_map(html: &mut String, run: &SuiteRun, variant: &Variant) {
         number(variant.max_points)
     );
     for result in &results {
-        _ = write!(html, "<th title=\"{}\">{}</th>", escaped(&result.row.case), result.row.seed);
+        let seed = result.row.settings.iter().find(|(name, _)| name == "seed");
+        let seed = seed.map_or_else(|| result.row.seed.to_string(), |(_, seed)| seed.clone());
+        _ = write!(html, "<th title=\"{}\">{}</th>", escaped(&result.row.case), escaped(&seed));
     }
     html.push_str("<th>passed</th></tr>\n");
     for (index, (check, rate)) in variant.checks.iter().enumerate() {
@@ -114,7 +136,7 @@ fn heat_map(html: &mut String, run: &SuiteRun, variant: &Variant) {
         cell(html, &result.row, class, sign, &result.row.message);
     }
     _ = writeln!(html, "<td>{}</td></tr>\n</table></div>", percent(variant.rate.share()));
-    html.push_str(&trials(run, &results).unwrap_or_default());
+    html.push_str(&trials(sheet, &results).unwrap_or_default());
 }
 
 fn cell(html: &mut String, row: &Row, class: &str, sign: &str, title: &str) {
@@ -123,11 +145,11 @@ fn cell(html: &mut String, row: &Row, class: &str, sign: &str, title: &str) {
 }
 
 /// Picture of the world with the paths of the cases that failed.
-fn trials(run: &SuiteRun, results: &[&CaseResult]) -> Option<String> {
+fn trials(sheet: &Sheet<'_>, results: &[&CaseResult]) -> Option<String> {
     let failed: Vec<&&CaseResult> =
         results.iter().filter(|result| !result.traces.is_empty()).take(MOST_PATHS).collect();
     let first = failed.first()?;
-    let case = run.cases.iter().find(|case| case.name == first.row.case)?;
+    let case = sheet.cases.iter().find(|case| case.name == first.row.case)?;
     let scene = Scene::open(&case.scene, case.options.clone()).ok()?;
     let trials: Vec<(Vec<Vec<DVec2>>, Option<DVec2>)> = failed
         .iter()
@@ -146,7 +168,7 @@ fn trials(run: &SuiteRun, results: &[&CaseResult]) -> Option<String> {
     ))
 }
 
-fn failure(html: &mut String, result: &CaseResult) {
+pub(in crate::cli) fn failure(html: &mut String, result: &CaseResult) {
     let row = &result.row;
     _ = writeln!(
         html,
@@ -189,7 +211,7 @@ fn id(row: &Row) -> String {
 }
 
 /// Text without characters that HTML would obey.
-fn escaped(text: &str) -> String {
+pub(in crate::cli) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -199,7 +221,7 @@ fn escaped(text: &str) -> String {
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
             '\n' | '\t' => escaped.push(c),
-            c if c.is_control() => escaped.extend(c.escape_unicode()),
+            c if is_terminal_control(c) => escaped.extend(c.escape_unicode()),
             c => escaped.push(c),
         }
     }

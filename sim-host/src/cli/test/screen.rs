@@ -359,12 +359,12 @@ pub(super) fn of_seeds(rate: &Rate) -> String {
 }
 
 /// `90 %`.
-pub(super) fn percent(share: f64) -> String {
+pub(in crate::cli) fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share))
 }
 
 /// A number with at most two digits after the point.
-pub(super) fn number(number: f64) -> String {
+pub(in crate::cli) fn number(number: f64) -> String {
     let text = format!("{number:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -1,0 +1,515 @@
+//! Reading of archives and folders that nobody vouches for: nothing is written, no link is followed, everything has a limit.
+
+use std::collections::BTreeMap;
+use std::fs::{self, FileType};
+use std::io::{self, Cursor, Read};
+use std::os::unix::fs::FileTypeExt as _;
+use std::path::Path;
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::files::read_regular;
+use crate::record::log::Printable;
+
+/// Greatest size of all files of a submission together, and of what is unpacked for it, in bytes.
+pub const MOST_BYTES: u64 = 256 << 20;
+/// Most entries of a submission.
+pub const MOST_ENTRIES: usize = 20_000;
+/// Greatest size of an archive with all submissions, unpacked, in bytes.
+const MOST_CLASS_BYTES: u64 = 1 << 30;
+/// Most entries of an archive with all submissions.
+const MOST_CLASS_ENTRIES: usize = 400_000;
+/// Most archives and folders within each other.
+const MOST_DEPTH: usize = 12;
+/// Most archives within each other, the outer one included.
+const MOST_NESTED: usize = 3;
+/// Longest path, in bytes.
+const MOST_PATH: usize = 1024;
+/// Longest name of a file, in bytes: that of Linux.
+const MOST_NAME: usize = 255;
+
+/// Files by their paths with slashes, and remarks about what was left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Contents {
+    /// Contents of the files.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// Remarks: links, devices and archives of other kinds that are not read.
+    pub notes: Vec<String>,
+}
+
+/// Reasons why a submission is refused as a whole.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// It cannot be read.
+    #[error("`{name}` cannot be read: {error}")]
+    Io {
+        /// The file or archive.
+        name: String,
+        /// The reason.
+        error: io::Error,
+    },
+    /// It is no archive, or a broken one.
+    #[error("`{name}` is no archive that can be read: {error}")]
+    Broken {
+        /// The archive.
+        name: String,
+        /// The reason.
+        error: String,
+    },
+    /// An entry would be written outside of the archive.
+    #[error("the entry `{entry}` of `{name}` leads out of the archive")]
+    Outside {
+        /// The archive.
+        name: String,
+        /// The entry.
+        entry: String,
+    },
+    /// The files are larger together than this, in bytes.
+    #[error("its files have more than {} MiB", .0 >> 20)]
+    Size(u64),
+    /// There are more entries than this.
+    #[error("it has more than {0} entries")]
+    Entries(usize),
+    /// Archives lie too deep within each other.
+    #[error(
+        "`{0}` lies too deep: at most {MOST_NESTED} archives within each other, and {MOST_DEPTH} folders, are read"
+    )]
+    Depth(String),
+}
+
+/// Kinds of archives that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Zip,
+    Tar,
+    TarGz,
+}
+
+/// Endings of archives that are read.
+const KINDS: [(&str, Kind); 4] =
+    [(".zip", Kind::Zip), (".tar", Kind::Tar), (".tar.gz", Kind::TarGz), (".tgz", Kind::TarGz)];
+/// Endings of archives that are not read.
+const OTHER: [&str; 9] = [".rar", ".7z", ".tar.xz", ".txz", ".tar.bz2", ".tbz2", ".tar.zst", ".gz", ".xz"];
+
+/// Name of an archive without its ending; `None` if it is no archive that is read.
+pub fn stem_of_archive(name: &str) -> Option<&str> {
+    Some(kind_of(name)?.0)
+}
+
+/// Name without its ending of an archive of a kind that is not read; `None` if it is no such archive.
+pub fn stem_of_other_archive(name: &str) -> Option<&str> {
+    if kind_of(name).is_some() { None } else { OTHER.iter().find_map(|ending| without_ending(name, ending)) }
+}
+
+fn kind_of(name: &str) -> Option<(&str, Kind)> {
+    KINDS.into_iter().find_map(|(ending, kind)| Some((without_ending(name, ending)?, kind)))
+}
+
+/// The name without this ending, in any case of letters.
+fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
+    let at = name.len().checked_sub(ending.len())?;
+    let is_it = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
+    is_it.then(|| &name[..at])
+}
+
+/// Reads a submission of several parts within common limits.
+pub struct Reader<'w> {
+    /// Files whose contents are wanted, by their paths; archives are opened in any case.
+    wanted: &'w dyn Fn(&str) -> bool,
+    /// An archive with all submissions: those within stay closed, and everything else appears, without its contents if not wanted.
+    is_class: bool,
+    most_bytes: u64,
+    most_entries: usize,
+    left: u64,
+    entries: usize,
+    contents: Contents,
+}
+
+impl<'w> Reader<'w> {
+    /// A reader of the files for which `wanted` holds.
+    pub fn new(wanted: &'w dyn Fn(&str) -> bool) -> Self {
+        Self {
+            wanted,
+            is_class: false,
+            most_bytes: MOST_BYTES,
+            most_entries: MOST_ENTRIES,
+            left: MOST_BYTES,
+            entries: 0,
+            contents: Contents::default(),
+        }
+    }
+
+    /// A reader of an archive with all submissions: archives within it are files.
+    pub fn of_class(wanted: &'w dyn Fn(&str) -> bool) -> Self {
+        Self {
+            is_class: true,
+            most_bytes: MOST_CLASS_BYTES,
+            most_entries: MOST_CLASS_ENTRIES,
+            left: MOST_CLASS_BYTES,
+            ..Self::new(wanted)
+        }
+    }
+
+    /// What has been read.
+    pub fn into_contents(self) -> Contents {
+        self.contents
+    }
+
+    /// Reads the file, archive or folder `path` of the disk, as `name`; links are not followed.
+    ///
+    /// # Errors
+    /// [`ArchiveError`].
+    pub fn read_path(&mut self, path: &Path, name: &str) -> Result<(), ArchiveError> {
+        self.walk(path, name, 0)
+    }
+
+    fn walk(&mut self, path: &Path, name: &str, depth: usize) -> Result<(), ArchiveError> {
+        let io = |error| ArchiveError::Io { name: printable(name), error };
+        self.count()?;
+        let metadata = fs::symlink_metadata(path).map_err(io)?;
+        if metadata.is_dir() {
+            if depth == MOST_DEPTH {
+                return Err(ArchiveError::Depth(printable(name)));
+            }
+            let mut entries = fs::read_dir(path).map_err(io)?.collect::<Result<Vec<_>, _>>().map_err(io)?;
+            entries.sort_by_key(fs::DirEntry::file_name);
+            for entry in entries {
+                let own = entry.file_name().to_string_lossy().into_owned();
+                let name = if name.is_empty() { own } else { format!("{name}/{own}") };
+                self.walk(&entry.path(), &name, depth + 1)?;
+            }
+            return Ok(());
+        }
+        if !metadata.is_file() {
+            if !is_junk(name) {
+                self.note(name, kind_in_words(metadata.file_type()));
+            }
+            return Ok(());
+        }
+        if is_junk(name) || !self.is_read(name) {
+            return Ok(());
+        }
+        if metadata.len() > self.left {
+            return Err(self.too_large());
+        }
+        let bytes = read_regular(path).map_err(io)?;
+        self.read_file(name, bytes, 0)
+    }
+
+    /// Takes a file with these contents, and opens it if it is an archive, of which `nested` have been opened around it.
+    ///
+    /// # Errors
+    /// [`ArchiveError`].
+    pub fn read_file(&mut self, name: &str, bytes: Vec<u8>, nested: usize) -> Result<(), ArchiveError> {
+        self.left = self.left.checked_sub(bytes.len() as u64).ok_or_else(|| self.too_large())?;
+        match kind_of(name) {
+            _ if self.is_class && nested > 0 => {
+                self.contents.files.insert(name.to_owned(), bytes);
+                Ok(())
+            }
+            Some(_) if nested == MOST_NESTED => Err(ArchiveError::Depth(printable(name))),
+            Some((stem, kind)) => self.open(name, stem, kind, bytes, nested + 1),
+            None if (self.wanted)(name) => {
+                self.contents.files.insert(name.to_owned(), bytes);
+                Ok(())
+            }
+            None if stem_of_other_archive(name).is_some() => {
+                self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn open(&mut self, name: &str, stem: &str, kind: Kind, bytes: Vec<u8>, nested: usize) -> Result<(), ArchiveError> {
+        let broken = |error: String| ArchiveError::Broken { name: printable(name), error };
+        match kind {
+            Kind::Zip => self.open_zip(name, stem, bytes, nested),
+            Kind::Tar => self.open_tar(name, stem, Cursor::new(bytes), nested),
+            Kind::TarGz => {
+                // Skipped entries are inflated as well.
+                let most = self.left + (self.most_entries as u64) * 1024;
+                let mut inflated = flate2::read::MultiGzDecoder::new(Cursor::new(bytes)).take(most + 1);
+                let result = self.open_tar(name, stem, &mut inflated, nested);
+                if inflated.limit() == 0 {
+                    return Err(self.too_large());
+                }
+                result.map_err(|error| match error {
+                    ArchiveError::Io { error, .. } => broken(error.to_string()),
+                    error => error,
+                })
+            }
+        }
+    }
+
+    fn open_zip(&mut self, name: &str, stem: &str, bytes: Vec<u8>, nested: usize) -> Result<(), ArchiveError> {
+        let broken = |error: ZipError| ArchiveError::Broken { name: printable(name), error: error.to_string() };
+        let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+        for index in 0..archive.len() {
+            self.count()?;
+            let mut file = archive.by_index(index).map_err(broken)?;
+            // Archives of macOS have names in UTF-8 without saying so.
+            let own = std::str::from_utf8(file.name_raw()).map_or_else(|_| file.name().to_owned(), str::to_owned);
+            let Some(path) = self.place(name, stem, &own)? else { continue };
+            let mode = file.unix_mode().map_or(0, |mode| mode & 0o170_000);
+            if file.is_symlink() || !matches!(mode, 0 | 0o100_000 | 0o040_000) {
+                self.note(&path, "is a link or a device");
+            } else if file.is_dir() || !self.is_read(&path) {
+                self.mark(&path, file.is_dir());
+            } else {
+                let content = self
+                    .take(&mut file)
+                    .map_err(|error| error.map_or_else(|| self.too_large(), |error| broken(ZipError::Io(error))))?;
+                drop(file);
+                self.read_file(&path, content, nested)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn open_tar(&mut self, name: &str, stem: &str, bytes: impl Read, nested: usize) -> Result<(), ArchiveError> {
+        let broken = |error: io::Error| ArchiveError::Broken { name: printable(name), error: error.to_string() };
+        let mut archive = tar::Archive::new(bytes);
+        for entry in archive.entries().map_err(broken)? {
+            self.count()?;
+            let mut entry = entry.map_err(broken)?;
+            let own = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
+            let kind = entry.header().entry_type();
+            if kind == tar::EntryType::XGlobalHeader {
+                continue;
+            }
+            let Some(path) = self.place(name, stem, &own)? else { continue };
+            if kind.is_dir() {
+                self.mark(&path, true);
+            } else if !(kind.is_file() || kind.is_contiguous() || kind.is_gnu_sparse()) {
+                self.note(&path, "is a link or a device");
+            } else if self.is_read(&path) {
+                let content = self.take(&mut entry).map_err(|error| error.map_or_else(|| self.too_large(), broken))?;
+                self.read_file(&path, content, nested)?;
+            } else {
+                self.mark(&path, false);
+            }
+        }
+        Ok(())
+    }
+
+    /// The content of an entry, whose stated size is not trusted; no error if it is too large.
+    fn take(&self, file: &mut impl Read) -> Result<Vec<u8>, Option<io::Error>> {
+        let mut content = Vec::new();
+        let read = file.take(self.left + 1).read_to_end(&mut content).map_err(Some)?;
+        if read as u64 > self.left { Err(None) } else { Ok(content) }
+    }
+
+    /// Path of an entry of the archive `name`; none for what systems add by themselves.
+    fn place(&mut self, name: &str, stem: &str, entry: &str) -> Result<Option<String>, ArchiveError> {
+        let outside = || ArchiveError::Outside { name: printable(name), entry: printable(entry) };
+        let slashed = entry.replace('\\', "/");
+        let has_drive = slashed.as_bytes().get(1) == Some(&b':');
+        if slashed.starts_with('/') || has_drive || slashed.contains('\0') {
+            return Err(outside());
+        }
+        let mut parts = vec![stem];
+        for part in slashed.split('/') {
+            match part {
+                "" | "." => {}
+                ".." => return Err(outside()),
+                part => parts.push(part),
+            }
+        }
+        let path = parts.join("/");
+        if parts.len() > MOST_DEPTH * MOST_NESTED {
+            return Err(ArchiveError::Depth(printable(&path)));
+        }
+        if path.len() > MOST_PATH || parts.iter().any(|part| part.len() > MOST_NAME) {
+            self.note(&path.chars().take(80).collect::<String>(), "has a name that is too long");
+            return Ok(None);
+        }
+        Ok(Some(path).filter(|path| !is_junk(path)))
+    }
+
+    /// The content of the file is looked at: it is wanted, or an archive.
+    fn is_read(&mut self, name: &str) -> bool {
+        let is_read = (self.wanted)(name) || kind_of(name).is_some();
+        if !is_read && stem_of_other_archive(name).is_some() {
+            self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
+        }
+        is_read
+    }
+
+    /// Lets an entry of an archive with all submissions appear without contents, so that nobody is missing.
+    fn mark(&mut self, path: &str, is_folder: bool) {
+        if self.is_class {
+            let path = if is_folder { format!("{path}/.") } else { path.to_owned() };
+            self.contents.files.insert(path, Vec::new());
+        }
+    }
+
+    fn count(&mut self) -> Result<(), ArchiveError> {
+        self.entries += 1;
+        if self.entries > self.most_entries { Err(ArchiveError::Entries(self.most_entries)) } else { Ok(()) }
+    }
+
+    fn too_large(&self) -> ArchiveError {
+        ArchiveError::Size(self.most_bytes)
+    }
+
+    fn note(&mut self, name: &str, what: &str) {
+        const MOST: usize = 20;
+        if self.contents.notes.len() < MOST {
+            self.contents.notes.push(format!("`{}` {what}: it is not read", printable(name)));
+        }
+    }
+}
+
+/// Files and folders that systems and editors add by themselves.
+pub fn is_junk(path: &str) -> bool {
+    path.split('/').any(|part| {
+        matches!(part, "__MACOSX" | ".DS_Store" | ".git" | ".svn" | ".hg" | "Thumbs.db" | "desktop.ini")
+            || part.starts_with("._")
+    })
+}
+
+/// Kind of a file that is none that has contents.
+fn kind_in_words(kind: FileType) -> &'static str {
+    if kind.is_symlink() {
+        "is a link"
+    } else if kind.is_fifo() {
+        "is a FIFO"
+    } else if kind.is_socket() {
+        "is a socket"
+    } else {
+        "is a device"
+    }
+}
+
+/// A name for messages: without control characters.
+pub(super) fn printable(name: &str) -> String {
+    Printable(name).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    fn zip_of(entries: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, bytes) in entries {
+            writer.start_file(*name, SimpleFileOptions::default()).expect("an entry");
+            writer.write_all(bytes).expect("bytes");
+        }
+        writer.finish().expect("an archive").into_inner()
+    }
+
+    fn tar_of(entries: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut builder = tar::Builder::new(Vec::new());
+        for (name, bytes) in entries {
+            let mut header = tar::Header::new_gnu();
+            header.set_size(bytes.len() as u64);
+            // `set_path` would refuse names that lead elsewhere.
+            header.as_gnu_mut().expect("a header").name[..name.len()].copy_from_slice(name.as_bytes());
+            header.set_cksum();
+            builder.append(&header, *bytes).expect("an entry");
+        }
+        builder.into_inner().expect("an archive")
+    }
+
+    fn gz(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        encoder.write_all(bytes).expect("bytes");
+        encoder.finish().expect("an archive")
+    }
+
+    fn read(name: &str, bytes: Vec<u8>) -> Result<Contents, ArchiveError> {
+        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let mut reader = Reader::new(&wanted);
+        reader.read_file(name, bytes, 0)?;
+        Ok(reader.into_contents())
+    }
+
+    fn paths(contents: &Contents) -> Vec<&str> {
+        contents.files.keys().map(String::as_str).collect()
+    }
+
+    #[test]
+    fn archives_are_read_within_each_other() {
+        let entries: [(&str, &[u8]); 4] =
+            [("lab/a.c", b"1"), ("lab\\map.h", b"2"), ("__MACOSX/lab/._a.c", b"3"), ("lab/notes.txt", b"4")];
+        let expected = ["x/lab/a.c", "x/lab/map.h"];
+        assert_eq!(paths(&read("x.zip", zip_of(&entries)).expect("files")), expected);
+        assert_eq!(paths(&read("x.TAR", tar_of(&entries)).expect("files")), expected);
+        assert_eq!(paths(&read("x.tar.gz", gz(&tar_of(&entries))).expect("files")), expected);
+        assert_eq!(paths(&read("x.tgz", gz(&tar_of(&entries))).expect("files")), expected);
+        let inner = zip_of(&entries);
+        let outer = zip_of(&[("y/x.zip", &inner), ("b.c", b"5"), ("old.rar", b"6")]);
+        let contents = read("z.zip", outer).expect("files");
+        assert_eq!(paths(&contents), ["z/b.c", "z/y/x/lab/a.c", "z/y/x/lab/map.h"]);
+        assert!(contents.notes[0].contains("old.rar"), "{contents:?}");
+        assert_eq!(read("x.zip", zip_of(&[])).expect("nothing"), Contents::default());
+    }
+
+    #[test]
+    fn entries_that_lead_elsewhere_are_refused() {
+        for name in ["../a.c", "/etc/a.c", "a/../../a.c", "c:\\a.c", "..\\a.c"] {
+            for result in [read("x.zip", zip_of(&[(name, b"1")])), read("x.tar", tar_of(&[(name, b"1")]))] {
+                assert!(matches!(result, Err(ArchiveError::Outside { .. })), "{name}: {result:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn links_and_devices_are_left_out() {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        writer.add_symlink("a.c", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
+        let contents = read("x.zip", writer.finish().expect("an archive").into_inner()).expect("files");
+        assert!(contents.files.is_empty() && contents.notes.len() == 1, "{contents:?}");
+        let mut builder = tar::Builder::new(Vec::new());
+        for (kind, name) in [
+            (tar::EntryType::Symlink, "a.c"),
+            (tar::EntryType::Link, "b.c"),
+            (tar::EntryType::Fifo, "c.c"),
+            (tar::EntryType::Char, "d.c"),
+        ] {
+            let mut header = tar::Header::new_gnu();
+            header.set_entry_type(kind);
+            header.set_path(name).expect("a path");
+            header.set_link_name("/etc/passwd").expect("a link");
+            header.set_size(0);
+            header.set_cksum();
+            builder.append(&header, io::empty()).expect("an entry");
+        }
+        let contents = read("x.tar", builder.into_inner().expect("an archive")).expect("files");
+        assert!(contents.files.is_empty() && contents.notes.len() == 4, "{contents:?}");
+    }
+
+    #[test]
+    fn bombs_and_broken_archives_are_refused() {
+        let zeros = vec![0; (MOST_BYTES / 4) as usize + 1];
+        let entries: Vec<(String, &[u8])> = (0..4).map(|index| (format!("{index}.c"), &zeros[..])).collect();
+        let entries: Vec<(&str, &[u8])> = entries.iter().map(|(name, bytes)| (name.as_str(), *bytes)).collect();
+        let bomb = zip_of(&entries);
+        assert!(bomb.len() < 2 << 20, "{}", bomb.len());
+        assert!(matches!(read("x.zip", bomb), Err(ArchiveError::Size(_))));
+        // What is skipped is inflated as well.
+        let skipped: Vec<(&str, &[u8])> = (0..6).map(|_| ("film.avi", &zeros[..])).collect();
+        assert!(matches!(read("x.tgz", gz(&tar_of(&skipped))), Err(ArchiveError::Size(_))));
+        let names: Vec<String> = (0..=MOST_ENTRIES).map(|index| format!("{index}.c")).collect();
+        let many: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &b""[..])).collect();
+        assert!(matches!(read("x.zip", zip_of(&many)), Err(ArchiveError::Entries(_))));
+        let mut nested = zip_of(&[("a.c", b"1")]);
+        for _ in 0..MOST_NESTED {
+            nested = zip_of(&[("x.zip", &nested)]);
+        }
+        assert!(matches!(read("x.zip", nested), Err(ArchiveError::Depth(_))));
+        for (name, bytes) in
+            [("x.zip", &b""[..]), ("x.zip", b"PK\x05\x06"), ("x.tgz", b"\x1f\x8b"), ("x.tar", &[7; 600])]
+        {
+            assert!(matches!(read(name, bytes.to_vec()), Err(ArchiveError::Broken { .. })), "{name}");
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! A suite with which submissions are graded, and the grading of one of them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use sim_format::{Diagnostic, Severity};
+
+use super::choice::{self, Choice};
+use super::submission::Submission;
+use crate::executive::interrupt::Interrupt;
+use crate::executive::program::Exec;
+use crate::files::slashed;
+use crate::launch::settings::{ProgramOption, withdraw_programs};
+use crate::launch::{Error, Options, ProgramCache, Rejected, Scene};
+use crate::program::Builder;
+use crate::record::report::Input;
+use crate::suite::summary::{Variant, variants};
+use crate::suite::{Case, CaseResult, Pool, PoolError, PoolOptions, Preparation, Row, Session, Suite, lost_case};
+
+/// Version of the results.
+const SCHEMA: u32 = 1;
+
+/// Reasons why nothing can be graded.
+#[derive(Debug, thiserror::Error)]
+pub enum GradeError {
+    /// The suite is not fit for grading.
+    #[error("{0}")]
+    Suite(String),
+    /// The system gives no processes.
+    #[error(transparent)]
+    Pool(#[from] PoolError),
+    /// A file cannot be written.
+    #[error("`{}`: {error}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: io::Error,
+    },
+}
+
+/// Result of a submission. It depends on its files, the suite and the version of eyesim only, apart from times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Graded {
+    /// Version of this form.
+    pub schema: u32,
+    /// Reason why nothing was built: the submission is refused, or has no program.
+    pub problem: Option<String>,
+    /// Remarks about files that were not read.
+    pub notes: Vec<String>,
+    /// Files of the programs of robots.
+    pub programs: Vec<(String, Vec<String>)>,
+    /// Results of all cases, in the order of the suite.
+    pub results: Vec<CaseResult>,
+    /// Real time that building and running took, s.
+    pub real_time_s: f64,
+}
+
+/// A suite with which submissions are graded.
+pub struct Grader {
+    path: PathBuf,
+    /// Seeds that students do not see.
+    hidden: BTreeSet<u64>,
+    may_run_checks: bool,
+    suite: Suite,
+    cases: Vec<Case>,
+    /// Points of each variant.
+    max_points: BTreeMap<String, f64>,
+    /// Hash of everything but the submission.
+    key: String,
+    builder: Option<Builder>,
+    /// Folder for the files of submissions.
+    scratch: tempfile::TempDir,
+    /// Ends the grading.
+    pub interrupt: Interrupt,
+}
+
+impl Grader {
+    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`.
+    ///
+    /// # Errors
+    /// The suite or a scene has mistakes, names no files to submit, or a program of its own cannot be built.
+    pub fn open(
+        path: &Path,
+        hidden: &[u64],
+        may_run_checks: bool,
+        builder: Builder,
+        interrupt: Interrupt,
+    ) -> Result<Self, GradeError> {
+        let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
+        let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
+        let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
+        let suite = open(path, &hidden, may_run_checks, Vec::new())?;
+        if suite.spec.submit.is_empty() {
+            let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
+            return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
+        }
+        let cases = suite.cases().map_err(GradeError::Suite)?;
+        let mut grader = Self {
+            path: path.to_owned(),
+            hidden,
+            may_run_checks,
+            suite,
+            cases,
+            max_points: BTreeMap::new(),
+            key: String::new(),
+            builder: None,
+            scratch,
+            interrupt,
+        };
+        let (mut inputs, mut max_points) = (BTreeMap::new(), BTreeMap::new());
+        let mut programs = ProgramCache::default();
+        for (variant, case) in grader.variants_of_suite() {
+            let built = grader.own_scene(case).and_then(|scene| scene.build_with(&builder, &mut programs));
+            let built = built.map_err(|error| GradeError::Suite(in_words(&error, case)))?;
+            let own = grader.suite.spec.checks.iter().chain(&built.scene().checks).map(|check| check.points).sum();
+            max_points.insert(variant.to_owned(), own);
+            inputs.extend(built.inputs().iter().map(|input: &Input| (input.path.clone(), input.sha256.clone())));
+        }
+        grader.max_points = max_points;
+        grader.key = grader.hash(&inputs);
+        grader.builder = Some(builder);
+        Ok(grader)
+    }
+
+    /// The suite, without programs of a submission.
+    pub fn suite(&self) -> &Suite {
+        &self.suite
+    }
+
+    /// Its cases.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// Returns true for a file that may be part of a program: nothing else of a submission is read.
+    pub fn wants(&self, path: &str) -> bool {
+        choice::is_wanted(&self.suite.spec.submit, path)
+    }
+
+    /// Returns true for a case with a seed that students do not see.
+    pub fn is_hidden(&self, case: &Case) -> bool {
+        case.options.seed.is_some_and(|seed| self.hidden.contains(&seed))
+    }
+
+    /// The scene of a case in which the robots of submissions have no programs.
+    ///
+    /// # Errors
+    /// The scene cannot be read, or has no such robots.
+    pub fn own_scene(&self, case: &Case) -> Result<Scene, Error> {
+        // Arguments of robots without programs are refused.
+        let options = Options { arguments: Vec::new(), ..case.options.clone() };
+        let mut scene = Scene::open(&case.scene, options)?;
+        let robots = self.suite.spec.submit.iter().map(|submit| submit.robots.as_str());
+        withdraw_programs(scene.spec_mut(), robots)?;
+        Ok(scene)
+    }
+
+    /// The variants of the suite, each with its first case.
+    pub fn variants_of_suite(&self) -> Vec<(&str, &Case)> {
+        let mut seen = BTreeSet::new();
+        let first = self.cases.iter().filter(|case| seen.insert(case.variant.as_str()));
+        first.map(|case| (case.variant.as_str(), case)).collect()
+    }
+
+    /// Hash of everything that determines the result of a submission: 64 hexadecimal digits.
+    pub fn key(&self, submission: &Submission) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let mut add = |bytes: &[u8]| {
+            hasher.update(&(bytes.len() as u64).to_le_bytes());
+            hasher.update(bytes);
+        };
+        add(self.key.as_bytes());
+        match &submission.contents {
+            Ok(contents) => {
+                contents.notes.iter().for_each(|note| add(note.as_bytes()));
+                add(b"files");
+                for (path, bytes) in &contents.files {
+                    add(path.as_bytes());
+                    add(bytes);
+                }
+            }
+            Err(problem) => {
+                add(b"refused");
+                add(problem.as_bytes());
+            }
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// The files of a submission that become programs; none if it is refused.
+    pub fn choice(&self, submission: &Submission) -> Option<Choice> {
+        choice::choose(&self.suite.spec.submit, submission.contents.as_ref().ok()?).ok()
+    }
+
+    /// Grades a submission in this process, which must have one thread, on `workers` copies of it. To be called once.
+    pub fn grade(&mut self, submission: &Submission, workers: usize) -> Graded {
+        let start = Instant::now();
+        let mut graded = match self.attempt(submission, workers) {
+            Ok(graded) => graded,
+            Err(problem) => self.lost(&problem),
+        };
+        graded.notes = submission.contents.as_ref().map(|contents| contents.notes.clone()).unwrap_or_default();
+        graded.real_time_s = start.elapsed().as_secs_f64();
+        graded
+    }
+
+    fn attempt(&mut self, submission: &Submission, workers: usize) -> Result<Graded, String> {
+        let choice = choice::choose(&self.suite.spec.submit, submission.contents.as_ref()?)?;
+        let key = self.key(submission);
+        let folder = self.scratch.path().join(&key);
+        let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
+        // Messages of compilers have the paths without links.
+        let folder = fs::canonicalize(&folder).unwrap_or(folder);
+        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs).map_err(|error| error.to_string())?;
+        let cases = suite.cases()?;
+        let builder = self.builder.take().ok_or("the builder has been used")?;
+        let session = Session::new(builder, self.interrupt.clone());
+        let preparation = Preparation::of(&suite, cases.iter(), session);
+        let mut results: BTreeMap<usize, CaseResult> = BTreeMap::new();
+        let indices: Vec<usize> = (0..cases.len()).collect();
+        let mut pool = Pool::new(&suite, &cases, preparation, PoolOptions { workers, isolate: true });
+        let done = &mut |index, result| {
+            results.insert(index, result);
+            ControlFlow::Continue(())
+        };
+        pool.run(&indices, done).map_err(|error| error.to_string())?;
+        let places = Places::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
+        let mut graded = Graded { programs: choice.programs, ..Graded::of(results.into_values().collect()) };
+        graded.results.iter_mut().for_each(|result| places.relocate(result, &key));
+        _ = fs::remove_dir_all(&folder);
+        Ok(graded)
+    }
+
+    /// Result of a submission that cannot be run.
+    pub fn lost(&self, problem: &str) -> Graded {
+        let lost = |case: &Case| {
+            let mut result = lost_case(&self.suite, case, problem);
+            result.row.max_points = self.max_points.get(&case.variant).copied().unwrap_or_default();
+            Places::of_suite(&self.suite.spec.folder).relocate(&mut result, "");
+            result
+        };
+        Graded { problem: Some(problem.to_owned()), ..Graded::of(self.cases.iter().map(lost).collect()) }
+    }
+
+    /// Variants of a graded submission.
+    pub fn variants(&self, graded: &Graded) -> Vec<Variant> {
+        let rows: Vec<&Row> = graded.results.iter().map(|result| &result.row).collect();
+        let mut variants = variants(&rows, self.suite.spec.pass_rate);
+        for variant in &mut variants {
+            variant.max_points = self.max_points.get(&variant.name).copied().unwrap_or(variant.max_points);
+        }
+        variants
+    }
+
+    fn hash(&self, inputs: &BTreeMap<String, String>) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let places = Places::of_suite(&self.suite.spec.folder);
+        let mut add = |text: &str| {
+            let mut text = text.to_owned();
+            places.fix(&mut text);
+            hasher.update(&(text.len() as u64).to_le_bytes());
+            hasher.update(text.as_bytes());
+        };
+        add(&format!("eyesim {} {SCHEMA} {}", env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA));
+        add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden, self.may_run_checks));
+        for (path, sha256) in inputs {
+            add(path);
+            add(sha256);
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+impl Graded {
+    fn of(results: Vec<CaseResult>) -> Self {
+        Self { schema: SCHEMA, problem: None, notes: Vec::new(), programs: Vec::new(), results, real_time_s: 0.0 }
+    }
+
+    /// Reads a result that was kept; none if it is of another version.
+    pub fn parse(bytes: &[u8]) -> Option<Self> {
+        serde_json::from_slice::<Self>(bytes).ok().filter(|graded| graded.schema == SCHEMA)
+    }
+
+    /// Hash of the digests of all cases: submissions with one hash behave the same. None if a case has no digest.
+    pub fn behaviour(&self) -> Option<String> {
+        let mut hasher = blake3::Hasher::new();
+        for result in &self.results {
+            hasher.update(result.row.digest.as_ref()?.as_bytes());
+        }
+        (!self.results.is_empty()).then(|| hasher.finalize().to_hex()[..16].to_owned())
+    }
+}
+
+/// Opens the suite with hidden seeds and programs of a submission, each in a process of its own.
+fn open(
+    path: &Path,
+    hidden: &BTreeSet<u64>,
+    may_run_checks: bool,
+    programs: Vec<ProgramOption>,
+) -> Result<Suite, GradeError> {
+    let mut suite = Suite::open(path, programs);
+    let errors: Vec<&Diagnostic> =
+        suite.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).collect();
+    if !errors.is_empty() {
+        let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        return Err(GradeError::Suite(lines.join("\n")));
+    }
+    suite.may_run_checks = may_run_checks;
+    suite.exec = Exec::Process;
+    suite.add_seeds(hidden.iter().copied()).map_err(GradeError::Suite)?;
+    Ok(suite)
+}
+
+fn in_words(error: &Error, case: &Case) -> String {
+    let what = match error {
+        Error::Rejected(Rejected { diagnostics, .. }) => {
+            diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n")
+        }
+        error => error.to_string(),
+    };
+    format!("the case `{}` of the suite cannot be run: {what}", case.name)
+}
+
+/// Paths of this grading that results do not have.
+struct Places {
+    /// Text and its replacement, longer texts first.
+    replaced: Vec<(String, String)>,
+}
+
+impl Places {
+    fn of_suite(folder: &str) -> Self {
+        let folder = folder.trim_end_matches('/');
+        let is_real = folder.contains('/') || folder.len() > 2;
+        Self { replaced: is_real.then(|| (format!("{folder}/"), String::new())).into_iter().collect() }
+    }
+
+    fn new(folder: &Path, other: &Path, suite: &str, choice: &Choice) -> Self {
+        let mut replaced = Vec::new();
+        for folder in [folder, other].map(slashed) {
+            for (robots, _) in &choice.programs {
+                let name = Choice::folder_of(robots);
+                replaced.push((format!("{folder}/{name}/"), String::new()));
+            }
+            replaced.push((format!("{folder}/"), String::new()));
+        }
+        replaced.extend(Self::of_suite(suite).replaced);
+        Self { replaced }
+    }
+
+    fn fix(&self, text: &mut String) {
+        for (from, to) in &self.replaced {
+            if text.contains(from.as_str()) {
+                *text = text.replace(from.as_str(), to);
+            }
+        }
+    }
+
+    fn relocate(&self, result: &mut CaseResult, key: &str) {
+        let fix = |text: &mut String| self.fix(text);
+        let row = &mut result.row;
+        let case = blake3::hash(format!("{key} {}", row.case).as_bytes());
+        row.key = if key.is_empty() { String::new() } else { case.to_hex()[..32].to_owned() };
+        [&mut row.suite, &mut row.scene, &mut row.message, &mut row.details].into_iter().for_each(fix);
+        row.checks.iter_mut().for_each(|check| fix(&mut check.message));
+        for robot in &mut row.robots {
+            fix(&mut robot.program);
+            robot.reason.iter_mut().for_each(fix);
+        }
+        row.words.iter_mut().for_each(fix);
+        result.output.iter_mut().for_each(fix);
+    }
+}

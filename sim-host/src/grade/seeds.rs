@@ -1,0 +1,69 @@
+//! Files of seeds.
+
+/// Most seeds of a file.
+const MOST_SEEDS: u64 = 100_000;
+
+/// Text that is no list of seeds.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "line {line}: `{word}` {what}; expected numbers and ranges such as `1..20`, with blanks or commas between them"
+)]
+pub struct SeedError {
+    line: usize,
+    word: String,
+    what: String,
+}
+
+/// The seeds of a text: numbers and ranges with both ends, separated by blanks, commas and line ends; `#` begins a comment.
+///
+/// # Errors
+/// [`SeedError`].
+pub fn parse_seeds(text: &str) -> Result<Vec<u64>, SeedError> {
+    let mut seeds = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line_text = line.split('#').next().unwrap_or_default();
+        for word in line_text.split([' ', '\t', ',', '\r']).filter(|word| !word.is_empty()) {
+            let error = |what: &str| SeedError { line: index + 1, word: word.to_owned(), what: what.to_owned() };
+            let number = |text: &str| text.parse::<u64>().ok().filter(|seed| i64::try_from(*seed).is_ok());
+            let range = match word.split_once("..") {
+                Some((first, last)) => number(first).zip(number(last)).filter(|(first, last)| first <= last),
+                None => number(word).map(|seed| (seed, seed)),
+            };
+            let (first, last) = range.ok_or_else(|| error("is no seed"))?;
+            if last - first >= MOST_SEEDS || seeds.len() as u64 + (last - first) >= MOST_SEEDS {
+                return Err(error(&format!("makes more than {MOST_SEEDS} seeds")));
+            }
+            for seed in first..=last {
+                if seeds.contains(&seed) {
+                    return Err(error(&format!("repeats seed {seed}")));
+                }
+                seeds.push(seed);
+            }
+        }
+    }
+    if seeds.is_empty() {
+        return Err(SeedError { line: 1, word: String::new(), what: "has no seeds".to_owned() });
+    }
+    Ok(seeds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_are_numbers_and_ranges() {
+        assert_eq!(parse_seeds("# secret\n7, 3..5\r\n\n11 # last\n"), Ok(vec![7, 3, 4, 5, 11]));
+        for (text, line, what) in [
+            ("1\nx", 2, "`x` is no seed"),
+            ("5..3", 1, "`5..3` is no seed"),
+            ("1 1", 1, "repeats seed 1"),
+            ("-1", 1, "no seed"),
+            ("0..9999999", 1, "more than"),
+            ("# nothing", 1, "has no seeds"),
+        ] {
+            let error = parse_seeds(text).expect_err(text).to_string();
+            assert!(error.starts_with(&format!("line {line}: ")) && error.contains(what), "{error}");
+        }
+    }
+}

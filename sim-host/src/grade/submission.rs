@@ -1,0 +1,362 @@
+//! Submissions in a folder or archive as learning systems make them: whose they are, and which files belong together.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::archive::{ArchiveError, Contents, Reader, is_junk, stem_of_archive, stem_of_other_archive};
+
+/// A submission that has been read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Submission {
+    /// Name of the student or team as the learning system writes it.
+    pub name: String,
+    /// Name for folders: no two submissions have one; letters of any script, digits, `-`, `_` and `.`.
+    pub folder: String,
+    /// Its files, or the reason why it is refused.
+    pub contents: Result<Contents, String>,
+}
+
+/// Submissions, and what lies beside them.
+#[derive(Debug, Default)]
+pub struct Submissions {
+    /// The submissions, in the order of their names.
+    pub list: Vec<Submission>,
+    /// Names of files that belong to nobody.
+    pub ignored: Vec<String>,
+}
+
+/// Part of a submission.
+enum Part {
+    /// A file or folder of the disk, with the name under which its files appear.
+    Disk(PathBuf, String),
+    /// Files of an archive with all submissions.
+    Files(BTreeMap<String, Vec<u8>>),
+}
+
+/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read of files for which `wanted` holds.
+///
+/// # Errors
+/// The folder or archive as a whole cannot be read.
+pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
+    let mut groups: BTreeMap<String, (String, Vec<Part>)> = BTreeMap::new();
+    let mut ignored = Vec::new();
+    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> Part| match owner(&entry, wanted) {
+        Some(Owner { key, name, file }) => groups.entry(key).or_insert((name, Vec::new())).1.push(part(&file)),
+        None if is_junk(&entry.name) => {}
+        None => ignored.push(entry.name),
+    };
+    if path.is_dir() {
+        let error = |error| ArchiveError::Io { name: path.display().to_string(), error };
+        for entry in fs::read_dir(path).map_err(error)? {
+            let entry = entry.map_err(error)?;
+            let kind = entry.file_type().map_err(error)?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            add(Entry { name, is_folder: kind.is_dir() }, &mut |file| Part::Disk(entry.path(), file.to_owned()));
+        }
+    } else {
+        for (name, (is_folder, mut files)) in of_archive(path, wanted)? {
+            add(Entry { name, is_folder }, &mut |file| {
+                let renamed = |(path, bytes): (String, Vec<u8>)| match path.split_once('/') {
+                    Some((_, rest)) => (format!("{file}/{rest}"), bytes),
+                    None => (file.to_owned(), bytes),
+                };
+                Part::Files(std::mem::take(&mut files).into_iter().map(renamed).collect())
+            });
+        }
+    }
+    ignored.sort();
+    let mut folders = BTreeMap::new();
+    let mut list: Vec<Submission> = Vec::new();
+    for (name, parts) in groups.into_values() {
+        let base = folder_name(&name);
+        let count = folders.entry(base.to_lowercase()).and_modify(|count| *count += 1).or_insert(1);
+        let folder = if *count == 1 { base } else { format!("{base}-{count}") };
+        list.push(Submission { name, folder, contents: read_parts(parts, wanted) });
+    }
+    list.sort_by(|a, b| (a.name.to_lowercase(), &a.folder).cmp(&(b.name.to_lowercase(), &b.folder)));
+    Ok(Submissions { list, ignored })
+}
+
+/// Reads one submission: the file, archive or folder `path` as a whole.
+pub fn read_one(path: &Path, name: &str, wanted: &dyn Fn(&str) -> bool) -> Submission {
+    let file = if path.is_dir() { String::new() } else { name_of(path) };
+    let contents = read_parts(vec![Part::Disk(path.to_owned(), file)], wanted);
+    Submission { name: name.to_owned(), folder: folder_name(name), contents }
+}
+
+fn read_parts(mut parts: Vec<Part>, wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
+    parts.sort_by(|a, b| part_name(a).cmp(part_name(b)));
+    let mut reader = Reader::new(wanted);
+    for part in parts {
+        let read = match part {
+            Part::Disk(path, name) => reader.read_path(&path, &name),
+            Part::Files(files) => files.into_iter().try_for_each(|(name, bytes)| reader.read_file(&name, bytes, 0)),
+        };
+        read.map_err(|error| format!("the submission is refused: {error}"))?;
+    }
+    Ok(without_common_folders(reader.into_contents()))
+}
+
+fn part_name(part: &Part) -> &str {
+    match part {
+        Part::Disk(_, name) => name,
+        Part::Files(files) => files.keys().next().map_or("", String::as_str),
+    }
+}
+
+/// Entries of an archive with all submissions by their names: whether each is a folder, and its files.
+fn of_archive(
+    path: &Path,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)>, ArchiveError> {
+    let mut reader = Reader::of_class(wanted);
+    reader.read_path(path, &name_of(path))?;
+    let mut entries: BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)> = BTreeMap::new();
+    // The first folder is called after the archive.
+    let inner = |(path, bytes): (String, Vec<u8>)| Some((path.split_once('/')?.1.to_owned(), bytes));
+    let mut files: Vec<(String, Vec<u8>)> = reader.into_contents().files.into_iter().filter_map(inner).collect();
+    files.retain(|(path, _)| path != ".");
+    // A folder around all submissions is none of them.
+    loop {
+        let firsts: std::collections::BTreeSet<&str> =
+            files.iter().filter_map(|(path, _)| path.split_once('/').map(|(first, _)| first)).collect();
+        let is_around = firsts.len() == 1
+            && files.iter().all(|(path, _)| {
+                let rest = path.split_once('/').map_or("", |(_, rest)| rest);
+                rest == "."
+                    || rest.contains('/')
+                    || stem_of_archive(rest).is_some()
+                    || rest.contains("_assignsubmission_")
+            });
+        if !is_around || files.is_empty() {
+            break;
+        }
+        for (path, _) in &mut files {
+            if let Some((_, rest)) = path.split_once('/') {
+                *path = rest.to_owned();
+            }
+        }
+        files.retain(|(path, _)| path != ".");
+    }
+    for (path, bytes) in files {
+        let (first, is_folder) = path.split_once('/').map_or((path.as_str(), false), |(first, _)| (first, true));
+        let entry = entries.entry(first.to_owned()).or_insert((is_folder, BTreeMap::new()));
+        entry.1.insert(path.clone(), bytes);
+    }
+    Ok(entries)
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// Entry of the folder with all submissions.
+struct Entry {
+    name: String,
+    is_folder: bool,
+}
+
+/// Owner of an entry.
+#[derive(Debug, PartialEq, Eq)]
+struct Owner {
+    /// Entries with one key belong together.
+    key: String,
+    name: String,
+    /// Name of the entry without that of its owner.
+    file: String,
+}
+
+/// Owner of an entry by the names that learning systems give; none for a file that is no submission.
+///
+/// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas (`name_LATE_123_456_file.c`, `file-1.c` for a
+/// second attempt) and Blackboard (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
+fn owner(entry: &Entry, wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
+    let name = entry.name.as_str();
+    if is_junk(name) || name.starts_with('.') {
+        return None;
+    }
+    let is_archive = !entry.is_folder && stem_of_archive(name).is_some();
+    let of = |key: &str, name: &str, file: &str| {
+        Some(Owner { key: key.to_owned(), name: name.trim().to_owned(), file: file.to_owned() })
+    };
+    if let Some((student, rest)) = name.split_once("_assignsubmission_") {
+        let own = student.rsplit_once('_').filter(|(_, id)| is_number(id)).map_or(student, |(own, _)| own);
+        let file = rest.split_once('_').map_or("", |(_, file)| file);
+        return of(student, own, file);
+    }
+    if !entry.is_folder {
+        let words: Vec<&str> = name.split('_').collect();
+        if let [student, rest @ ..] = words.as_slice() {
+            let rest = if rest.first() == Some(&"LATE") { &rest[1..] } else { rest };
+            if let [user, submission, file @ ..] = rest
+                && is_number(user)
+                && is_number(submission)
+                && !file.is_empty()
+            {
+                return of(&format!("{student}_{user}"), student, &without_attempt(&file.join("_")));
+            }
+        }
+        if let Some((before, after)) = name.split_once("_attempt_") {
+            let user = before.rsplit('_').next().unwrap_or(before);
+            let file = after.split_once('_').map_or("", |(_, file)| file);
+            return of(user, user, file);
+        }
+    }
+    if entry.is_folder {
+        return of(&format!("{name}/"), name, "");
+    }
+    if is_archive {
+        let stem = stem_of_archive(name).unwrap_or(name);
+        return of(name, stem, name);
+    }
+    // A source with its headers.
+    if wanted(name) {
+        let stem = Path::new(name).file_stem().map_or(name.into(), std::ffi::OsStr::to_string_lossy);
+        return of(&stem, &stem, name);
+    }
+    // Its owner is told that it cannot be read.
+    of(name, stem_of_other_archive(name)?, name)
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// `solve.c` for `solve-1.c`, the name that Canvas gives to a second attempt.
+fn without_attempt(file: &str) -> String {
+    let split = || {
+        let (stem, ending) = file.split_once('.')?;
+        let (own, attempt) = stem.rsplit_once('-')?;
+        (is_number(attempt) && !own.is_empty()).then(|| format!("{own}.{ending}"))
+    };
+    split().unwrap_or_else(|| file.to_owned())
+}
+
+/// A name for a folder: letters of any script, digits, `-`, `_` and `.`.
+fn folder_name(name: &str) -> String {
+    const MOST: usize = 60;
+    let kept = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
+    let text: String = name.trim().chars().take(MOST).map(kept).collect();
+    let text = text.trim_matches(['.', '_']);
+    if text.is_empty() { "unnamed".to_owned() } else { text.to_owned() }
+}
+
+/// The files without the folders in which all of them lie.
+fn without_common_folders(contents: Contents) -> Contents {
+    let Contents { files, notes } = contents;
+    let mut folders = files.keys().map(|path| path.rsplit_once('/').map_or("", |(folder, _)| folder));
+    let first = folders.next().unwrap_or_default();
+    let shared = folders.fold(first.split('/').collect::<Vec<_>>(), |shared, folder| {
+        shared.into_iter().zip(folder.split('/')).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
+    });
+    let skip = shared.iter().filter(|part| !part.is_empty()).map(|part| part.len() + 1).sum::<usize>();
+    // A path that began with a slash has an empty part.
+    let shortened = |(path, bytes): (&String, &Vec<u8>)| (path[skip.min(path.len())..].to_owned(), bytes.clone());
+    Contents { files: files.iter().map(shortened).collect(), notes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(entry: &str, is_folder: bool, expected: Option<(&str, &str, &str)>) {
+        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let found = owner(&Entry { name: entry.to_owned(), is_folder }, &wanted);
+        let found = found.as_ref().map(|owner| (owner.key.as_str(), owner.name.as_str(), owner.file.as_str()));
+        assert_eq!(found, expected, "{entry}");
+    }
+
+    #[test]
+    fn names_of_learning_systems_tell_the_owner() {
+        check(
+            "Ana María Núñez_12345_assignsubmission_file_",
+            true,
+            Some(("Ana María Núñez_12345", "Ana María Núñez", "")),
+        );
+        check("王小明_77_assignsubmission_file_lab 1.zip", false, Some(("王小明_77", "王小明", "lab 1.zip")));
+        check("nunezana_LATE_123_4567_solve_it-2.c", false, Some(("nunezana_123", "nunezana", "solve_it.c")));
+        check("nunezana_123_4567_map.h", false, Some(("nunezana_123", "nunezana", "map.h")));
+        check("Lab 1_u22_attempt_2024-03-01-12-00-00_solve.c", false, Some(("u22", "u22", "solve.c")));
+        check("submission_9911", true, Some(("submission_9911/", "submission_9911", "")));
+        check("group 7.tar.gz", false, Some(("group 7.tar.gz", "group 7", "group 7.tar.gz")));
+        check("ali.c", false, Some(("ali", "ali", "ali.c")));
+        check("ali.h", false, Some(("ali", "ali", "ali.h")));
+        check("old.rar", false, Some(("old.rar", "old", "old.rar")));
+        check("README.txt", false, None);
+        check("__MACOSX", true, None);
+        check(".hidden", true, None);
+    }
+
+    #[test]
+    fn folders_have_plain_names() {
+        for (name, folder) in [
+            ("Ana María", "Ana_María"),
+            ("../../etc", "etc"),
+            ("<b>x</b>", "b_x__b"),
+            ("\u{1b}[31m", "31m"),
+            ("...", "unnamed"),
+            ("=SUM(A1)", "SUM_A1"),
+        ] {
+            assert_eq!(folder_name(name), folder);
+        }
+    }
+
+    #[test]
+    fn common_folders_are_left_out() {
+        let files = |paths: &[&str]| paths.iter().map(|path| ((*path).to_owned(), Vec::new())).collect();
+        let check = |paths: &[&str], expected: &[&str]| {
+            let found = without_common_folders(Contents { files: files(paths), notes: Vec::new() });
+            assert_eq!(found.files, files(expected));
+        };
+        check(&["x/lab/a.c", "x/lab/lib/b.h"], &["a.c", "lib/b.h"]);
+        check(&["x/a.c", "y/a.c"], &["x/a.c", "y/a.c"]);
+        check(&["a.c"], &["a.c"]);
+        check(&["x/ab/a.c", "x/abc/a.c"], &["ab/a.c", "abc/a.c"]);
+        check(&[], &[]);
+    }
+
+    #[test]
+    fn a_folder_of_everything_is_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, name).expect("a file");
+        };
+        for name in [
+            "Zoë_1_assignsubmission_file_/lab/a.c",
+            "Zoë_2_assignsubmission_file_/a.c",
+            "bob_1_2_a.c",
+            "bob_1_3_map-1.h",
+            "single.c",
+            "notes.txt",
+        ] {
+            write(name);
+        }
+        std::os::unix::fs::symlink("/etc/passwd", folder.path().join("link.c")).expect("a link");
+        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let found = read_all(folder.path(), &wanted).expect("submissions");
+        let list: Vec<(&str, &str, Vec<&str>)> = found
+            .list
+            .iter()
+            .map(|submission| {
+                let contents = submission.contents.as_ref().expect("files");
+                let files = contents.files.keys().map(String::as_str).collect();
+                (submission.name.as_str(), submission.folder.as_str(), files)
+            })
+            .collect();
+        assert_eq!(
+            list,
+            [
+                ("bob", "bob", vec!["a.c", "map.h"]),
+                ("link", "link", vec![]),
+                ("single", "single", vec!["single.c"]),
+                ("Zoë", "Zoë", vec!["a.c"]),
+                ("Zoë", "Zoë-2", vec!["a.c"]),
+            ]
+        );
+        assert_eq!(found.ignored, ["notes.txt"]);
+    }
+}

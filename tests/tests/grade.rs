@@ -1,0 +1,348 @@
+//! Grading: a class of submissions in every form, equal verdicts in any order, and the files for lecturers, students and services.
+
+#[path = "grade/class.rs"]
+mod class;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use class::{Case, class, honest, program, zip_of};
+use serde_json::Value;
+use tests::{Ran, Scratch, eyesim_path};
+
+/// Environment variable that has all submissions graded in three orders.
+const ALL: &str = "EYESIM_GRADE";
+
+/// Folder `lab/` with a suite: drive 900 mm ahead and touch nothing.
+fn lab() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write(
+        "lab/lab.scene.toml",
+        "[world]\nfloor_mm = [2000, 1000]\nwall = [{ from_mm = [0, 0], to_mm = [2000, 0] }]\n\n[[robot]]\ntype = \"S4\"\n\
+         x_mm = 500\ny_mm = 500\n",
+    );
+    scratch.write(
+        "lab/lab.suite.toml",
+        "[suite]\nscene = \"lab.scene.toml\"\nsubmit = { 1 = [\"*.c\", \"*.cpp\", \"*.so\"] }\nuntil_s = 20\n\n[matrix]\n\
+         noise = \"mild\"\nseed = 1\n\n[limits]\nslot_processor_s = 0.4\noutput_mb = 0.1\n\n\
+         [[check]]\nname = \"goal\"\nkind = \"reach\"\nat_mm = [1400, 500]\nwithin_mm = 60\npoints = 3\n\n\
+         [[check]]\nname = \"no contact\"\nkind = \"contacts\"\nmax = 0\n",
+    );
+    scratch
+}
+
+/// Runs `eyesim grade` on the lab and expects success.
+fn grade(scratch: &Scratch, args: &[&str]) -> Ran {
+    let ran = scratch.eyesim(&[&["grade", "lab/lab.suite.toml"], args].concat());
+    assert_eq!(ran.code, Some(0), "{args:?}: {ran:#?}");
+    ran
+}
+
+/// Lines of a table in CSV without quotes around fields, by their first field.
+fn table(text: &str) -> BTreeMap<String, Vec<String>> {
+    let mut rows: Vec<Vec<String>> = vec![vec![String::new()]];
+    let mut is_quoted = false;
+    let mut characters = text.chars().peekable();
+    while let Some(c) = characters.next() {
+        let row = rows.last_mut().expect("a row");
+        match c {
+            '"' if is_quoted && characters.peek() == Some(&'"') => {
+                row.last_mut().expect("a field").push(characters.next().expect("a quote"))
+            }
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => row.push(String::new()),
+            '\r' if !is_quoted => {}
+            '\n' if !is_quoted => rows.push(vec![String::new()]),
+            c => row.last_mut().expect("a field").push(c),
+        }
+    }
+    rows.into_iter().filter(|row| row.len() > 1).skip(1).map(|row| (row[0].clone(), row)).collect()
+}
+
+/// The results of a submission: its JSON without times, and without the beginning of the names of its files.
+fn result(folder: &Path, prefix: &str) -> Value {
+    let text = std::fs::read_to_string(folder.join("results.json")).expect("results").replace(prefix, "");
+    let mut value: Value = serde_json::from_str(&text).expect("JSON");
+    value["execution_time"] = Value::Null;
+    value
+}
+
+/// Checks a document against the fields that Gradescope documents.
+fn validate(results: &Value) {
+    let fields = results.as_object().expect("an object");
+    let known = [
+        "score",
+        "execution_time",
+        "output",
+        "output_format",
+        "test_output_format",
+        "test_name_format",
+        "visibility",
+        "stdout_visibility",
+        "extra_data",
+        "tests",
+    ];
+    assert!(fields.keys().all(|key| known.contains(&key.as_str())), "{results:#}");
+    let visibilities = ["visible", "hidden", "after_due_date", "after_published"];
+    let is_visibility = |value: &Value| visibilities.contains(&value.as_str().expect("a visibility"));
+    assert!(results["score"].is_f64() && results["output"].is_string(), "{results:#}");
+    assert!(is_visibility(&results["visibility"]) && is_visibility(&results["stdout_visibility"]));
+    let tests = results["tests"].as_array().expect("tests");
+    assert!(!tests.is_empty());
+    for test in tests {
+        let known = ["name", "score", "max_score", "status", "output", "visibility"];
+        assert!(test.as_object().expect("an object").keys().all(|key| known.contains(&key.as_str())), "{test:#}");
+        let [score, most] = ["score", "max_score"].map(|key| test[key].as_f64().expect("a number"));
+        assert!((0.0..=most).contains(&score), "{test:#}");
+        assert!(["passed", "failed"].contains(&test["status"].as_str().expect("a status")));
+        assert!(test["name"].is_string() && test["output"].is_string() && is_visibility(&test["visibility"]));
+    }
+    let sum: f64 = tests.iter().map(|test| test["score"].as_f64().expect("a number")).sum();
+    assert!((sum - results["score"].as_f64().expect("a number")).abs() < 1e-3, "{results:#}");
+}
+
+fn write_class(scratch: &Scratch, folder: &str, cases: &[&Case], order: &dyn Fn(usize) -> usize) {
+    let folder = scratch.path().join(folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (index, case) in cases.iter().enumerate() {
+        case.write(&folder, &format!("{:03} ", order(index)));
+    }
+}
+
+/// Everything that a grading says of each submission, by the name of the case: the line of grades without names, and the results.
+fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, Value)> {
+    let grades = table(&scratch.read(&format!("{output}/grades.csv")));
+    let of_row = |row: Vec<String>| {
+        let (prefix, name) = row[0].trim_start_matches('\'').split_at(4);
+        let results = result(&scratch.path().join(output).join("students").join(&row[1]), prefix);
+        let row = row[2..].iter().map(|field| field.replace(prefix, "")).collect();
+        (name.to_owned(), (row, results))
+    };
+    grades.into_values().map(of_row).collect()
+}
+
+#[test]
+fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
+    let scratch = lab();
+    let cases = class();
+    let all: Vec<&Case> = cases.iter().collect();
+    assert!(all.len() >= 80, "{}", all.len());
+    write_class(&scratch, "in", &all, &|index| index);
+    let before = listing(&scratch.path().join("lab"));
+    let ran = grade(&scratch, &["--submissions", "in", "-o", "out", "-j", "2"]);
+    assert!(ran.stdout.contains(&format!("{} submissions: ", all.len())), "{}", ran.stdout);
+    assert!(!ran.stdout.contains('\u{1b}') && !ran.stderr.contains('\u{1b}'), "{ran:#?}");
+    let found = verdicts(&scratch, "out");
+    let mut wrong = Vec::new();
+    for case in &cases {
+        let name: String = case.name.chars().flat_map(char::escape_default).collect();
+        let known = found.iter().find(|(other, _)| {
+            **other == case.name
+                || other.chars().flat_map(char::escape_default).collect::<String>().replace("\\\\", "\\") == name
+        });
+        let Some((_, (row, results))) = known else { panic!("{} is missing in {:?}", case.name, found.keys()) };
+        validate(results);
+        let (verdict, message) = case.expected;
+        if row[2] != verdict || !row[5].contains(message) || (verdict == "passed") != (row[0] == "4") {
+            wrong.push(format!("{}: {:?}, expected {verdict}: {message}", case.name, &row[..6]));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(found.len(), cases.len());
+    assert_eq!(listing(&scratch.path().join("lab")), before);
+    pages_are_harmless(&scratch.path().join("out"));
+    // The second time nothing is built or run.
+    let again = grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    assert!(again.stdout.starts_with(&format!("{0} of {0} submissions are unchanged", all.len())), "{}", again.stdout);
+    assert_eq!(verdicts(&scratch, "out"), found);
+    // Other orders, other numbers of workers, alone.
+    let is_all = std::env::var_os(ALL).is_some();
+    let some: Vec<&Case> = cases.iter().step_by(if is_all { 1 } else { 7 }).collect();
+    let count = some.len();
+    let orders: [(&str, &dyn Fn(usize) -> usize); 2] =
+        [("1", &|index| count - 1 - index), ("2", &|index| index * 37 % count.next_multiple_of(37).max(1) + index)];
+    for (jobs, order) in &orders[..if is_all { 2 } else { 1 }] {
+        let (folder, output) = (format!("in{jobs}"), format!("out{jobs}"));
+        write_class(&scratch, &folder, &some, order);
+        grade(&scratch, &["--submissions", &folder, "-o", &output, "-j", jobs]);
+        for (name, verdict) in verdicts(&scratch, &output) {
+            assert_eq!(found.get(&name), Some(&verdict), "{name}");
+        }
+    }
+    for index in (0..cases.len()).step_by(if is_all { 1 } else { 17 }) {
+        let entry = std::fs::read_dir(scratch.path().join("in")).expect("a folder").flatten();
+        let mut names: Vec<_> = entry.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        let Some(name) = names.iter().find(|name| name.starts_with(&format!("{index:03} "))) else { panic!("{index}") };
+        grade(&scratch, &["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
+        let alone = result(&scratch.path().join("alone"), &format!("{index:03} "));
+        let known = found.values().filter(|(_, results)| *results == alone).count();
+        assert!(known > 0, "{name}: {alone:#}");
+    }
+}
+
+/// Names and contents of the files of a folder.
+fn listing(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = std::fs::read_dir(folder).expect("a folder").flatten();
+    let mut files: Vec<_> = entries
+        .map(|entry| (entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).expect("a file")))
+        .collect();
+    files.sort();
+    files
+}
+
+/// No page has a tag or an escape sequence of a student.
+fn pages_are_harmless(output: &Path) {
+    let mut pages = vec![output.join("index.html")];
+    for entry in std::fs::read_dir(output.join("students")).expect("students").flatten() {
+        pages.push(entry.path().join("index.html"));
+    }
+    for page in pages {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        assert!(
+            !text.contains("<script") && !text.contains("<b>bold") && !text.contains('\u{1b}'),
+            "{}",
+            page.display()
+        );
+        assert!(text.ends_with("</html>\n"), "{}", page.display());
+    }
+}
+
+#[test]
+fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
+    let scratch = lab();
+    scratch.write("seeds.txt", "# secret\n770011, 880022\n");
+    let bad = program("VWStraight(300, 200); VWWait();");
+    let entries: [(&str, &[u8]); 5] = [
+        ("Lab 1/Ana María_101_assignsubmission_file_/solve.c", &honest(200)),
+        ("Lab 1/王小明_102_assignsubmission_file_/lab/solve.c", &bad),
+        ("Lab 1/Nobody_103_assignsubmission_file_/", b""),
+        ("Lab 1/Zoë_104_assignsubmission_file_/lab.zip", &zip_of(&[("a/solve.c", &honest(180))])),
+        ("Lab 1/Zoë_105_assignsubmission_file_/essay.pdf", b"%PDF"),
+    ];
+    std::fs::write(scratch.path().join("all.zip"), zip_of(&entries)).expect("an archive");
+    let ran = grade(&scratch, &["--submissions", "all.zip", "-o", "out", "--hidden-seeds", "seeds.txt"]);
+    assert!(ran.stdout.contains("5 submissions: 2 passed, 1 failed, 2 could not be run"), "{}", ran.stdout);
+    let grades = table(&scratch.read("out/grades.csv"));
+    assert_eq!(grades.len(), 4, "two have one name: {grades:#?}");
+    let failed = &grades["王小明"];
+    assert_eq!(failed[6], "3", "{failed:?}");
+    let folder = scratch.path().join("out/students").join(&failed[1]);
+    for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
+        let text = String::from_utf8_lossy(&std::fs::read(entry.path()).expect("a file")).into_owned();
+        assert!(!text.contains("770011") && !text.contains("880022"), "{}", entry.path().display());
+    }
+    let page = std::fs::read_to_string(folder.join("index.html")).expect("a page");
+    for part in ["hidden 1", "hidden 2", "<svg", "replay.zip", "eyesim view replay.zip", "goal", "1 of 4 points"] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+    assert!(scratch.read("out/rows.csv").contains("770011"));
+    // The replay is the case of the row.
+    let rows = scratch.read("out/rows.csv");
+    let row = rows.lines().find(|line| line.starts_with("王小明,") && line.contains(",1,failed")).expect("a row");
+    let ran = Command::new(eyesim_path())
+        .args(["run", "replay.zip", "--seed=1", "--slot=50", "--until=20", "--noise=mild", "--report", "r.json"])
+        .current_dir(&folder)
+        .output()
+        .expect("eyesim starts");
+    let report = std::fs::read_to_string(folder.join("r.json")).unwrap_or_else(|error| panic!("{error}: {ran:?}"));
+    let report: Value = serde_json::from_str(&report).expect("a report");
+    assert!(row.contains(report["digest"].as_str().expect("a digest")), "{row}\n{report:#}");
+    // Similarity checkers read a folder for each student.
+    assert!(scratch.path().join("out/sources/Ana_María/solve.c").is_file());
+    assert!(scratch.read("out/junit.xml").contains("testsuite"));
+}
+
+#[test]
+fn the_autograder_grades_by_its_own_script_in_an_empty_folder() {
+    let scratch = lab();
+    scratch.write("seeds.txt", "12..13\n");
+    let ran = scratch.eyesim(&[
+        "grade",
+        "lab/lab.suite.toml",
+        "--gradescope",
+        "autograder.zip",
+        "--hidden-seeds",
+        "seeds.txt",
+    ]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    let home = Scratch::new();
+    let source = home.path().join("source");
+    let unzipped = Command::new("python3")
+        .args(["-m", "zipfile", "-e"])
+        .arg(scratch.path().join("autograder.zip"))
+        .arg(&source)
+        .status()
+        .expect("python3");
+    assert!(unzipped.success());
+    for (body, points) in
+        [("VWStraight(900, 200); VWWait();", 4.0), ("VWStraight(300, 200); VWWait();", 1.0), ("x", 0.0)]
+    {
+        home.write("submission/solve.c", &String::from_utf8(program(body)).expect("a text"));
+        _ = std::fs::remove_dir_all(home.path().join("results"));
+        let ran = Command::new("bash")
+            .arg("-c")
+            .arg("chmod +x source/eyesim && exec bash source/run_autograder")
+            .current_dir(home.path())
+            .env_clear()
+            .env("PATH", std::env::var_os("PATH").expect("a path"))
+            .env("EYESIM_AUTOGRADER", home.path())
+            .env("EYESIM_CACHE", home.path().join("cache"))
+            .output()
+            .expect("bash");
+        assert!(ran.status.success(), "{ran:?}");
+        let results: Value = serde_json::from_str(&home.read("results/results.json")).expect("JSON");
+        validate(&results);
+        assert_eq!(results["score"], points, "{results:#}");
+    }
+}
+
+#[test]
+fn opponents_and_headers_are_those_of_the_suite_and_of_each_robot() {
+    let scratch = lab();
+    let scene = scratch.read("lab/lab.scene.toml");
+    scratch.write(
+        "lab/lab.scene.toml",
+        &format!("{scene}\n[[robot]]\ntype = \"S4\"\nprogram = \"opponent.c\"\nx_mm = 500\ny_mm = 800\n"),
+    );
+    scratch.write("lab/opponent.c", &String::from_utf8(honest(100)).expect("a text"));
+    scratch.write(
+        "in/ana/main.c",
+        "#include \"eyebot.h\"\n#include \"way.h\"\nint main() { VWStraight(WAY, 200); VWWait(); return 0; }\n",
+    );
+    scratch.write("in/ana/way.h", "#define WAY 900\n");
+    scratch.write("in/ana/opponent.h", "#error\n");
+    let ran = grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    assert!(ran.stdout.contains("1 passed"), "{}", ran.stdout);
+    // Another opponent is another grading.
+    scratch.write("lab/opponent.c", "int main( {\n");
+    let ran = scratch.eyesim(&["grade", "lab/lab.suite.toml", "--submissions", "in", "-o", "out"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("opponent.c"), "{ran:#?}");
+    scratch.write("lab/opponent.c", &String::from_utf8(honest(101)).expect("a text"));
+    let ran = grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    assert!(ran.stdout.contains("[1/1] ana: 1 of 1 cases passed"), "{}", ran.stdout);
+}
+
+#[test]
+fn wrong_arguments_are_told() {
+    let scratch = lab();
+    scratch.write("in/ana.c", "int main() { return 0; }\n");
+    scratch.write("used/mine.txt", "mine");
+    scratch.write("seeds.txt", "1\nx\n");
+    let base = scratch.read("lab/lab.suite.toml");
+    let mut check = |suite: &str, args: &[&str], part: &str| {
+        scratch.write("lab/lab.suite.toml", suite);
+        let ran = scratch.eyesim(&[&["grade", "lab/lab.suite.toml"], args].concat());
+        assert!(ran.code == Some(2) && ran.stderr.contains(part), "{args:?}: {ran:#?}");
+    };
+    let all = ["--submissions", "in", "-o", "out"];
+    check(&base, &["--submissions", "in"], "nothing is written");
+    check(&base, &["--submissions", "nowhere", "-o", "out"], "nowhere");
+    check(&base, &["--submissions", "in", "-o", "used"], "expected an empty folder");
+    check(&base, &[&all[..], &["--hidden-seeds", "seeds.txt"]].concat(), "line 2: `x` is no seed");
+    check(&base.replace("submit =", "# "), &all, "which files of a submission are programs");
+    check(&base.replace("{ 1 =", "{ 7 ="), &all, "robot 7");
+    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "[]"), &all, "names no files");
+    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "3"), &all, "text");
+}
