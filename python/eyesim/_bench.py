@@ -7,6 +7,7 @@ import importlib.util
 import os
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -46,17 +47,20 @@ def _environments(task: gym.Task, count: int, threads: int, seconds: float) -> N
     vector = gym.VectorEnv(task, count, threads)
     actions = np.random.default_rng(0).uniform(-1, 1, (16, count, 2)).astype(np.float32)
     vector.reset(seed=0)
-    _say("steps a second", count, _rate(lambda index: vector.step(actions[index % 16]), seconds), f"vector of {count}, {threads} threads")
+    _say_steps(count, _rate(lambda index: vector.step(actions[index % 16]), seconds), f"vector of {count}, {threads} threads")
     env = gym.Env(task)
     env.reset(seed=0)
-    _say("steps a second", 1, _rate(lambda index: env.step(actions[index % 16, 0]), seconds), "one alone")
-    batch = vector._rows.batch
-    for used in dict.fromkeys((1, threads)):
-        steps, taken = batch.bench(task.period, seconds, used)
-        text = f"`Simulation` from Rust, {used} threads, a command and all range sensors each"
-        _say("steps a second", 1, steps / taken, text)
-    _say("us a reset", 1, 1e6 / _rate(lambda index: env.reset(), seconds), "one alone")
-    _say("us a reset", 1, 1e6 / count / _rate(lambda index: vector.reset(), seconds), f"vector of {count}, {threads} threads")
+    _say_steps(1, _rate(lambda index: env.step(actions[index % 16, 0]), seconds), "one alone")
+    for noise in dict.fromkeys(("none", task.noise or "none")):
+        batch = gym.Rows(replace(task, noise=noise), 1).batch
+        for is_commanded in (False, True):
+            start = time.process_time()
+            steps, taken = batch.bench(task.period, seconds, threads, is_commanded)
+            command = "and a command " if is_commanded else ""
+            text = f"`Simulation` from Rust, {threads} threads, noise {noise}, all range sensors {command}in each step"
+            _say_steps(steps, (1 / taken, 1 / (time.process_time() - start)), text)
+    _say_resets(1, _rate(lambda index: env.reset(), seconds), "one alone")
+    _say_resets(count, _rate(lambda index: vector.reset(), seconds), f"vector of {count}, {threads} threads")
 
 
 def _cart_pole(count: int, seconds: float) -> None:
@@ -69,12 +73,12 @@ def _cart_pole(count: int, seconds: float) -> None:
         if env.step(index % 2)[2]:
             env.reset()
 
-    _say("steps a second", 1, _rate(step, seconds), "CartPole-v1 of Gymnasium, one alone")
+    _say_steps(1, _rate(step, seconds), "CartPole-v1 of Gymnasium, one alone")
     vector = gymnasium.make_vec("CartPole-v1", num_envs=count, vectorization_mode="vector_entry_point")
     vector.reset(seed=0)
     actions = np.random.default_rng(0).integers(0, 2, (16, count))
     rate = _rate(lambda index: vector.step(actions[index % 16]), seconds)
-    _say("steps a second", count, rate, f"CartPole-v1 of Gymnasium, vector of {count} in numpy")
+    _say_steps(count, rate, f"CartPole-v1 of Gymnasium, vector of {count} in numpy")
 
 
 def _mujoco(count: int, threads: int, seconds: float) -> None:
@@ -93,7 +97,7 @@ def _mujoco(count: int, threads: int, seconds: float) -> None:
         mujoco.mj_step(model, data, steps)
 
     text = f"robot with {RANGE_FINDERS} range finders in MuJoCo, 50 ms in {steps} steps"
-    _say("steps a second", 1, _rate(step, seconds), f"{text}, one alone")
+    _say_steps(1, _rate(step, seconds), f"{text}, one alone")
     state = np.zeros((count, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
     mujoco.mj_getState(model, data, state[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
     state[:] = state[0]
@@ -104,7 +108,7 @@ def _mujoco(count: int, threads: int, seconds: float) -> None:
             states, _ = pool.rollout(model, workers, state, controls[index % 16])
             state[:] = states[:, -1]
 
-        _say("steps a second", count, _rate(roll, seconds), f"{text}, vector of {count}, {threads} threads")
+        _say_steps(count, _rate(roll, seconds), f"{text}, vector of {count}, {threads} threads")
 
 
 def _mujoco_robot() -> str:
@@ -164,15 +168,21 @@ def _resident() -> int:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def _say(unit: str, times: float, value: float, what: str) -> None:
-    print(f"{value * times:14,.1f} {unit}: {what}", flush=True)
+def _say_steps(count: int, rates: tuple[float, float], what: str) -> None:
+    elapsed, used = (count * rate for rate in rates)
+    print(f"{elapsed:14,.0f} steps a second, {used:11,.0f} a second of processor time: {what}", flush=True)
 
 
-def _rate(act: Callable[[int], object], seconds: float) -> float:
-    """Calls of `act` a second, measured for so long."""
-    start = time.perf_counter()
+def _say_resets(count: int, rates: tuple[float, float], what: str) -> None:
+    elapsed, used = (1e6 / rate / count for rate in rates)
+    print(f"{elapsed:14,.1f} us a reset, {used:15,.1f} us of processor time: {what}", flush=True)
+
+
+def _rate(act: Callable[[int], object], seconds: float) -> tuple[float, float]:
+    """Calls of `act` a second of the clock, and a second of processor time, measured for so long."""
+    start, start_used = time.perf_counter(), time.process_time()
     count = 0
     while (elapsed := time.perf_counter() - start) < seconds:
         act(count)
         count += 1
-    return count / elapsed
+    return count / elapsed, count / (time.process_time() - start_used)

@@ -181,9 +181,19 @@ impl Batch {
         fill(py, &state, own_state)
     }
 
-    /// Steps copies of the first simulation by `seconds` on so many threads, without Python, for the real time `real`: each step gives each
-    /// robot a command and reads its range sensors. Returns the number of steps and the real time that they took, s.
-    fn bench(&self, py: Python<'_>, seconds: f64, real: f64, threads: usize) -> PyResult<(u64, f64)> {
+    /// Steps copies of the first simulation by `seconds` on so many threads, without Python, for the real time `real`: each step reads the
+    /// range sensors; the robots drive small circles, by one command, or by the same one in each step if `is_commanded`. Returns the
+    /// number of steps and the real time that they took, s.
+    fn bench(
+        &self,
+        py: Python<'_>,
+        seconds: f64,
+        real: f64,
+        threads: usize,
+        is_commanded: bool,
+    ) -> PyResult<(u64, f64)> {
+        /// Speed, m/s, and turning speed, rad/s.
+        const CIRCLE: [f64; 2] = [0.05, 1.0];
         let period = length(py, "seconds", seconds)?;
         let real = Duration::try_from_secs_f64(real).map_err(|failed| error(py, failed))?;
         let (robots, sensors) = (self.robots, self.sensors);
@@ -191,11 +201,10 @@ impl Batch {
             let mut simulation = self.simulations[0].clone();
             let (mut ranges, mut state) = (vec![0.0; robots * sensors], vec![0.0; robots * STATE]);
             let start = Instant::now();
+            let actions = CIRCLE.repeat(robots);
             let mut count = 0;
             while start.elapsed() < real {
-                // Turns, so that the robot meets walls as seldom as one that learns.
-                let actions = [0.1, f64::from(count as u32 % 16) / 8.0 - 1.0].repeat(robots);
-                let part = Part::Drive(&actions);
+                let part = Part::Drive(if count == 0 || is_commanded { &actions } else { &[] });
                 let row = Row { simulation: &mut simulation, part, ranges: &mut ranges, state: &mut state };
                 step_part(&self.episodes, &mut [row], period, (robots, sensors))?;
                 count += 1;
