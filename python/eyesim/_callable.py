@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from types import CodeType, ModuleType, TracebackType
 from typing import Any
-from unittest import mock
 
 from . import _native
 from ._errors import Error
@@ -231,6 +230,17 @@ def _on_robots(original: Callable[..., Any], own: Callable[..., Any]) -> Callabl
 
 
 @contextmanager
+def _replaced(namespace: dict[str, Any], values: dict[str, Any]) -> Iterator[None]:
+    """Gives names of a module other values for a while."""
+    before = {name: namespace[name] for name in values}
+    namespace.update(values)
+    try:
+        yield
+    finally:
+        namespace.update(before)
+
+
+@contextmanager
 def running(programs: Sequence[Program]) -> Iterator[None]:
     """Puts virtual time, consoles and random streams of robots where their functions look for them, as long as they run."""
     global _drawing
@@ -242,15 +252,14 @@ def running(programs: Sequence[Program]) -> Iterator[None]:
     state = random.getstate()
     try:
         with ExitStack() as stack:
-            replaced = {}
+            owns = {}
             for owner, name, own in list(_surroundings()):
-                replaced[id(getattr(owner, name))] = own
-                stack.enter_context(mock.patch.object(owner, name, own))
+                owns[id(getattr(owner, name))] = own
+                stack.enter_context(_replaced(vars(owner), {name: own}))
             # Names that a program's module has imported, such as `from time import sleep`.
-            modules = {id(it): it for it in (getattr(program.function, "__globals__", {}) for program in programs)}
-            for module in modules.values():
-                known = {name: replaced[id(value)] for name, value in module.items() if id(value) in replaced}
-                stack.enter_context(mock.patch.dict(module, known)) if known else None
+            for module in [getattr(program.function, "__globals__", {}) for program in programs]:
+                imported = {name: owns[id(value)] for name, value in module.items() if id(value) in owns}
+                stack.enter_context(_replaced(module, imported))
             yield
     finally:
         _drawing = None
