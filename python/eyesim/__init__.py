@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 from . import _host
 
 if TYPE_CHECKING:
-    from ._errors import Diagnostic, Error, SceneError
+    from ._errors import Diagnostic, Error, ProgramError, SceneError
     from ._run import Run, run
     from ._simulation import Pose, Robot, Simulation, Speed, load
 
-__all__ = ["Diagnostic", "Error", "Pose", "Robot", "Run", "SceneError", "Simulation", "Speed", "home", "load", "run"]
+__all__ = ["Diagnostic", "Error", "Pose", "ProgramError", "Robot", "Run", "SceneError", "Simulation", "Speed", "home", "load", "run"]
 
 # The command and the processes of robots start without numpy: what needs it is imported when it is first named.
-_PLACES = {name: "_errors" for name in ("Diagnostic", "Error", "SceneError")}
+_PLACES = {name: "_errors" for name in ("Diagnostic", "Error", "ProgramError", "SceneError")}
 _PLACES |= {name: "_run" for name in ("Run", "run")}
 _PLACES |= {name: "_simulation" for name in ("Pose", "Robot", "Simulation", "Speed", "load")}
 

@@ -1,7 +1,10 @@
 """Errors of eyesim."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from ._run import Run
 
 
 class Diagnostic(NamedTuple):
@@ -27,6 +30,22 @@ class Diagnostic(NamedTuple):
 
 class Error(Exception):
     """A wrong argument, or a run that is not possible."""
+
+
+class ProgramError(Error):
+    """A function that was a robot's program has failed; `__cause__` is what it raised, if it did."""
+
+    robot: int
+    """Number of the robot."""
+    run: "Run"
+    """The run, which went on without that robot to its end."""
+
+    def __init__(self, robot: int, reason: str, run: "Run") -> None:
+        super().__init__(f"robot {robot}: {reason}")
+        self.robot, self.reason, self.run = robot, reason, run
+
+    def __reduce__(self) -> tuple[type["ProgramError"], tuple[int, str, "Run"]]:
+        return ProgramError, (self.robot, self.reason, self.run)
 
 
 class SceneError(Error):

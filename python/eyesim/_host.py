@@ -16,8 +16,10 @@ def home() -> Path:
 
 
 def zig() -> list[str]:
-    """Words that start the compiler of the package `ziglang`; empty if it is not installed."""
-    return [sys.executable, "-m", "ziglang"] if importlib.util.find_spec("ziglang") else []
+    """The compiler of the package `ziglang`, as a list of one word; empty if it is not installed."""
+    package = importlib.util.find_spec("ziglang")
+    found = [Path(folder) / "zig" for folder in (package and package.submodule_search_locations or ())]
+    return [str(path) for path in found if path.is_file()]
 
 
 def script() -> Path:

@@ -4,6 +4,8 @@ from typing import Any, TypedDict
 
 import numpy.typing as npt
 
+from ._callable import Program
+
 Buffer = npt.NDArray[Any]
 
 class RunOptions(TypedDict):
@@ -17,7 +19,10 @@ class RunOptions(TypedDict):
     settings: list[str]
     exec: str
     workers: int | None
+    timeout: float | None
+    functions: list[tuple[str, str, Program]]
 
+def eye_source() -> str: ...
 def main(words: Sequence[str]) -> int: ...
 def describe_host(
     command: Sequence[str],
@@ -29,6 +34,9 @@ def describe_host(
 ) -> None: ...
 def run(path: str, text: str | None, options: RunOptions, has_trace: bool) -> tuple[str, bytes, str]: ...
 def episode_seed(seed: int, episode: int) -> int: ...
+
+class Calls:
+    def call(self, request: bytes) -> bytes | None: ...
 
 class Simulation:
     def __init__(
@@ -85,7 +93,8 @@ class Batch:
     def shape(self) -> tuple[int, int]: ...
     def reach(self) -> list[list[float]]: ...
     def step(
-        self, seconds: float, actions: Buffer, begins: Buffer, seeds: Buffer, ranges: Buffer, state: Buffer
+        self, seconds: float, actions: Buffer, parts: Buffer, seeds: Buffer, ranges: Buffer, state: Buffer
     ) -> None: ...
+    def bench(self, seconds: float, real: float, threads: int, is_commanded: bool) -> tuple[int, float]: ...
     def digest(self, index: int) -> str: ...
     def simulation(self, index: int, of: Simulation) -> Simulation: ...

@@ -6,7 +6,7 @@ import importlib
 import importlib.util
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -14,13 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._callable import Program, running
+from ._errors import Error, ProgramError
 from ._simulation import Picture, settings_of, source
+
+Code = str | os.PathLike[str] | Callable[..., object]
+"""A robot's program: a file, or a function."""
 
 
 def run(
     scene: str | os.PathLike[str],
     *,
-    programs: str | os.PathLike[str] | Mapping[int, str | os.PathLike[str]] | None = None,
+    programs: Code | Mapping[int, Code] | None = None,
     seed: int | None = None,
     noise: str | None = None,
     slot: float | None = None,
@@ -30,17 +35,23 @@ def run(
     set: dict[str, Any] | None = None,
     exec: str = "auto",
     workers: int | None = None,
+    timeout: float | None = None,
     trace: bool = True,
 ) -> Run:
     """Runs a scene with its programs to its end, as `eyesim run` does: a path, or a text with line breaks.
 
-    `programs` is a program for the robots that have none, or programs by the number of the robot; `until` is the simulated time (s) at
-    which the run ends. The others are the options of `eyesim run` of the same name. Without `trace` the events are not kept.
+    `programs` is a program for the robots that have none, or programs by the number of the robot: files, or functions that call those of
+    `eyesim.eye` and get the words of `arguments`. `until` is the simulated time (s) at which the run ends. The others are the options of
+    `eyesim run` of the same name. Without `trace` the events are not kept.
 
-    A program that fails is a result, told in the report. Raises `SceneError` for mistakes in the files, and `Error` for wrong arguments
-    and for programs that cannot be found or built.
+    A file's program that fails is a result, told in the report. Raises `SceneError` for mistakes in the files, `Error` for wrong arguments
+    and for programs that cannot be found or built, and after the run `ProgramError` for the first robot whose function has failed.
     """
     path, text = source(scene)
+    functions: dict[Callable[..., object], Program] = {}
+    programs = _named(programs, functions)
+    if functions and workers not in (None, 1):
+        raise Error(f"workers = {workers}: functions run one at a time, so expected 1")
     options: _native.RunOptions = {
         "seed": seed,
         "noise": noise,
@@ -51,10 +62,35 @@ def run(
         "keys": list(keys),
         "settings": settings_of(set),
         "exec": exec,
-        "workers": workers,
+        "workers": 1 if functions else workers,
+        "timeout": timeout,
+        "functions": [(program.reference, program.name, program) for program in functions.values()],
     }
-    report, lines, svg = _native.run(path, text, options, trace)
-    return Run(json.loads(report), lines, svg)
+    with running(list(functions.values())):
+        report, lines, svg = _native.run(path, text, options, trace)
+    ended = Run(json.loads(report), lines, svg)
+    _raise_failure(ended, list(functions.values()))
+    return ended
+
+
+def _named(programs: Code | Mapping[int, Code] | None, functions: dict[Callable[..., object], Program]) -> Any:
+    """The programs, with names in place of functions, which are added to `functions`."""
+    if isinstance(programs, Mapping):
+        return {robot: _named(program, functions) for robot, program in programs.items()}
+    if not callable(programs):
+        return programs
+    if programs not in functions:
+        name = getattr(programs, "__name__", type(programs).__name__)
+        count = sum(program.name == name for program in functions.values())
+        functions[programs] = Program(f"{name}() {count + 1}" if count else f"{name}()", name, programs)
+    return functions[programs].reference
+
+
+def _raise_failure(ended: Run, programs: Sequence[Program]) -> None:
+    robots = {number: robot for program in programs for number, robot in program.robots.items()}
+    for told in ended.report["robots"]:
+        if told["id"] in robots and told["outcome"] in ("failed", "timeout"):
+            raise ProgramError(told["id"], told.get("reason") or told["outcome"], ended) from robots[told["id"]].error
 
 
 def _by_robot(values: object, between: str) -> list[str]:

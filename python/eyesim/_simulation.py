@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 
+if TYPE_CHECKING:
+    from ._run import Run
+
+Program = TypeVar("Program")
 Floats = npt.NDArray[np.float64]
 
 SOURCE = "scene.scene.toml"
@@ -68,7 +72,8 @@ def load(
     Raises `SceneError` for mistakes in the files and `Error` for wrong arguments.
     """
     path, text = source(scene)
-    return Simulation(_native.Simulation(path, text, seed, noise, slot, settings_of(set)))
+    opened = {"scene": scene, "seed": seed, "noise": noise, "slot": slot, "set": set}
+    return Simulation(_native.Simulation(path, text, seed, noise, slot, settings_of(set)), opened)
 
 
 class Simulation:
@@ -78,9 +83,11 @@ class Simulation:
     threads of Python run; one simulation is used by one thread at a time.
     """
 
-    def __init__(self, native: _native.Simulation) -> None:
+    def __init__(self, native: _native.Simulation, opened: dict[str, Any]) -> None:
         """For `load` and `snapshot`."""
         self._native = native
+        self._opened = opened
+        self._programs: dict[int, Any] = {}
 
     @property
     def now(self) -> float:
@@ -124,11 +131,21 @@ class Simulation:
 
     def snapshot(self) -> Simulation:
         """A copy of the whole state."""
-        return Simulation(self._native.snapshot())
+        return Simulation(self._native.snapshot(), self._opened)
 
     def restore(self, snapshot: Simulation) -> None:
         """Takes the state of `snapshot`, which stays as it is."""
         self._native.restore(snapshot._native)
+
+    def run(self, **options: Any) -> Run:
+        """Runs the scene from its beginning with the robots' programs, as `eyesim.run` does with these options.
+
+        The programs are those of `Robot.program`, else of the scene; seed, noise, slot and values are those of `load`. This simulation
+        stays as it is. Raises what `eyesim.run` raises.
+        """
+        from ._run import run
+
+        return run(**{**self._opened, "programs": self._programs or None, **options})
 
     def svg(self) -> str:
         """The present state from above, as SVG."""
@@ -251,6 +268,11 @@ class Robot:
     def is_done(self) -> bool:
         """True if the last `go` has ended."""
         return self._native.is_done(self.number)
+
+    def program(self, program: Program) -> Program:
+        """Makes a file, or a function that calls those of `eyesim.eye`, this robot's program in `Simulation.run`; returns it."""
+        self.simulation._programs[self.number] = program
+        return program
 
     def observe(self) -> dict[str, Any]:
         """Poses, speed, contacts and range readings."""

@@ -116,6 +116,10 @@ class Task:
     """Noise profile: none, mild, real, harsh or a file; by default the scene's."""
 
 
+_BEGIN, _REST = 1, 2
+"""Parts of a simulation in a step besides 0, which drives."""
+
+
 class Rows:
     """Simulations of a task side by side: arrays of readings with a row for each robot of each simulation."""
 
@@ -160,19 +164,26 @@ class Rows:
                 self._episodes[index] = 0
 
     def begin(self, begins: npt.NDArray[np.uint8]) -> None:
-        """Begins new episodes in the simulations that are marked; the others must not be going on."""
-        self.step(self._still, begins)
+        """Begins new episodes in the simulations that are marked; the others stay as they are."""
+        self._begin(begins)
+        self._step(self._still, np.where(begins, _BEGIN, _REST).astype(np.uint8))
 
     def step(self, commands: Floats, begins: npt.NDArray[np.uint8]) -> None:
         """Steps all simulations; those that are marked begin a new episode instead."""
+        self._steps += 1
+        self._contacts[:] = self._state[:, 5]
+        self._begin(begins)
+        self._step(np.ascontiguousarray(commands, np.float64), begins)
+
+    def _begin(self, begins: npt.NDArray[np.uint8]) -> None:
         for index in np.flatnonzero(begins):
             self._seeds[index] = _native.episode_seed(int(self._roots[index]), int(self._episodes[index]))
         self._episodes += begins
-        self._contacts[:] = self._state[:, 5]
-        commands = np.ascontiguousarray(commands, np.float64)
-        self.batch.step(self.task.period, commands, begins, self._seeds, self._ranges, self._state)
-        self._steps = np.where(begins, 0, self._steps + 1)
+        self._steps[begins != 0] = 0
         self._contacts[np.repeat(begins, self.robots) != 0] = 0.0
+
+    def _step(self, commands: Floats, parts: npt.NDArray[np.uint8]) -> None:
+        self.batch.step(self.task.period, commands, parts, self._seeds, self._ranges, self._state)
 
     def readings(self) -> Readings:
         """Readings after the last step; they keep their values."""

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::thread;
+use std::time::{Duration, Instant};
 
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
@@ -45,12 +46,31 @@ struct Episodes {
 /// One simulation's part of a step.
 struct Row<'a> {
     simulation: &'a mut simulation::Simulation,
-    /// Speed and turning speed of each robot; none: nothing is commanded.
-    actions: &'a [f64],
-    /// Seed of a new episode, which begins in place of the step.
-    seed: Option<u64>,
+    part: Part<'a>,
     ranges: &'a mut [f64],
     state: &'a mut [f64],
+}
+
+/// What happens to a simulation in a step.
+enum Part<'a> {
+    /// Its robots drive with these speeds and turning speeds.
+    Drive(&'a [f64]),
+    /// The episode of this seed begins.
+    Begin(u64),
+    /// It stays as it is.
+    Rest,
+}
+
+impl<'a> Part<'a> {
+    /// The part with this number in a buffer.
+    fn of_number(number: u8, actions: &'a [f64], seed: u64) -> Result<Self, String> {
+        match number {
+            0 => Ok(Self::Drive(actions)),
+            1 => Ok(Self::Begin(seed)),
+            2 => Ok(Self::Rest),
+            other => Err(format!("part {other} of a step: expected 0 (drive), 1 (begin) or 2 (rest)")),
+        }
+    }
 }
 
 #[pymethods]
@@ -105,38 +125,38 @@ impl Batch {
         (1..=self.robots as u32).map(reach_of).collect()
     }
 
-    /// Steps all simulations by `seconds`. One whose `begins` is not 0 begins the episode of its seed instead.
-    ///
-    /// Every robot drives as its two numbers of `actions` say; then `ranges` and `state` are filled.
+    /// Steps the simulations by `seconds`, each with its part (see `Part`): 0 drives every robot as its two numbers of `actions` say, 1
+    /// begins the episode of its seed instead, 2 leaves it as it is. Then `ranges` and `state` are filled.
     #[expect(clippy::too_many_arguments, reason = "one buffer for each kind of number")]
     fn step(
         &mut self,
         py: Python<'_>,
         seconds: f64,
         actions: PyBuffer<f64>,
-        begins: PyBuffer<u8>,
+        parts: PyBuffer<u8>,
         seeds: PyBuffer<u64>,
         ranges: PyBuffer<f64>,
         state: PyBuffer<f64>,
     ) -> PyResult<()> {
         let period = length(py, "seconds", seconds)?;
-        let (actions, begins, seeds) = (actions.to_vec(py)?, begins.to_vec(py)?, seeds.to_vec(py)?);
+        let (actions, parts, seeds) = (actions.to_vec(py)?, parts.to_vec(py)?, seeds.to_vec(py)?);
         let (count, robots, sensors) = (self.simulations.len(), self.robots, self.sensors);
-        if actions.len() != count * robots * 2 || begins.len() != count || seeds.len() != count {
-            let expected = format!("actions {} numbers, begins and seeds {count}", count * robots * 2);
+        if actions.len() != count * robots * 2 || parts.len() != count || seeds.len() != count {
+            let expected = format!("actions {} numbers, parts and seeds {count}", count * robots * 2);
             return Err(error(py, format!("buffers of another size: expected {expected}")));
         }
         let Self { episodes, simulations, threads, ranges: own_ranges, state: own_state, .. } = self;
         let mut ranges_of = own_ranges.chunks_mut((robots * sensors).max(1));
+        let parts = parts.iter().zip(actions.chunks(robots * 2)).zip(&seeds);
+        let parts = parts.map(|((part, actions), seed)| Part::of_number(*part, actions, *seed));
+        let parts = parts.collect::<Result<Vec<_>, _>>().map_err(|failed| error(py, failed))?;
         let mut rows: Vec<Row<'_>> = simulations
             .iter_mut()
-            .zip(actions.chunks(robots * 2))
-            .zip(begins.iter().zip(&seeds))
+            .zip(parts)
             .zip(own_state.chunks_mut(robots * STATE))
-            .map(|(((simulation, actions), (begins, seed)), state)| Row {
+            .map(|((simulation, part), state)| Row {
                 simulation,
-                actions,
-                seed: (*begins != 0).then_some(*seed),
+                part,
                 ranges: ranges_of.next().unwrap_or_default(),
                 state,
             })
@@ -159,6 +179,49 @@ impl Batch {
         stepped.map_err(|failed| error(py, failed))?;
         fill(py, &ranges, own_ranges)?;
         fill(py, &state, own_state)
+    }
+
+    /// Steps copies of the first simulation by `seconds` on so many threads, without Python, for the real time `real`: each step reads the
+    /// range sensors; the robots drive small circles, by one command, or by the same one in each step if `is_commanded`. Returns the
+    /// number of steps and the real time that they took, s.
+    fn bench(
+        &self,
+        py: Python<'_>,
+        seconds: f64,
+        real: f64,
+        threads: usize,
+        is_commanded: bool,
+    ) -> PyResult<(u64, f64)> {
+        /// Speed, m/s, and turning speed, rad/s.
+        const CIRCLE: [f64; 2] = [0.05, 1.0];
+        let period = length(py, "seconds", seconds)?;
+        let real = Duration::try_from_secs_f64(real).map_err(|failed| error(py, failed))?;
+        let (robots, sensors) = (self.robots, self.sensors);
+        let steps_of = || -> Result<u64, String> {
+            let mut simulation = self.simulations[0].clone();
+            let (mut ranges, mut state) = (vec![0.0; robots * sensors], vec![0.0; robots * STATE]);
+            let start = Instant::now();
+            let actions = CIRCLE.repeat(robots);
+            let mut count = 0;
+            while start.elapsed() < real {
+                let part = Part::Drive(if count == 0 || is_commanded { &actions } else { &[] });
+                let row = Row { simulation: &mut simulation, part, ranges: &mut ranges, state: &mut state };
+                step_part(&self.episodes, &mut [row], period, (robots, sensors))?;
+                count += 1;
+            }
+            Ok(count)
+        };
+        let start = Instant::now();
+        let counts = py.detach(|| {
+            thread::scope(|scope| {
+                let others: Vec<_> = (1..threads.max(1)).map(|_| scope.spawn(steps_of)).collect();
+                let join = |other: thread::ScopedJoinHandle<'_, Result<u64, String>>| {
+                    other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                };
+                others.into_iter().map(join).fold(steps_of(), |sum, count| Ok(sum? + count?))
+            })
+        });
+        Ok((counts.map_err(|failed| error(py, failed))?, start.elapsed().as_secs_f64()))
     }
 
     /// Digest of simulation `index`.
@@ -193,13 +256,14 @@ fn step_part(
     (robots, sensors): (usize, usize),
 ) -> Result<(), String> {
     let mut scene = None;
-    for Row { simulation, actions, seed, ranges, state } in rows {
-        match seed {
-            Some(seed) => {
+    for Row { simulation, part, ranges, state } in rows {
+        match part {
+            Part::Rest => continue,
+            Part::Begin(seed) => {
                 let scene = scene.get_or_insert_with(|| SceneSpec::clone(&episodes.scene));
                 **simulation = episodes.begin(simulation, scene, *seed)?;
             }
-            None => {
+            Part::Drive(actions) => {
                 for (action, id) in actions.chunks(2).zip(1..) {
                     let command = Command::Twist(Twist::new(action[0], action[1]));
                     simulation.command(RobotId(id), command).map_err(|failed| format!("robot {id}: {failed}"))?;

@@ -20,6 +20,12 @@ pub fn describe_host(
     host::set(Host { command, script, home: Some(home), python: Some(python), zig, zig_installer });
 }
 
+/// The module `eye` of robot programs in Python, as text.
+#[pyfunction]
+pub fn eye_source() -> String {
+    robios_sys::python::eye()
+}
+
 /// Runs the command `eyesim` with these words, of which the first is its name; returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {

@@ -4,6 +4,7 @@
 //! files in `python/eyesim` give them names, types and shapes. While the library works, other threads of Python run.
 
 mod batch;
+mod callable;
 mod command;
 mod error;
 mod run;
@@ -21,7 +22,9 @@ mod _native {
     #[pymodule_export]
     use super::batch::{Batch, episode_seed};
     #[pymodule_export]
-    use super::command::{describe_host, main};
+    use super::callable::Calls;
+    #[pymodule_export]
+    use super::command::{describe_host, eye_source, main};
     #[pymodule_export]
     use super::run::run;
     #[pymodule_export]

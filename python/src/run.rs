@@ -4,6 +4,9 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
 
 use parking_lot::Mutex;
 use pyo3::prelude::*;
@@ -11,24 +14,28 @@ use pyo3::types::PyBytes;
 use sim_core::time::Time;
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::program::Exec;
-use sim_host::executive::scheduler::Progress;
 use sim_host::launch::settings::ProgramOption;
 use sim_host::launch::{self, Observers, Scene};
 use sim_host::plot::{PictureKind, PlotError};
+use sim_host::program::embedded::EmbeddedProgram;
 use sim_host::record::{RecordError, Sink, Trace, Trails};
 
+use super::callable::Callable;
 use super::error::{error, of_launch};
 use super::simulation::{duration, length, parse_settings};
 
-/// Simulated time after which a run looks whether the user interrupts.
-const SIGNAL_INTERVAL: Time = Time::from_millis(1_000);
+/// Interval at which a run looks whether the user interrupts.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Stack of a run's thread, in bytes: that of a main thread.
+const STACK: usize = 8 << 20;
 
 /// Reasons why a run gives no result.
 enum Failed {
     Launch(launch::Error),
     Record(RecordError),
     Plot(PlotError),
-    Interrupted(PyErr),
+    Thread(io::Error),
 }
 
 impl From<launch::Error> for Failed {
@@ -63,6 +70,9 @@ pub struct RunOptions {
     settings: Vec<String>,
     exec: String,
     workers: Option<usize>,
+    timeout: Option<f64>,
+    /// Reference, name and program of each.
+    functions: Vec<(String, String, Py<PyAny>)>,
 }
 
 impl RunOptions {
@@ -76,6 +86,13 @@ impl RunOptions {
         };
         let none = || error(py, "workers = 0: expected at least 1");
         let workers = self.workers.map(|workers| NonZeroUsize::new(workers).ok_or_else(none)).transpose()?;
+        let default = launch::Options::default();
+        let timeout = self.timeout.unwrap_or(default.timeout);
+        if timeout.is_nan() || timeout <= 0.0 {
+            return Err(error(py, format!("timeout = {timeout}: expected more than 0 seconds of processor time")));
+        }
+        let embedded =
+            |(reference, name, function)| EmbeddedProgram { reference, name, code: Arc::new(Callable(function)) };
         let programs = self.programs.iter().map(|text| ProgramOption::parse(text));
         Ok(launch::Options {
             seed: self.seed,
@@ -88,7 +105,9 @@ impl RunOptions {
             settings: parse_settings(py, &self.settings)?,
             exec,
             workers,
-            ..launch::Options::default()
+            timeout,
+            embedded: self.functions.into_iter().map(embedded).collect(),
+            ..default
         })
     }
 }
@@ -103,23 +122,62 @@ pub fn run<'py>(
     has_trace: bool,
 ) -> PyResult<(String, Bound<'py, PyBytes>, String)> {
     let options = options.parse(py)?;
-    let carried_out = py.detach(|| {
+    let interrupt = Interrupt::default();
+    let run = || {
         let scene = match text {
             Some(text) => Scene::of_text(&path, &text, options),
             None => Scene::open(&path, options),
         }?;
-        carry_out(scene, has_trace)
-    });
+        carry_out(scene, has_trace, interrupt.clone())
+    };
+    let (carried_out, interrupted) = py.detach(|| on_own_thread(run, &interrupt));
+    interrupted?;
     match carried_out {
         Ok((report, trace, svg)) => Ok((report, PyBytes::new(py, &trace), svg)),
         Err(Failed::Launch(failed)) => Err(of_launch(py, failed)),
         Err(Failed::Record(failed)) => Err(error(py, failed)),
         Err(Failed::Plot(failed)) => Err(error(py, failed)),
-        Err(Failed::Interrupted(interrupt)) => Err(interrupt),
+        Err(Failed::Thread(failed)) => Err(error(py, failed)),
     }
 }
 
-fn carry_out(scene: Scene, has_trace: bool) -> Result<(String, Vec<u8>, String), Failed> {
+/// Runs `run` on a thread of its own, while the calling one, which is the only one that gets signals of Python, looks for Ctrl-C and then
+/// interrupts. Returns the exception of that, too.
+fn on_own_thread<T: Send>(
+    run: impl FnOnce() -> Result<T, Failed> + Send,
+    interrupt: &Interrupt,
+) -> (Result<T, Failed>, PyResult<()>) {
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::sync_channel(1);
+        // The receiver lives until the only message has come.
+        let run = move || _ = sender.send(run());
+        let thread = thread::Builder::new().name("eyesim".to_owned()).stack_size(STACK).spawn_scoped(scope, run);
+        let thread = match thread {
+            Ok(thread) => thread,
+            Err(failed) => return (Err(Failed::Thread(failed)), Ok(())),
+        };
+        let mut interrupted = Ok(());
+        loop {
+            match receiver.recv_timeout(SIGNAL_INTERVAL) {
+                Ok(result) => return (result, interrupted),
+                Err(RecvTimeoutError::Timeout) if interrupted.is_ok() => {
+                    interrupted = Python::attach(|py| py.check_signals());
+                    if interrupted.is_err() {
+                        interrupt.set();
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        match thread.join() {
+            Err(panic) => std::panic::resume_unwind(panic),
+            Ok(()) => unreachable!("it has sent its result"),
+        }
+    })
+}
+
+fn carry_out(scene: Scene, has_trace: bool, interrupt: Interrupt) -> Result<(String, Vec<u8>, String), Failed> {
     let ready = scene.load()?;
     let trails = Arc::new(Mutex::new(Trails::of_scene(ready.scene())));
     let lines = Lines::default();
@@ -128,18 +186,9 @@ fn carry_out(scene: Scene, has_trace: bool) -> Result<(String, Vec<u8>, String),
         let trace = Trace::new(Box::new(lines.clone()), Path::new("trace"), &ready.trace_header())?;
         sinks.push(Box::new(trace));
     }
-    let interrupt = Interrupt::default();
-    let mut running = ready.start(Observers { sinks, interrupt: interrupt.clone(), ..Observers::default() })?;
-    let mut interrupted = Ok(());
-    while let Some(next) = running.scheduler.boundary().next_within_limit() {
-        let over = running.scheduler.advance_to(next.saturating_add(SIGNAL_INTERVAL)) == Progress::Over;
-        interrupted = Python::attach(|py| py.check_signals());
-        if over || interrupted.is_err() {
-            break;
-        }
-    }
+    let mut running = ready.start(Observers { sinks, interrupt, ..Observers::default() })?;
+    running.scheduler.advance_to(Time::NEVER);
     let finished = running.finish();
-    interrupted.map_err(Failed::Interrupted)?;
     let svg = PictureKind::Svg.render(&finished.drawing(&trails.lock()), None)?;
     let trace = std::mem::take(&mut *lines.0.lock());
     Ok((finished.report.to_json()?, trace, String::from_utf8_lossy(&svg).into_owned()))

@@ -459,10 +459,15 @@ def _called_back(code):
 _raised = None
 
 
+def _refuse():
+    """Does not make a call of a program that must be left."""
+    raise _Stop
+
+
 def _place():
     """File and line of the program that is in a call."""
     frame = _sys._getframe(1)
-    while frame is not None and frame.f_globals is globals():
+    while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
     return ("", 0) if frame is None else (_os.path.basename(frame.f_code.co_filename), frame.f_lineno)
 
@@ -508,11 +513,16 @@ def _waits(name, values):
 
 def _call(row, *values):
     """Calls a function of a list: what it writes, in order, then its result."""
-    if _thread._count() and row[0] in _WAITING and _turns.owner != _thread.get_ident():
+    if row[0] in _WAITING and _has_threads() and _turns.owner != _thread.get_ident():
         answer = _waits(row[0], values)
         if answer is not None:
             return answer
     return _request(row, values)
+
+
+def _has_threads():
+    """Whether the program has threads of its own, which call in between."""
+    return _thread._count() > 0
 
 
 _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
@@ -524,7 +534,7 @@ def _request(row, values):
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
     if _is_stopped and function_list == 7:
-        raise _Stop
+        _refuse()
     file, line = _place()
     file = file.encode("utf-8", "replace")
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
@@ -551,7 +561,7 @@ def _request(row, values):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
-    if _thread._count() and _turns.owner != _thread.get_ident():
+    if _has_threads() and _turns.owner != _thread.get_ident():
         _let_others_run(0.0001)  # to their next calls, which come before the next one of this thread
     is_first = _turns.enter()
     try:
@@ -1201,6 +1211,17 @@ def _now_us():
     return int(_call(_support_time_us)[0])
 
 
+def _sleep(seconds):
+    if seconds < 0:
+        raise ValueError("sleep length must be non-negative")
+    _call(_support_sleep_us, min(int(seconds * 1e6), 1 << 62))
+
+
+def _urandom(size):
+    words = (_call(_support_random, 4)[0] for _ in range((size + 7) // 8))
+    return b"".join(_struct.pack("<Q", word) for word in words)[:size]
+
+
 def _sleep_towards(until_us):
     """Sleeps until a virtual time, at most for a slice; returns false if that time has passed."""
     left_us = int(until_us - _now_us())
@@ -1213,15 +1234,6 @@ def _replace_surroundings():
     """Puts virtual time and the robot's random stream where Python has those of the machine."""
     import select
     import threading
-
-    def urandom(size):
-        words = (_call(_support_random, 4)[0] for _ in range((size + 7) // 8))
-        return b"".join(_struct.pack("<Q", word) for word in words)[:size]
-
-    def sleep(seconds):
-        if seconds < 0:
-            raise ValueError("sleep length must be non-negative")
-        _call(_support_sleep_us, min(int(seconds * 1e6), 1 << 62))
 
     def wait(condition, timeout=None):
         if timeout is None:
@@ -1301,16 +1313,17 @@ def _replace_surroundings():
     # `selectors`, and so asyncio, takes `select` where there is none of these.
     for name in ("epoll", "poll", "devpoll", "kqueue"):
         vars(select).pop(name, None)
-    _os.urandom = _random._urandom = urandom
+    _os.urandom = _random._urandom = _urandom
     _random.seed(_call(_support_random, 1)[0])
-    _time.sleep = sleep
-    for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
+    _time.sleep = _sleep
+    for name in _CLOCKS:
         setattr(_time, name, lambda: _now_us() / 1e6)
         setattr(_time, name + "_ns", lambda: _now_us() * 1000)
     # The time limits of semaphores, barriers and `wait_for`.
     threading._time = _time.monotonic
 
 
+_CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time")
 _IMPORTING = 32
 _imports = 0  # under way
 
@@ -1342,10 +1355,14 @@ def _watch_imports(channel):
 _processor_time_ns = _time.process_time_ns
 
 
+# Files whose frames are no part of the program.
+_own_files = {__file__}
+
+
 def _own_frames(report):
-    """Leaves the frames of this file, which the program knows nothing of, out of a report of an exception."""
+    """Leaves the frames of these files, which the program knows nothing of, out of a report of an exception."""
     while report is not None:
-        report.stack[:] = [frame for frame in report.stack if frame.filename != __file__]
+        report.stack[:] = [frame for frame in report.stack if frame.filename not in _own_files]
         _own_frames(report.__cause__)
         report = report.__context__
 
@@ -1354,7 +1371,7 @@ def _tell_place(_signal_number, frame):
     """The program has used up its processor time: tells where it is."""
     if _channel is None or _channel.turn.value == 1:
         return
-    while frame is not None and frame.f_globals is globals():
+    while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
     place = "" if frame is None else f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}"
     text = place.encode("utf-8", "replace")
@@ -1406,7 +1423,7 @@ def _tell_error(path):
         hint = f". Did you mean: '{near}'?"
         said, text = said + hint, text + ("" if "Did you mean" in text else hint)
     _sys.stderr.write(text + "\n")
-    frames = [frame for frame in traceback.extract_tb(trace) if frame.filename != __file__]
+    frames = [frame for frame in traceback.extract_tb(trace) if frame.filename not in _own_files]
     own = [frame for frame in frames if _os.path.dirname(_os.path.abspath(frame.filename)) == _os.path.dirname(path)]
     if isinstance(error, SyntaxError) and error.filename:
         said += f" at {_os.path.basename(error.filename)}:{error.lineno}"
@@ -1419,32 +1436,40 @@ def _tell_error(path):
         pass
 
 
+def _exit_code_of(program, path):
+    """Calls the program, which is in a file; tells the simulator if it fails. Its exit code."""
+    try:
+        program()
+    except _Stop:
+        pass
+    except SystemExit as end:
+        if end.code is None or isinstance(end.code, int):
+            return (end.code or 0) & 0xFF
+        print(end.code, file=_sys.stderr)
+        return 1
+    except BaseException:
+        if not _is_stopped:
+            _tell_error(path)
+        return 1
+    return 0
+
+
 def _run(path):
     """Runs the program as `__main__`; its exit code."""
     import atexit
     import types
 
-    program = types.ModuleType("__main__")
-    program.__file__ = path
-    program.__builtins__ = __builtins__
-    _sys.modules["__main__"] = program
-    exit_code = 0
-    try:
+    module = types.ModuleType("__main__")
+    module.__file__ = path
+    module.__builtins__ = __builtins__
+    _sys.modules["__main__"] = module
+
+    def program():
         with open(path, "rb") as file:
             code = compile(file.read(), path, "exec")
-        exec(code, program.__dict__)
-    except _Stop:
-        pass
-    except SystemExit as end:
-        if end.code is None or isinstance(end.code, int):
-            exit_code = (end.code or 0) & 0xFF
-        else:
-            print(end.code, file=_sys.stderr)
-            exit_code = 1
-    except BaseException:
-        if not _is_stopped:
-            _tell_error(path)
-        exit_code = 1
+        exec(code, module.__dict__)
+
+    exit_code = _exit_code_of(program, path)
     try:
         threading = _sys.modules.get("threading")
         if threading is not None:

@@ -223,6 +223,7 @@ impl RunArgs {
             keep_frames: self.record.is_some(),
             debug: self.debug.clone(),
             default_until: self.default_until,
+            embedded: Vec::new(),
         }
     }
 }

@@ -85,6 +85,12 @@ impl Broken {
         }
     }
 
+    /// Describes a program that was told to end after its last call because it was overdue, and did so at `place`.
+    pub(super) fn overdue(last_call: u16, place: String) -> Self {
+        let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
+        Self { place, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
+    }
+
     /// Describes a flow that takes no signal and therefore cannot be stopped: it is abandoned as it is.
     pub(super) fn unstoppable() -> Self {
         Self {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use sim_core::RobotId;
 use sim_core::spec::{RobotSpec, SceneSpec};
 
+use super::embedded::EmbeddedRobot;
 use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, Place, RobotProgram};
@@ -135,6 +136,7 @@ pub struct DebugTarget {
 pub fn place_of(program: &Prepared, exec: Exec) -> (Place, Option<String>) {
     let image = match &program.code {
         Code::Python(_) => return (Place::Process, None),
+        Code::Embedded(_) => return (Place::Thread, None),
         Code::Library(image) => image,
     };
     let in_process = || (Place::Process, program.danger.clone());
@@ -169,16 +171,19 @@ impl Loading {
     ) -> Result<Self, LoadError> {
         let place = if debugger.is_some() { Place::Process } else { place_of(program, exec).0 };
         if place != Place::Process {
+            if let Code::Embedded(embedded) = &program.code {
+                let robot = EmbeddedRobot::new(robot.id, embedded, &robot.arguments);
+                return Ok(Self::Done(RobotProgram::Embedded(robot)));
+            }
             let is_fiber = place == Place::Fiber;
             let program = loader.load(program, &robot.arguments, is_fiber.then_some(workers))?;
             return Ok(Self::Done(RobotProgram::InHost { program, is_fiber }));
         }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {
-            (Code::Python(_), Some(_)) => {
-                let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
-                return Err(LoadError::Incompatible { path, what });
-            }
+            (Code::Python(_), Some(_)) => return Err(not_debugged(program, "is in Python")),
+            (Code::Embedded(_), Some(_)) => return Err(not_debugged(program, "is code of this process")),
+            (Code::Embedded(_), None) => unreachable!("it runs on a thread"),
             (Code::Python(python), None) => (Child::start_foreign(python.command(&path)), path.clone()),
             // gdb reads the library's file again while it debugs; the file in the cache is not removed.
             (Code::Library(image), Some(debugger)) => {
@@ -208,11 +213,17 @@ impl Loading {
     }
 }
 
+/// Refusal to debug a program that is not of gdb's languages.
+fn not_debugged(program: &Prepared, what: &str) -> LoadError {
+    let what = format!("gdb debugs programs in C, C++ and Rust, and this one {what}");
+    LoadError::Incompatible { path: program.source.path().to_owned(), what }
+}
+
 /// Reason why the process of `program` has not begun: its interpreter's, else `what`.
 fn why_not(program: &Prepared, path: PathBuf, what: String) -> LoadError {
     match &program.code {
         Code::Python(python) => python.check().err().map_or(LoadError::Process { path, what }, LoadError::Python),
-        Code::Library(_) => LoadError::Process { path, what },
+        Code::Library(_) | Code::Embedded(_) => LoadError::Process { path, what },
     }
 }
 

@@ -6,9 +6,11 @@
 //! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
 //! programs that fault or never return.
 
+mod answer;
 pub mod confine;
 pub mod damage;
 pub mod dispatcher;
+pub mod embedded;
 pub mod fault;
 pub mod fiber;
 mod flow;

@@ -6,9 +6,11 @@ use std::time::Instant;
 use robios_sys::{Robios6, Robios7, Support};
 
 use super::confine::confine_thread;
+use super::embedded::EmbeddedRobot;
 use super::fault::Broken;
 use super::process::Child;
 use super::process::serve::RemoteProgram;
+use crate::program::embedded::EmbeddedCode;
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
 use crate::program::shared::Variables;
@@ -51,6 +53,8 @@ pub enum RobotProgram {
     },
     /// In a process of its own, which its flow's thread serves.
     Process(RemoteProgram),
+    /// Code of the process that embeds the simulator, on its flow's thread.
+    Embedded(EmbeddedRobot),
 }
 
 impl RobotProgram {
@@ -65,6 +69,7 @@ impl RobotProgram {
                 Ok(program.run(host))
             }
             Self::Process(program) => program.run(host),
+            Self::Embedded(program) => program.run(host),
         }
     }
 
@@ -77,15 +82,23 @@ impl RobotProgram {
     pub fn variables(&self) -> Option<&Arc<Variables>> {
         match self {
             Self::InHost { program, .. } => program.variables(),
-            Self::Process(_) => None,
+            Self::Process(_) | Self::Embedded(_) => None,
         }
     }
 
     /// The program's process, if it has its own.
     pub fn child(&self) -> Option<&Arc<Child>> {
         match self {
-            Self::InHost { .. } => None,
+            Self::InHost { .. } | Self::Embedded(_) => None,
             Self::Process(program) => Some(program.child()),
+        }
+    }
+
+    /// The code of the embedding process that is the program, if it is such code.
+    pub fn embedded(&self) -> Option<&Arc<dyn EmbeddedCode>> {
+        match self {
+            Self::Embedded(program) => Some(program.code()),
+            Self::InHost { .. } | Self::Process(_) => None,
         }
     }
 
@@ -101,6 +114,7 @@ impl RobotProgram {
         match self {
             Self::InHost { program, .. } => program.own_source_line(addresses),
             Self::Process(program) => program.own_source_line(addresses),
+            Self::Embedded(_) => None,
         }
     }
 
@@ -109,6 +123,7 @@ impl RobotProgram {
         let line = match self {
             Self::InHost { program, .. } => program.source_line(address),
             Self::Process(program) => program.source_line(address),
+            Self::Embedded(_) => None,
         };
         line?.function
     }
@@ -117,7 +132,8 @@ impl RobotProgram {
     pub fn call_site(&self) -> Site {
         match self {
             Self::InHost { program, .. } => Site::InHost(program.call_site()),
-            Self::Process(program) => Site::InChild(program.call_site()),
+            Self::Process(program) => Site::Told(program.call_site()),
+            Self::Embedded(program) => Site::Told(program.call_site()),
         }
     }
 
@@ -125,7 +141,8 @@ impl RobotProgram {
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
-            (Self::Process(program), Site::InChild(site)) => program.place_of(site),
+            (Self::Process(program), Site::Told(site)) => program.place_of(site),
+            (Self::Embedded(_), Site::Told(site)) => site.line(),
             _ => None,
         }
     }

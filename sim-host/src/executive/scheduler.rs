@@ -448,7 +448,7 @@ impl Scheduler {
         let is_of_program = |address: usize| {
             let on_threads = self.run.programs().filter_map(|program| match program {
                 RobotProgram::InHost { program, .. } => Some(program.addresses()),
-                RobotProgram::Process(_) => None,
+                RobotProgram::Process(_) | RobotProgram::Embedded(_) => None,
             });
             on_threads.into_iter().any(|addresses| addresses.contains(&address))
         };

@@ -34,6 +34,8 @@ pub struct FlowBlock {
     pub last_call: AtomicU16,
     /// The host works for the program: its locks may be held, so the thread must not be parked now.
     pub in_host: AtomicBool,
+    /// Faults of the thread are left to the handlers that the process had before the run.
+    faults_are_of_process: AtomicBool,
     /// The program's floating-point environment while the host uses the default one; 0 if the program's is the default.
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
@@ -141,6 +143,7 @@ impl FlowBlock {
             releases: AtomicU64::new(0),
             last_call: AtomicU16::new(u16::MAX),
             in_host: AtomicBool::new(false),
+            faults_are_of_process: AtomicBool::new(false),
             float_environment: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
             place: AtomicU8::new(PLACE_KNOWN),
@@ -172,6 +175,11 @@ impl FlowBlock {
         let mut word = [0_usize];
         let copied = copy_own_memory(address.addr().wrapping_add(std::mem::offset_of!(Self, mark)), &mut word);
         copied == 1 && word[0] == address.addr() ^ MARK
+    }
+
+    /// Leaves faults of the block's thread to the process from now on, as for code that holds locks of the process.
+    pub fn leave_faults_to_process(&self) {
+        self.faults_are_of_process.store(true, Ordering::Relaxed);
     }
 
     /// The fault that parked this thread.
@@ -593,6 +601,10 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     }
     // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is where the variable says.
     let block = unsafe { &*block };
+    if block.faults_are_of_process.load(Ordering::Relaxed) {
+        // SAFETY: as above.
+        return unsafe { chain_to_previous(signal, info, context) };
+    }
     if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
         // The signal may be late: another fiber runs on the thread by now. Within the host, the thread stops when it leaves that.
         let in_host = block.in_host.load(Ordering::Relaxed);

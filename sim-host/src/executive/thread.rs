@@ -23,6 +23,7 @@ use super::run::Member;
 use super::signal::{self, FlowBlock, Handlers};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage};
+use crate::program::embedded::EmbeddedCode;
 
 use crate::robios::task::MAIN;
 
@@ -49,7 +50,15 @@ struct RobotThreads {
     processors: Arc<[usize]>,
     /// The process that the threads serve.
     child: OnceLock<Arc<Child>>,
+    /// The code of the embedding process that the first thread runs.
+    embedded: OnceLock<Embedded>,
     flows: Mutex<Flows>,
+}
+
+/// Code of the embedding process, as the watchdog sees it.
+struct Embedded {
+    code: Arc<dyn EmbeddedCode>,
+    is_asked_to_end: AtomicBool,
 }
 
 #[derive(Default)]
@@ -101,6 +110,7 @@ impl ThreadExecutor {
                 worker: AtomicU32::new(u32::MAX),
                 processors: Arc::clone(&self.processors),
                 child: OnceLock::new(),
+                embedded: OnceLock::new(),
                 flows: Mutex::default(),
             }));
         }
@@ -271,8 +281,13 @@ impl Executor for ThreadExecutor {
         damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
     }
 
-    fn admit(&self, robot: RobotId, _: &RobotProgram, _: Option<&Arc<Member>>) {
+    fn admit(&self, robot: RobotId, program: &RobotProgram, _: Option<&Arc<Member>>) {
         self.make_room(robot.index() + 1);
+        if let Some(code) = program.embedded() {
+            // A robot has one program, so this is the only time.
+            let embedded = Embedded { code: Arc::clone(code), is_asked_to_end: AtomicBool::new(false) };
+            let _ = self.robot(robot).embedded.set(embedded);
+        }
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
@@ -374,7 +389,7 @@ impl Executor for ThreadExecutor {
 
     fn place(&self, robot: RobotId) -> Vec<usize> {
         let threads = self.robot(robot);
-        let flow = threads.active_flow().filter(|_| threads.child.get().is_none());
+        let flow = threads.active_flow().filter(|_| threads.child.get().is_none() && threads.embedded.get().is_none());
         flow.map(|flow| place(&flow.block)).unwrap_or_default()
     }
 
@@ -382,7 +397,11 @@ impl Executor for ThreadExecutor {
         let threads = self.robot(robot);
         match (threads.child.get(), threads.active_flow()) {
             (Some(child), Some(flow)) => child.stop_overdue(flow.release()),
-            (None, Some(flow)) => signal::stop_overdue(&flow.block),
+            (None, Some(flow)) => match threads.embedded.get() {
+                Some(embedded) if embedded.is_asked_to_end.swap(true, Ordering::Relaxed) => {}
+                Some(embedded) => embedded.code.stop(robot),
+                None => signal::stop_overdue(&flow.block),
+            },
             (_, None) => {}
         }
     }

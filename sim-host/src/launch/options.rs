@@ -11,6 +11,7 @@ use super::settings::ProgramOption;
 use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
 use crate::program::Generation;
+use crate::program::embedded::EmbeddedProgram;
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 
 /// Simulated time after which a run ends if neither options nor scene set one.
@@ -75,6 +76,9 @@ pub struct Options {
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
     pub debug: Option<DebugTarget>,
+    /// Programs of this process, which `programs` and the scene name as they do files. A trace names them only, so that it cannot repeat
+    /// the run.
+    pub embedded: Vec<EmbeddedProgram>,
 }
 
 impl Options {
@@ -121,6 +125,7 @@ impl Default for Options {
             frames: None,
             keep_frames: false,
             debug: None,
+            embedded: Vec::new(),
         }
     }
 }

@@ -154,6 +154,7 @@ impl Scene {
             return Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs: programs.clone() });
         }
         let search = check::search_path(&self.files).map_err(folder("working folder"))?;
+        let search = SearchPath { embedded: self.options.embedded.clone(), ..search };
         let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
         let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
         if !missing.is_empty() {

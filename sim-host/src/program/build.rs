@@ -64,7 +64,7 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltProgram {
-    /// The shared library, or the file of a Python program, which needs no building.
+    /// The shared library, or what needs no building: the file of a Python program, the name of an embedded one.
     pub library: PathBuf,
     /// Source of the program.
     pub source: ProgramSource,
@@ -159,8 +159,8 @@ impl Builder {
     /// [`BuildError`], with the compiler's own messages if the compiler refuses a source.
     pub fn build(&self, source: &ProgramSource) -> Result<BuiltProgram, BuildError> {
         match source {
-            ProgramSource::Library(library) | ProgramSource::Python(library) => {
-                let (library, source) = (library.clone(), source.clone());
+            ProgramSource::Library(_) | ProgramSource::Python(_) | ProgramSource::Embedded(_) => {
+                let (library, source) = (source.path().to_owned(), source.clone());
                 Ok(BuiltProgram { library, source, output: String::new(), compiled: false, choice: None })
             }
             ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),

@@ -346,7 +346,7 @@ fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
     Ok(version)
 }
 
-/// The command with path, size, times and inode of its file; `None` unless that is gcc or clang itself: a script or a launcher such as
+/// The command with path, size, times and inode of its file; `None` unless that is gcc, clang or zig itself: a script or a launcher such as
 /// ccache starts a compiler that may change without it.
 fn state_of(command: &[String]) -> Option<String> {
     use std::os::unix::fs::MetadataExt as _;
@@ -354,7 +354,8 @@ fn state_of(command: &[String]) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let mut magic = [0; 4];
     io::Read::read_exact(&mut std::fs::File::open(&path).ok()?, &mut magic).ok()?;
-    if !["gcc", "g++", "clang"].iter().any(|compiler| name.contains(compiler)) || magic != *b"\x7fELF" {
+    let is_compiler = name == "zig" || ["gcc", "g++", "clang"].iter().any(|compiler| name.contains(compiler));
+    if !is_compiler || magic != *b"\x7fELF" {
         return None;
     }
     let file = std::fs::metadata(&path).ok()?;

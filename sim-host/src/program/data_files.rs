@@ -14,7 +14,7 @@ pub fn remarks(source: &ProgramSource, working_folder: &Path) -> Vec<String> {
     let files = match source {
         ProgramSource::Sources { files, .. } => files.as_slice(),
         ProgramSource::Python(file) => std::slice::from_ref(file),
-        ProgramSource::Library(_) | ProgramSource::Cargo(_) => &[],
+        ProgramSource::Library(_) | ProgramSource::Cargo(_) | ProgramSource::Embedded(_) => &[],
     };
     files.iter().flat_map(|file| remarks_on(file, working_folder)).collect()
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
+use super::embedded::EmbeddedProgram;
 use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
@@ -21,6 +22,8 @@ pub struct SearchPath {
     pub folders: Vec<PathBuf>,
     /// The folder of the installation, for `%sim%` and as the root of absolute names that do not exist.
     pub installation: Option<PathBuf>,
+    /// Programs of the process that embeds the simulator, found by their references before any file.
+    pub embedded: Vec<EmbeddedProgram>,
 }
 
 /// Source of a program.
@@ -39,6 +42,8 @@ pub enum ProgramSource {
     Cargo(PathBuf),
     /// A Python program.
     Python(PathBuf),
+    /// Code of the process that embeds the simulator.
+    Embedded(EmbeddedProgram),
 }
 
 impl ProgramSource {
@@ -51,6 +56,7 @@ impl ProgramSource {
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
+            Self::Embedded(program) => Path::new(&program.reference),
             Self::Sources { files, .. } => files.first().map_or(Path::new(""), PathBuf::as_path),
         }
     }
@@ -148,6 +154,10 @@ fn quoted(names: &[String]) -> String {
 /// # Errors
 /// [`FindError`] with every place tried if nothing usable is found.
 pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindError> {
+    if let Some(program) = search.embedded.iter().find(|program| program.reference == reference) {
+        let source = ProgramSource::Embedded(program.clone());
+        return Ok(Found { name: program.name.clone(), source, notes: Vec::new() });
+    }
     let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new(), folder_name: None };
     if let Some(source) = finder.find(reference) {
         return Ok(finder.found(source));
@@ -424,6 +434,7 @@ mod tests {
                 working_folder: folder.path().to_owned(),
                 folders: vec![folder.path().join("more")],
                 installation: Some(folder.path().join("home")),
+                embedded: Vec::new(),
             };
             Self { folder, search }
         }

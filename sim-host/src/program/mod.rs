@@ -12,6 +12,7 @@ pub mod compile;
 pub mod compiler;
 mod constructors;
 mod data_files;
+pub mod embedded;
 pub mod find;
 pub mod float;
 pub mod generation;

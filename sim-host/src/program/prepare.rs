@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::build::{BuildError, Builder, BuiltProgram};
+use super::embedded::EmbeddedProgram;
 use super::find::{Found, ProgramSource};
 use super::generation::GenerationChoice;
 use super::image::{ImageError, ProgramImage};
@@ -38,14 +39,16 @@ pub enum Code {
     Library(Arc<ProgramImage>),
     /// A Python program, with its interpreter; always runs in its own process.
     Python(Python),
+    /// Code of the process that embeds the simulator.
+    Embedded(EmbeddedProgram),
 }
 
 impl Prepared {
-    /// The library; `None` for a Python program.
+    /// The library; `None` for a program that is none.
     pub fn image(&self) -> Option<&Arc<ProgramImage>> {
         match &self.code {
             Code::Library(image) => Some(image),
-            Code::Python(_) => None,
+            Code::Python(_) | Code::Embedded(_) => None,
         }
     }
 
@@ -61,7 +64,7 @@ impl Prepared {
     pub fn generation(&self) -> Option<u32> {
         match &self.code {
             Code::Library(image) => image.description().map(|description| description.generation),
-            Code::Python(_) => Some(7),
+            Code::Python(_) | Code::Embedded(_) => Some(7),
         }
     }
 
@@ -75,6 +78,7 @@ impl Prepared {
         match &self.source {
             ProgramSource::Sources { files, .. } => files.clone(),
             ProgramSource::Library(path) | ProgramSource::Python(path) => vec![path.clone()],
+            ProgramSource::Embedded(_) => Vec::new(),
             ProgramSource::Cargo(_) => self.image().map(|image| image.path().to_owned()).into_iter().collect(),
         }
     }
@@ -113,6 +117,7 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
                 let built = built?;
                 let (code, warnings, danger) = match &program.source {
                     ProgramSource::Python(_) => (Code::Python(builder.python()?), Vec::new(), None),
+                    ProgramSource::Embedded(program) => (Code::Embedded(program.clone()), Vec::new(), None),
                     source => {
                         let image = ProgramImage::read(&built.library, source_folder(source))?;
                         let warnings = warnings_about(&image, &program.name);
@@ -136,6 +141,6 @@ fn source_folder(source: &ProgramSource) -> Option<&Path> {
     match source {
         ProgramSource::Sources { files, .. } => files.first()?.parent(),
         ProgramSource::Cargo(folder) => Some(folder),
-        ProgramSource::Library(_) | ProgramSource::Python(_) => None,
+        ProgramSource::Library(_) | ProgramSource::Python(_) | ProgramSource::Embedded(_) => None,
     }
 }

@@ -7,8 +7,8 @@ use robios_sys::CallSite;
 pub enum Site {
     /// In a program that runs in this process.
     InHost(CallSite),
-    /// In a program that runs in its own process.
-    InChild(RemoteSite),
+    /// In a program that tells it with the call: in its own process, or of the process that embeds the simulator.
+    Told(RemoteSite),
 }
 
 impl Default for Site {
@@ -17,7 +17,7 @@ impl Default for Site {
     }
 }
 
-/// Place of a call in a program in its own process, as that process reported it.
+/// Place of a call as the program told it.
 #[derive(Clone, Debug, Default)]
 pub struct RemoteSite {
     /// Return address of the call; 0 if unknown.
@@ -26,4 +26,11 @@ pub struct RemoteSite {
     pub line: u32,
     /// The source file, for programs that report it themselves; else empty.
     pub file: String,
+}
+
+impl RemoteSite {
+    /// The line as `maze.py:12`; `None` for a program that tells addresses.
+    pub fn line(&self) -> Option<String> {
+        (!self.file.is_empty()).then(|| format!("{}:{}", self.file, self.line))
+    }
 }

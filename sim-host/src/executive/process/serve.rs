@@ -7,16 +7,16 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use parking_lot::Mutex;
-use robios_sys::wire::{Malformed, Reader, Request, put_bytes};
-use robios_sys::{Callback, Robios6, Robios6Call, Robios7, Robios7Call, Status, Support, SupportCall};
+use robios_sys::wire::{Malformed, Reader, put_bytes};
+use robios_sys::{Callback, Robios6, Robios7, Status, Support};
 
 use super::channel::{Channel, kind, refusal};
 use super::child::Child;
+use crate::executive::answer::answer;
 use crate::executive::fault::Broken;
 use crate::program::image::SourceLine;
 use crate::program::prepare::Prepared;
 use crate::program::site::RemoteSite;
-use crate::robios::call::Call;
 
 /// A robot's program in its own process, loaded and ready to run.
 pub struct RemoteProgram {
@@ -107,13 +107,12 @@ impl RemoteProgram {
 
     /// A place in this program in words, such as `maze.c:88`.
     pub fn place_of(&self, site: &RemoteSite) -> Option<String> {
-        let RemoteSite { address, line, file } = site;
-        if !file.is_empty() {
-            return Some(format!("{file}:{line}"));
-        }
-        // A return address lies after the call instruction.
-        let offset = self.offset(usize::try_from(*address).ok()?.checked_sub(1)?)?;
-        self.prepared.image()?.call_line(offset).map(|line| line.to_string())
+        let of_address = || {
+            // A return address lies after the call instruction.
+            let offset = self.offset(usize::try_from(site.address).ok()?.checked_sub(1)?)?;
+            self.prepared.image()?.call_line(offset).map(|line| line.to_string())
+        };
+        site.line().or_else(of_address)
     }
 
     fn offset(&self, address: usize) -> Option<usize> {
@@ -179,43 +178,9 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
 
     /// Carries out a call.
     fn call(&self, body: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
-        let mut body = Reader::new(body);
-        let (table, function): (u32, u32) = (body.get()?, body.get()?);
-        let (address, line): (u64, u32) = (body.get()?, body.get()?);
-        let file = body.bytes()?.unwrap_or_default();
-        {
-            let mut site = self.program.site.lock();
-            (site.address, site.line) = (address, line);
-            site.file.clear();
-            site.file.push_str(&String::from_utf8_lossy(file));
-        }
-        let callback = |code, data| self.callback(code, data);
-        let mut request = Request { arguments: body, callback: &callback };
-        let function = function as usize;
-        match table {
-            SupportCall::TABLE => {
-                let call = SupportCall::ALL.get(function).ok_or(Malformed)?;
-                call.serve(self.host, &mut request, reply)
-            }
-            Robios6Call::TABLE => {
-                let call = Robios6Call::ALL.get(function).ok_or(Malformed)?;
-                self.note(*call);
-                call.serve(self.host, &mut request, reply)
-            }
-            Robios7Call::TABLE => {
-                let call = Robios7Call::ALL.get(function).ok_or(Malformed)?;
-                self.note(*call);
-                call.serve(self.host, &mut request, reply)
-            }
-            _ => Err(Malformed),
-        }
-    }
-
-    /// Stores the number of the last RoBIOS call, for the report of a fault.
-    fn note(&self, call: impl Into<Call>) {
-        if let Some(number) = call.into().robios_number() {
-            self.program.child.last_call.store(number, Ordering::Relaxed);
-        }
+        // The number of the last call is for the report of a fault.
+        let note = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
+        answer(self.host, body, &self.program.site, note, &|code, data| self.callback(code, data), reply)
     }
 
     /// A function of the host that calls the child's function identified by `code` and `data`.

@@ -1,0 +1,136 @@
+//! Robots whose programs are code of the embedding process, on the threads of their flows.
+
+use std::collections::BTreeMap;
+use std::ffi::c_void;
+use std::ptr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicPtr, Ordering};
+use std::thread::{self, ThreadId};
+
+use parking_lot::Mutex;
+use robios_sys::wire::Malformed;
+use robios_sys::{Callback, Robios6, Robios7, Status, Support};
+use sim_core::RobotId;
+
+use super::answer::answer;
+use super::fault::Broken;
+use super::signal::FlowBlock;
+use crate::program::embedded::{Calls, EmbeddedCode, EmbeddedEnd, EmbeddedProgram};
+use crate::program::site::RemoteSite;
+
+/// A robot's embedded program, ready to run.
+pub struct EmbeddedRobot {
+    robot: RobotId,
+    code: Arc<dyn EmbeddedCode>,
+    arguments: Vec<String>,
+    /// Place of the program's present call.
+    site: Arc<Mutex<RemoteSite>>,
+}
+
+impl EmbeddedRobot {
+    /// The program of `robot`, with the arguments that it gets.
+    pub fn new(robot: RobotId, program: &EmbeddedProgram, arguments: &[String]) -> Self {
+        let code = Arc::clone(&program.code);
+        Self { robot, code, arguments: arguments.to_vec(), site: Arc::default() }
+    }
+
+    /// Runs the program on the calling thread, a flow's, whose calls `host` answers there; returns its exit code.
+    ///
+    /// # Errors
+    /// [`Broken`] if the program was overdue.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+        FlowBlock::current().leave_faults_to_process();
+        let calls = Arc::new(CallsOf {
+            host: AtomicPtr::new(ptr::from_ref(host).cast_mut()),
+            thread: thread::current().id(),
+            robot: self.robot,
+            code: Arc::clone(&self.code),
+            site: Arc::clone(&self.site),
+            functions: Mutex::default(),
+        });
+        // From here on the program's calls end at once, wherever it has left `calls`; also if it unwinds.
+        let _revoke = Revoke(Arc::clone(&calls));
+        match self.code.run(self.robot, &self.arguments, calls) {
+            EmbeddedEnd::Exited(code) => Ok(code),
+            EmbeddedEnd::Overdue(place) => {
+                let last_call = FlowBlock::current().last_call.load(Ordering::Relaxed);
+                Err(Broken::overdue(last_call, place))
+            }
+        }
+    }
+
+    /// The code, which the watchdog stops.
+    pub fn code(&self) -> &Arc<dyn EmbeddedCode> {
+        &self.code
+    }
+
+    /// Place of the call in progress.
+    pub fn call_site(&self) -> RemoteSite {
+        self.site.lock().clone()
+    }
+}
+
+/// Calls of a robot's program to `H`, as long as it runs.
+struct CallsOf<H> {
+    /// Null once the program has returned.
+    host: AtomicPtr<H>,
+    /// The thread that runs the program.
+    thread: ThreadId,
+    robot: RobotId,
+    code: Arc<dyn EmbeddedCode>,
+    site: Arc<Mutex<RemoteSite>>,
+    /// Functions of the program that the host may call, by their numbers.
+    functions: Mutex<BTreeMap<u64, Box<Function>>>,
+}
+
+/// Ends the calls when it is dropped.
+struct Revoke<H>(Arc<CallsOf<H>>);
+
+impl<H> Drop for Revoke<H> {
+    fn drop(&mut self) {
+        self.0.host.store(ptr::null_mut(), Ordering::Release);
+    }
+}
+
+impl<H: Support + Robios6 + Robios7 + Sync> Calls for CallsOf<H> {
+    fn call(&self, request: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
+        if thread::current().id() != self.thread {
+            return Ok(Status::STOP);
+        }
+        // SAFETY: null, or the host that `run` has borrowed further up the stack of this very thread, which sets the pointer to null
+        // before it returns.
+        let Some(host) = (unsafe { self.host.load(Ordering::Acquire).cast_const().as_ref() }) else {
+            return Ok(Status::STOP);
+        };
+        let callback = |number, _| self.callback(number);
+        // The flow notes the number of its last call itself.
+        answer(host, request, &self.site, |_| {}, &callback, reply)
+    }
+}
+
+impl<H> CallsOf<H> {
+    /// A function of the host that calls the program's function `number`.
+    fn callback(&self, number: u64) -> Callback {
+        let mut functions = self.functions.lock();
+        let new = || Box::new(Function { code: Arc::clone(&self.code), robot: self.robot, number });
+        let function = ptr::from_ref::<Function>(functions.entry(number).or_insert_with(new));
+        Callback { code: Some(call_function), data: function.cast_mut().cast::<c_void>() }
+    }
+}
+
+/// A function of an embedded program.
+struct Function {
+    code: Arc<dyn EmbeddedCode>,
+    robot: RobotId,
+    number: u64,
+}
+
+/// Calls a function of the program.
+///
+/// # Safety
+/// `data` must come from [`CallsOf::callback`], and the program must not have returned from its run, which keeps the function.
+unsafe extern "C" fn call_function(data: *mut c_void) -> Status {
+    // SAFETY: by this function's contract.
+    let function = unsafe { data.cast_const().cast::<Function>().as_ref() };
+    function.map_or(Status::STOP, |Function { code, robot, number }| code.call_back(*robot, *number))
+}
