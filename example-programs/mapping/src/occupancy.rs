@@ -139,7 +139,8 @@ impl OccupancyGrid {
     pub fn certainty(&self, place: Place, z: f64) -> Option<(f64, f64)> {
         let layer = ((z - self.bottom) / self.step).floor();
         let index = self.partition.slot(place)? * self.layers + layer as usize;
-        ((0.0..self.layers as f64).contains(&layer)).then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
+        ((0.0..self.layers as f64).contains(&layer))
+            .then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
     }
 
     /// Raises the certainties for one echo: the boxes of a reading gain no more than 1 in total.
@@ -230,8 +231,8 @@ impl Beam {
 #[inline]
 fn gaussian(steepness: f32, cosine: f32) -> f32 {
     let u = (1.0 - cosine).max(0.0);
-    let square = u
-        * (2.0 + u * (1.0 / 3.0 + u * (4.0 / 45.0 + u * (1.0 / 35.0 + u * (16.0 / 1575.0 + u * (8.0 / 2079.0))))));
+    let square =
+        u * (2.0 + u * (1.0 / 3.0 + u * (4.0 / 45.0 + u * (1.0 / 35.0 + u * (16.0 / 1575.0 + u * (8.0 / 2079.0))))));
     let t = (steepness * square / 16.0).min(1.0);
     let root = 1.0 - t * (1.0 - t * (0.5 - t * (1.0 / 6.0 - t * (1.0 / 24.0 - t * (1.0 / 120.0)))));
     let second = root * root;
@@ -343,9 +344,14 @@ mod tests {
     fn every_box_has_what_its_distance_and_angle_say() {
         let (cell, step, layers) = (0.2, 0.15, 20);
         let partition = Partition { cell, columns: 24, rows: 24, low: (-12, -12) };
-        for (pitch, least, measured) in
-            [(-FRAC_PI_2, 0.05, 1.3), (-1.1, 0.05, 1.4), (-0.9, 0.6, 1.2), (0.0, 0.3, 1.0), (0.8, 0.2, 1.1), (1.4, 1e-3, 0.1)]
-        {
+        for (pitch, least, measured) in [
+            (-FRAC_PI_2, 0.05, 1.3),
+            (-1.1, 0.05, 1.4),
+            (-0.9, 0.6, 1.2),
+            (0.0, 0.3, 1.0),
+            (0.8, 0.2, 1.1),
+            (1.4, 1e-3, 0.1),
+        ] {
             let model = SonarModel { least, ..SonarModel::srf08() };
             let sonar = SonarPose::new(Vector3::new(0.03, -0.04, 1.41), 0.7, pitch);
             let mut grid = OccupancyGrid::new(partition, 0.0, step, layers);
@@ -361,7 +367,11 @@ mod tests {
                     let extent = (offset.x.abs() + offset.y.abs()) * cell + offset.z.abs() * step;
                     let band = model.epsilon * measured + 0.5 * extent / r;
                     let near_edge = (cosine - math::cos(model.aperture())).abs() < 1e-6;
-                    let gain = if math::acos(cosine) > model.aperture() { 0.0 } else { model.membership_of_alpha(math::acos(cosine)) };
+                    let gain = if math::acos(cosine) > model.aperture() {
+                        0.0
+                    } else {
+                        model.membership_of_alpha(math::acos(cosine))
+                    };
                     let nearness = r / (measured - band);
                     let empty = if r < measured - band { gain * (1.0 - nearness * nearness) } else { 0.0 };
                     let found = f64::from(grid.empty[index]);

@@ -8,7 +8,9 @@ use accuracy::comparison::{Difference, Interval, Tuned, Verdict};
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 
-use super::fusion::{GRIDS, GROUPS, Known, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer};
+use super::fusion::{
+    GRIDS, GROUPS, Known, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer,
+};
 use super::fusion::{errors, tuned, work};
 use super::picture::{Panel, maps};
 use super::survey::{Condition, SIDE, Survey, measure};
@@ -338,7 +340,7 @@ fn work_chart(training: &[Survey], tuned: &[Tuned]) -> anyhow::Result<Figure> {
     let chart = Chart {
         name: "fusion-work".to_owned(),
         title: "Error against time, partitions coarser and finer than the best".to_owned(),
-        x_label: "time of a reading, us".to_owned(),
+        x_label: "processor time of a reading, us".to_owned(),
         y_label: "height error on training terrains, cm".to_owned(),
         x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 use std::hint::black_box;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use accuracy::comparison::{Difference, Interval, Parameter, Search, Tuned, Verdict, tune};
@@ -18,8 +19,11 @@ use super::survey::{HEIGHT, Reading, SIDE, Survey};
 pub const READINGS: [usize; 2] = [500, 174];
 /// Rules of the search for parameters, for all methods alike.
 pub const SEARCH: Search = Search { cases: 40, few: 8, budget: 3000, first: 5, tolerance: 0.01 };
-/// Number of training terrains on which times are taken, and factors on the number of cells along a side there.
+/// Number of training terrains on which times are taken.
 const TIMED: usize = 3;
+/// Least time that is taken, s: the account of a thread advances in steps of some milliseconds.
+const LEAST_S: f64 = 0.1;
+/// Factors on the number of cells along a side, at which error and time are shown.
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
 
 /// Projection of the grid's boxes to heights.
@@ -305,7 +309,7 @@ pub fn errors(method: &Method, setting: &[f64], surveys: &[Survey], readings: us
     surveys.iter().map(|survey| method.error(setting, survey, readings, Part::Whole)).collect()
 }
 
-/// Time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
+/// Processor time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
 ///
 /// # Errors
 /// Too few readings.
@@ -317,15 +321,28 @@ pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usi
         let error = Interval::of(&errors(method, &setting, training, readings)?).mean;
         let time = |survey: &Survey| -> anyhow::Result<f64> {
             let taken = survey.readings(readings)?;
-            let begin = Instant::now();
-            black_box(method.map(&setting, &taken, Part::Whole));
-            Ok(begin.elapsed().as_secs_f64() / readings as f64)
+            let (begin, mut maps, mut taken_s) = (processor_time(), 0.0, 0.0);
+            while taken_s < LEAST_S {
+                black_box(method.map(&setting, &taken, Part::Whole));
+                maps += 1.0;
+                taken_s = processor_time() - begin;
+            }
+            Ok(taken_s / maps / readings as f64)
         };
         // The shortest of all terrains: other programs on the machine only lengthen it.
         let times = training.iter().map(time).collect::<anyhow::Result<Vec<f64>>>()?;
         Ok((times.into_iter().fold(f64::INFINITY, f64::min), error))
     };
     FINENESS.iter().map(point).collect()
+}
+
+/// Time that this thread has had a processor, s, by Linux's account, which leaves out the time of other programs; elsewhere that of the
+/// clock. From an arbitrary start.
+fn processor_time() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    let account = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = account.split(' ').next().and_then(|word| word.parse().ok());
+    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |time| 1e-9 * time)
 }
 
 /// A mean with its interval, in cm.

@@ -151,7 +151,8 @@ mod tests {
                 .collect(),
             values: alone.values.clone(),
         };
-        let (alone, together) = (alone.solve(30, 0.09).expect("a solution"), together.solve(10, 0.09).expect("a solution"));
+        let (alone, together) =
+            (alone.solve(30, 0.09).expect("a solution"), together.solve(10, 0.09).expect("a solution"));
         for (alone, together) in alone.iter().zip(&together) {
             assert!((alone - together).abs() < 1e-12, "{alone} {together}");
         }
