@@ -21,6 +21,9 @@ pub struct Parameter {
     pub ratio: f64,
     /// Greatest value that has a meaning (1 for a share); infinite if all have. An optimum may lie there.
     pub most: f64,
+    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all
+    /// methods that have the parameter; greater for one whose steps multiply the work.
+    pub gain: f64,
 }
 
 impl Parameter {
@@ -42,8 +45,6 @@ pub struct Search {
     pub budget: usize,
     /// Number of cases after which a setting is dropped if it is clearly no improvement: by two standard errors.
     pub first: usize,
-    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two.
-    pub tolerance: f64,
 }
 
 /// Result of a search.
@@ -151,7 +152,9 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
             let (index, step) = ways[way];
             let mut steps = best.clone();
             steps[index] += step;
-            if self.parameters[index].value(steps[index]).is_some() && self.is_better(&steps, best, stride, cases)? {
+            if self.parameters[index].value(steps[index]).is_some()
+                && self.is_better(&steps, best, (1.0 - self.parameters[index].gain).powi(stride), cases)?
+            {
                 *best = steps;
                 failed = 0;
             } else {
@@ -162,12 +165,13 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Compares a setting with the best on one case after the other, and stops when it is clearly no improvement.
-    fn is_better(&mut self, steps: &[i32], best: &[i32], stride: i32, cases: usize) -> Result<bool, TuneError> {
+    /// Returns true if the mean error of a setting is less than a share of that of the best. Compares one case after the other, and stops
+    /// when it is clearly not.
+    fn is_better(&mut self, steps: &[i32], best: &[i32], share: f64, cases: usize) -> Result<bool, TuneError> {
         let mut losses = Vec::with_capacity(cases);
         for case in 0..cases {
             self.evaluate(steps, best, case)?;
-            let wanted = (1.0 - self.search.tolerance).powi(stride) * self.known[best][case];
+            let wanted = share * self.known[best][case];
             losses.push(self.known[steps][case] - wanted);
             let (mean, error) = mean_and_standard_error(&losses);
             if losses.len() >= self.search.first && mean > 2.0 * error {
@@ -288,10 +292,10 @@ impl Difference {
 mod tests {
     use super::*;
 
-    const SEARCH: Search = Search { cases: 12, few: 8, budget: 1000, first: 6, tolerance: 0.001 };
+    const SEARCH: Search = Search { cases: 12, few: 8, budget: 1000, first: 6 };
 
     fn parameter(start: f64) -> Parameter {
-        Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY }
+        Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY, gain: 0.001 }
     }
 
     /// Error with the least value at `at`, in steps, and a different level in each case.
