@@ -21,6 +21,9 @@ pub struct Parameter {
     pub ratio: f64,
     /// Greatest value that has a meaning (1 for a share); infinite if all have. An optimum may lie there.
     pub most: f64,
+    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all
+    /// methods that have the parameter; greater for one whose steps multiply the work.
+    pub gain: f64,
 }
 
 impl Parameter {
@@ -36,12 +39,12 @@ impl Parameter {
 pub struct Search {
     /// Number of training cases.
     pub cases: usize,
+    /// Number of cases, the first ones, on which coarse steps are tried; fine steps are tried on all.
+    pub few: usize,
     /// Greatest number of evaluations; one evaluation is one case with one setting.
     pub budget: usize,
     /// Number of cases after which a setting is dropped if it is clearly no improvement: by two standard errors.
     pub first: usize,
-    /// A setting is an improvement if it lowers the mean error by more than this share.
-    pub tolerance: f64,
 }
 
 /// Result of a search.
@@ -80,27 +83,27 @@ pub enum TuneError {
 
 /// Searches the setting of a method with the least mean error over the training cases.
 ///
-/// A compass search: each parameter is moved two steps up and down, then one step, as long as this lowers the error; it ends when no
-/// single step along any parameter does. `error` has the error of a setting in a case.
+/// A compass search: each parameter is moved two steps up and down on a few cases, then one step on all cases, as long as this lowers the
+/// error; it ends when no single step along any parameter does. `error` has the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].
 ///
 /// # Panics
-/// Without cases, or if the start of a parameter has no meaning.
+/// Without cases, with more few cases than cases, or if the start of a parameter has no meaning.
 pub fn tune(
     parameters: &[Parameter],
     search: Search,
     error: impl FnMut(&[f64], usize) -> f64,
 ) -> Result<Tuned, TuneError> {
-    assert!(search.cases > 0, "training cases");
+    assert!((1..=search.cases).contains(&search.few), "training cases, and a few of them");
     let mut trial = Trial { parameters, search, error, known: HashMap::new(), evaluations: 0 };
     let mut best = vec![0; parameters.len()];
-    for case in 0..search.cases {
-        trial.evaluate(&best, &best, case)?;
-    }
-    for stride in [2, 1] {
-        trial.descend(&mut best, stride)?;
+    for (stride, cases) in [(2, search.few), (1, search.cases)] {
+        for case in 0..cases {
+            trial.evaluate(&best, &best, case)?;
+        }
+        trial.descend(&mut best, stride, cases)?;
     }
     let errors = trial.known[&best].clone();
     Ok(Tuned { setting: trial.setting(&best), errors, evaluations: trial.evaluations, settings: trial.known.len() })
@@ -140,8 +143,8 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Moves `best` by `stride` steps along one parameter after the other, each as far as that is an improvement, until none is.
-    fn descend(&mut self, best: &mut Vec<i32>, stride: i32) -> Result<(), TuneError> {
+    /// On the first `cases`, moves `best` by `stride` steps along one parameter after the other, each as far as that is an improvement, until none is.
+    fn descend(&mut self, best: &mut Vec<i32>, stride: i32, cases: usize) -> Result<(), TuneError> {
         let ways: Vec<(usize, i32)> =
             (0..self.parameters.len()).flat_map(|index| [(index, stride), (index, -stride)]).collect();
         let (mut way, mut failed) = (0, 0);
@@ -149,7 +152,9 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
             let (index, step) = ways[way];
             let mut steps = best.clone();
             steps[index] += step;
-            if self.parameters[index].value(steps[index]).is_some() && self.is_better(&steps, best)? {
+            if self.parameters[index].value(steps[index]).is_some()
+                && self.is_better(&steps, best, (1.0 - self.parameters[index].gain).powi(stride), cases)?
+            {
                 *best = steps;
                 failed = 0;
             } else {
@@ -160,12 +165,13 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Compares a setting with the best on one case after the other, and stops when it is clearly no improvement.
-    fn is_better(&mut self, steps: &[i32], best: &[i32]) -> Result<bool, TuneError> {
-        let mut losses = Vec::with_capacity(self.search.cases);
-        for case in 0..self.search.cases {
+    /// Returns true if the mean error of a setting is less than a share of that of the best. Compares one case after the other, and stops
+    /// when it is clearly not.
+    fn is_better(&mut self, steps: &[i32], best: &[i32], share: f64, cases: usize) -> Result<bool, TuneError> {
+        let mut losses = Vec::with_capacity(cases);
+        for case in 0..cases {
             self.evaluate(steps, best, case)?;
-            let wanted = (1.0 - self.search.tolerance) * self.known[best][case];
+            let wanted = share * self.known[best][case];
             losses.push(self.known[steps][case] - wanted);
             let (mean, error) = mean_and_standard_error(&losses);
             if losses.len() >= self.search.first && mean > 2.0 * error {
@@ -286,10 +292,10 @@ impl Difference {
 mod tests {
     use super::*;
 
-    const SEARCH: Search = Search { cases: 12, budget: 1000, first: 6, tolerance: 0.001 };
+    const SEARCH: Search = Search { cases: 12, few: 8, budget: 1000, first: 6 };
 
     fn parameter(start: f64) -> Parameter {
-        Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY }
+        Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY, gain: 0.001 }
     }
 
     /// Error with the least value at `at`, in steps, and a different level in each case.
@@ -328,7 +334,7 @@ mod tests {
     fn settings_that_are_clearly_worse_cost_few_evaluations() {
         let error = |setting: &[f64], _| valley(setting[0], 0.0);
         let tuned = tune(&[parameter(1.0)], SEARCH, error).expect("an optimum");
-        // All cases of the best, the first six of its four neighbours.
+        // All cases of the best, the first six of its four neighbours: two coarse steps off, and one.
         assert_eq!((tuned.evaluations, tuned.settings), (12 + 4 * 6, 5));
     }
 

@@ -41,12 +41,20 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
 }
 
-/// Columns and rows of the compared pixels, at equal intervals in the order in which rows are read.
+/// Columns and rows of the compared pixels, spread over the image: rows at equal intervals, and from each to the next a step along the
+/// columns that is coprime to the width and about the golden section of it, so that no column is compared twice.
 fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-    // In the sizes of this study the step is one pixel longer than one, two or four rows: the pixels lie on a diagonal
-    // and in 59 or 60 different columns.
-    let step = ((width * height) as usize / PIXELS) | 1;
-    (step / 2..(width * height) as usize).step_by(step).map(move |pixel| [pixel as u32 % width, pixel as u32 / width])
+    let coprime = |step: &u32| {
+        let (mut a, mut b) = (width, *step);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a == 1
+    };
+    let golden = f64::from(width) * 0.618_034;
+    let step = (golden as u32..=width).find(coprime).unwrap_or(1);
+    let count = (PIXELS as u32).min(width).min(height);
+    (0..count).map(move |k| [(step / 2 + k * step) % width, (2 * k + 1) * height / (2 * count)])
 }
 
 /// Mean difference of colours from the reference, in grey levels.
@@ -116,6 +124,22 @@ fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_compared_pixels_are_spread_over_the_image() {
+        for (size @ [width, height], _) in SETTINGS {
+            let places: Vec<[u32; 2]> = places(size).collect();
+            assert_eq!(places.len(), PIXELS);
+            // Each ninth of the image has its share, but for one or two.
+            for (left, top) in (0..9).map(|ninth| (ninth % 3, ninth / 3)) {
+                let is_in = |[x, y]: &&[u32; 2]| x * 3 / width == left && y * 3 / height == top;
+                let count = places.iter().filter(is_in).count();
+                assert!((5..=8).contains(&count), "{size:?}: {count} at {left}, {top}");
+            }
+            let columns: std::collections::BTreeSet<u32> = places.iter().map(|[x, _]| *x).collect();
+            assert_eq!(columns.len(), PIXELS, "{size:?}");
+        }
+    }
 
     #[test]
     fn samples_bring_a_picture_nearer_to_the_truth() {

@@ -133,6 +133,17 @@ impl SonarModel {
     pub fn aperture(&self) -> f64 {
         (self.half_angle * (-math::ln(self.least) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
     }
+
+    /// Least and greatest x and y, as shares of a distance, that points within the aperture have at up to this distance, relative to the
+    /// sonar; a little more, so that rounding excludes none.
+    pub(crate) fn extents(&self, sonar: &SonarPose) -> [[f64; 2]; 2] {
+        let aperture = self.aperture();
+        let greatest = |along: f64| {
+            let angle = math::acos(along.clamp(-1.0, 1.0));
+            if angle <= aperture { 1.0 } else { math::cos(angle - aperture).max(0.0) }
+        };
+        [sonar.axis.x, sonar.axis.y].map(|along| [-greatest(-along) - 1e-6, greatest(along) + 1e-6])
+    }
 }
 
 /// Point above or below (x, y) of the cap of a reading, if the cap is there and before the sonar: the cosine of its angle from the line of

@@ -3,6 +3,9 @@
 //! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and
 //! Hiller, sections 3 and 4). Across the beam, certainties are weighted by the gain of [`SonarModel`].
 
+use std::f64::consts::LN_2;
+use std::ops::Range;
+
 use crate::inverse::{SonarModel, SonarPose};
 use crate::math;
 use crate::tsk::{Partition, Place};
@@ -17,8 +20,8 @@ pub struct OccupancyGrid {
     bottom: f64,
     layers: usize,
     /// Certainty that a box is empty: cell by cell in the order of the partition's slots, in each from the bottom up.
-    empty: Vec<f64>,
-    occupied: Vec<f64>,
+    empty: Vec<f32>,
+    occupied: Vec<f32>,
 }
 
 impl OccupancyGrid {
@@ -36,54 +39,66 @@ impl OccupancyGrid {
     /// Fuses a reading: boxes within the beam and nearer than the reading become emptier, those at its distance more occupied. A box
     /// is at the distance if any of its points is, seen along the ray through its middle, so that coarse boxes smear a reading no farther
     /// than they are large. The more boxes there are at that distance, and the more certainly a box is empty, the less its
-    /// certainty of being occupied rises. Returns the number of boxes touched.
-    pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) -> usize {
+    /// certainty of being occupied rises.
+    pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) {
         let reach = model.epsilon * measured;
-        let most = measured + reach + 0.5 * (self.step + 2.0 * self.partition.cell);
-        let least_cosine = math::cos(model.aperture());
-        // Extents of the beam along x and y: only columns within them are looked at.
-        let [east, north] =
-            [sonar.axis.x, sonar.axis.y].map(|along| extent(along, model.aperture()).map(|share| share * most));
-        let [east, north] = [east, north].map(|[low, high]| low - 1e-9..high + 1e-9);
-        let gains = Gains::new(model, least_cosine);
-        let mut touched = 0;
+        let widest = reach + 0.5 * (self.step + 2.0 * self.partition.cell);
+        let most = measured + widest;
+        let beam = Beam {
+            along_z: sonar.axis.z as f32,
+            least_cosine: math::cos(model.aperture()) as f32,
+            steepness: (2.0 * LN_2 / (model.half_angle * model.half_angle)) as f32,
+            measured: measured as f32,
+            reach: reach as f32,
+            step: self.step as f32,
+        };
+        let [east, north] = model.extents(sonar).map(|range| range.map(|share| share * most));
         let mut hits = Vec::new();
-        for place in self.partition.places_around(sonar.origin.x, sonar.origin.y, most) {
+        for place in self.partition.places_within(sonar.origin.x, sonar.origin.y, east, north) {
             let Some(slot) = self.partition.slot(place) else { continue };
             let (x, y) = self.partition.centre(place);
             let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
             let level = dx * dx + dy * dy;
-            if !(east.contains(&dx) && north.contains(&dy)) || level > most * most {
-                continue;
+            let along = dx * sonar.axis.x + dy * sonar.axis.y;
+            let Some(section) = section(along, level, sonar.axis.z, model.aperture()) else { continue };
+            let column = Column {
+                level: level as f32,
+                along: along as f32,
+                spread: ((dx.abs() + dy.abs()) * self.partition.cell) as f32,
+                first: (self.middle(0) - sonar.origin.z) as f32,
+            };
+            let base = slot * self.layers;
+            let emptied = self.layers_between(sonar.origin.z, section, shell(measured, level));
+            for (layer, empty) in emptied.clone().zip(&mut self.empty[base..][emptied]) {
+                let gain = beam.empties(&column, layer as u32);
+                *empty += gain - *empty * gain;
             }
-            for layer in 0..self.layers {
-                let dz = self.middle(layer) - sonar.origin.z;
-                let r = (level + dz * dz).sqrt();
-                let along = dx * sonar.axis.x + dy * sonar.axis.y + dz * sonar.axis.z;
-                if r > most || along < least_cosine * r {
-                    continue;
-                }
-                // Half the extent of a box along the ray through its middle: the box is met from r - half to r + half.
-                let sides = (dx.abs() + dy.abs()) * self.partition.cell + dz.abs() * self.step;
-                let band = reach + if r > 0.0 { 0.5 * sides / r } else { 0.0 };
-                if r > measured + band {
-                    continue;
-                }
-                let beam_gain = gains.at(if r > 0.0 { along / r } else { 1.0 });
-                touched += 1;
-                let index = slot * self.layers + layer;
-                if r < measured - band {
-                    let nearness = r / (measured - band);
-                    let empty = beam_gain * (1.0 - nearness * nearness);
-                    self.empty[index] += empty - self.empty[index] * empty;
-                } else {
-                    let ratio = (r - measured) / band;
-                    hits.push((index, beam_gain * (1.0 - ratio * ratio)));
+            let (outer, inner) = (shell(most, level), shell((measured - widest).max(0.0), level));
+            let (low, high) = (-inner.1, inner.1);
+            // Two caps of the shell, one layer of overlap apart or joined to one where the inner sphere does not reach.
+            let lower = self.layers_between(sonar.origin.z, section, (outer.0, low));
+            let upper = self.layers_between(sonar.origin.z, section, (high, outer.1));
+            let upper = upper.start.max(lower.end)..upper.end;
+            for layer in lower.chain(upper) {
+                let gain = beam.hits(&column, layer as u32);
+                if gain > 0.0 {
+                    hits.push((base + layer, gain));
                 }
             }
         }
         self.occupy(&mut hits);
-        touched
+    }
+
+    /// Layers whose middles may lie in both ranges of heights above `origin`, m, with one more at each end against rounding.
+    fn layers_between(&self, origin: f64, first: (f64, f64), second: (f64, f64)) -> Range<usize> {
+        let layer = |dz: f64| ((origin + dz - self.bottom) / self.step - 0.5).clamp(-2.0, self.layers as f64 + 2.0);
+        let (low, high) = (first.0.max(second.0), first.1.min(second.1));
+        if low > high {
+            return 0..0;
+        }
+        let from = (layer(low).floor() - 1.0).max(0.0) as usize;
+        let to = (layer(high).ceil() + 2.0).clamp(0.0, self.layers as f64) as usize;
+        from.min(to)..to
     }
 
     /// The upper face of the highest occupied box at (x, y), m: the paper's projection onto the plane. `None` where no
@@ -100,7 +115,7 @@ impl OccupancyGrid {
         let slot = self.partition.slot(self.partition.place(x, y))?;
         let certainty = |layer: &usize| {
             let index = slot * self.layers + layer;
-            self.occupied[index] - self.empty[index]
+            f64::from(self.occupied[index]) - f64::from(self.empty[index])
         };
         (0..self.layers)
             .filter(|layer| self.is_occupied(slot, *layer))
@@ -114,7 +129,7 @@ impl OccupancyGrid {
         let slot = self.partition.slot(self.partition.place(x, y))?;
         let weighted = (0..self.layers).filter(|layer| self.is_occupied(slot, *layer)).map(|layer| {
             let index = slot * self.layers + layer;
-            (self.occupied[index] - self.empty[index], self.middle(layer))
+            (f64::from(self.occupied[index]) - f64::from(self.empty[index]), self.middle(layer))
         });
         let (sum, total) = weighted.fold((0.0, 0.0), |(sum, total), (weight, z)| (sum + weight * z, total + weight));
         (total > 0.0).then(|| sum / total)
@@ -124,20 +139,21 @@ impl OccupancyGrid {
     pub fn certainty(&self, place: Place, z: f64) -> Option<(f64, f64)> {
         let layer = ((z - self.bottom) / self.step).floor();
         let index = self.partition.slot(place)? * self.layers + layer as usize;
-        ((0.0..self.layers as f64).contains(&layer)).then(|| (self.empty[index], self.occupied[index]))
+        ((0.0..self.layers as f64).contains(&layer))
+            .then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
     }
 
     /// Raises the certainties for one echo: the boxes of a reading gain no more than 1 in total.
-    fn occupy(&mut self, hits: &mut [(usize, f64)]) {
+    fn occupy(&mut self, hits: &mut [(usize, f32)]) {
         for (index, gain) in &mut *hits {
             *gain *= 1.0 - self.empty[*index];
         }
-        let total: f64 = hits.iter().map(|(_, gain)| gain).sum();
+        let total: f64 = hits.iter().map(|(_, gain)| f64::from(*gain)).sum();
         if total <= 0.0 {
             return;
         }
         for (index, gain) in &*hits {
-            let gain = gain / total;
+            let gain = gain / total as f32;
             self.occupied[*index] += gain - self.occupied[*index] * gain;
         }
     }
@@ -152,37 +168,105 @@ impl OccupancyGrid {
     }
 }
 
-/// The gain of a beam as a function of the cosine of the angle from its axis, tabulated: a reading asks for it at thousands of boxes.
-/// Linear between the entries, off by less than 1e-4.
-struct Gains {
-    least_cosine: f64,
-    step: f64,
-    entries: [f64; Self::STEPS + 2],
+/// Numbers of a reading, in single precision: a grid of fine boxes has hundreds of millions of them in its beams.
+struct Beam {
+    /// Component of the line of sight along z.
+    along_z: f32,
+    /// Cosine of the aperture.
+    least_cosine: f32,
+    /// Factor k of the gain exp(-k alpha^2).
+    steepness: f32,
+    measured: f32,
+    /// Greatest error of the reading, m.
+    reach: f32,
+    /// Height of a box, m.
+    step: f32,
 }
 
-impl Gains {
-    const STEPS: usize = 512;
+/// A column of boxes as seen from a sonar.
+struct Column {
+    /// Squared horizontal distance, m^2.
+    level: f32,
+    /// Horizontal part of the product of the direction and the line of sight, m.
+    along: f32,
+    /// Horizontal part of the product of the direction and a box's sides, m^2.
+    spread: f32,
+    /// Height of the middle of the lowest box above the sonar, m.
+    first: f32,
+}
 
-    fn new(model: &SonarModel, least_cosine: f64) -> Self {
-        let step = (1.0 - least_cosine) / Self::STEPS as f64;
-        let gain = |index: usize| model.membership_of_alpha(math::acos(least_cosine + step * index as f64));
-        Self { least_cosine, step, entries: std::array::from_fn(gain) }
+impl Beam {
+    /// Distance of the box in a layer, its gain (0 outside the beam), and half the range of distances that count as in it.
+    #[inline]
+    fn look(&self, column: &Column, layer: u32) -> (f32, f32, f32) {
+        let dz = column.first + layer as f32 * self.step;
+        // A box at the sonar itself has some direction.
+        let r = (column.level + dz * dz).sqrt().max(1e-6);
+        let cosine = (column.along + dz * self.along_z) / r;
+        // Half the extent of a box along the ray through its middle: the box is met from r - half to r + half.
+        let band = self.reach + 0.5 * (column.spread + dz.abs() * self.step) / r;
+        let gain = if cosine < self.least_cosine { 0.0 } else { gaussian(self.steepness, cosine) };
+        (r, gain, band)
     }
 
-    fn at(&self, cosine: f64) -> f64 {
-        let place = ((cosine - self.least_cosine) / self.step).clamp(0.0, Self::STEPS as f64);
-        let (index, share) = (place as usize, place.fract());
-        self.entries[index] + share * (self.entries[index + 1] - self.entries[index])
+    /// Share by which a box becomes emptier.
+    #[inline]
+    fn empties(&self, column: &Column, layer: u32) -> f32 {
+        let (r, gain, band) = self.look(column, layer);
+        let nearness = r / (self.measured - band);
+        if r < self.measured - band { gain * (1.0 - nearness * nearness) } else { 0.0 }
+    }
+
+    /// Weight of a box at the distance of the echo.
+    fn hits(&self, column: &Column, layer: u32) -> f32 {
+        let (r, gain, band) = self.look(column, layer);
+        let ratio = (r - self.measured) / band;
+        gain * (1.0 - ratio * ratio).max(0.0)
     }
 }
 
-/// Least and greatest coordinate along a direction of the unit cone whose axis has the coordinate `along`, with its apex at 0.
-fn extent(along: f64, aperture: f64) -> [f64; 2] {
-    let greatest = |along: f64| {
-        let angle = math::acos(along);
-        if angle <= aperture { 1.0 } else { math::cos(angle - aperture).max(0.0) }
-    };
-    [-greatest(-along), greatest(along)]
+/// exp(-`steepness` alpha^2) of the angle with this cosine, at most a right angle; within 1e-4.
+///
+/// Series of the squared arc cosine about 1, and of the exponential of a 16th, without branches, so that compilers use vectors.
+#[inline]
+fn gaussian(steepness: f32, cosine: f32) -> f32 {
+    let u = (1.0 - cosine).max(0.0);
+    let square =
+        u * (2.0 + u * (1.0 / 3.0 + u * (4.0 / 45.0 + u * (1.0 / 35.0 + u * (16.0 / 1575.0 + u * (8.0 / 2079.0))))));
+    let t = (steepness * square / 16.0).min(1.0);
+    let root = 1.0 - t * (1.0 - t * (0.5 - t * (1.0 / 6.0 - t * (1.0 / 24.0 - t * (1.0 / 120.0)))));
+    let second = root * root;
+    let fourth = second * second;
+    let eighth = fourth * fourth;
+    eighth * eighth
+}
+
+/// Heights above and below its apex at which a vertical line is within a cone: `along` is the horizontal part of the product of direction
+/// and axis, `level` the squared horizontal distance. `None` if the line misses it.
+fn section(along: f64, level: f64, axis_z: f64, aperture: f64) -> Option<(f64, f64)> {
+    let cosine = math::cos(aperture);
+    // Within: along + dz axis_z >= 0 and q dz^2 + 2 b dz + d >= 0.
+    let (q, b, d) = (axis_z * axis_z - cosine * cosine, along * axis_z, along * along - cosine * cosine * level);
+    let square = b * b - q * d;
+    if q.abs() < 1e-9 || (square < 0.0 && q > 0.0) {
+        return Some((f64::NEG_INFINITY, f64::INFINITY));
+    }
+    if square < 0.0 {
+        return None;
+    }
+    let root = square.sqrt();
+    let (low, high) = ((-b - root) / q, (-b + root) / q);
+    let (low, high) = (low.min(high), low.max(high));
+    if q > 0.0 {
+        return Some(if axis_z < 0.0 { (f64::NEG_INFINITY, low) } else { (high, f64::INFINITY) });
+    }
+    (along + 0.5 * (low + high) * axis_z >= 0.0).then_some((low, high))
+}
+
+/// Heights above and below the middle of a sphere at which a vertical line is within it, 0 and 0 if it misses it.
+fn shell(radius: f64, level: f64) -> (f64, f64) {
+    let half = (radius * radius - level).max(0.0).sqrt();
+    (-half, half)
 }
 
 #[cfg(test)]
@@ -205,15 +289,15 @@ mod tests {
     fn a_reading_empties_the_beam_and_occupies_its_end() {
         let mut grid = grid();
         assert_eq!((grid.height(0.1, 0.1), grid.likeliest_height(0.1, 0.1)), (None, None));
-        assert!(grid.fuse(&SonarModel::srf08(), &down(), 1.45) > 0);
+        grid.fuse(&SonarModel::srf08(), &down(), 1.45);
         let (empty, occupied) = grid.certainty((0, 0), 1.05).unwrap();
         assert!(empty > 0.3 && occupied == 0.0, "half way: {empty} {occupied}");
         let (empty, occupied) = grid.certainty((0, 0), 0.55).unwrap();
         assert!(empty == 0.0 && occupied > 0.0, "at the echo: {empty} {occupied}");
         assert_eq!(grid.certainty((0, 0), 0.25), Some((0.0, 0.0)), "behind it");
         assert_eq!(grid.certainty((0, 0), 2.05), None, "above the grid");
-        let total: f64 = grid.occupied.iter().sum();
-        assert!((total - 1.0).abs() < 1e-12, "one reading, one echo: {total}");
+        let total: f32 = grid.occupied.iter().sum();
+        assert!((total - 1.0).abs() < 1e-5, "one reading, one echo: {total}");
     }
 
     #[test]
@@ -245,14 +329,62 @@ mod tests {
     }
 
     #[test]
-    fn tabulated_gains_are_those_of_the_model() {
-        for least in [0.4, 0.05, 1e-9] {
+    fn gains_are_those_of_the_model() {
+        let model = SonarModel::srf08();
+        let steepness = (2.0 * LN_2 / (model.half_angle * model.half_angle)) as f32;
+        for percent in 0..=100 {
+            let alpha = std::f64::consts::FRAC_PI_2 * f64::from(percent) / 100.0;
+            let gain = f64::from(gaussian(steepness, math::cos(alpha) as f32));
+            assert!((gain - model.membership_of_alpha(alpha)).abs() < 1e-4, "{alpha}: {gain}");
+        }
+    }
+
+    /// What is skipped column by column is what a look at each box would not change.
+    #[test]
+    fn every_box_has_what_its_distance_and_angle_say() {
+        let (cell, step, layers) = (0.2, 0.15, 20);
+        let partition = Partition { cell, columns: 24, rows: 24, low: (-12, -12) };
+        for (pitch, least, measured) in [
+            (-FRAC_PI_2, 0.05, 1.3),
+            (-1.1, 0.05, 1.4),
+            (-0.9, 0.6, 1.2),
+            (0.0, 0.3, 1.0),
+            (0.8, 0.2, 1.1),
+            (1.4, 1e-3, 0.1),
+        ] {
             let model = SonarModel { least, ..SonarModel::srf08() };
-            let gains = Gains::new(&model, math::cos(model.aperture()));
-            for percent in 0..=100 {
-                let alpha = model.aperture() * f64::from(percent) / 100.0;
-                let (tabulated, exact) = (gains.at(math::cos(alpha)), model.membership_of_alpha(alpha));
-                assert!((tabulated - exact).abs() < 1e-4, "{least}, {alpha}: {tabulated} {exact}");
+            let sonar = SonarPose::new(Vector3::new(0.03, -0.04, 1.41), 0.7, pitch);
+            let mut grid = OccupancyGrid::new(partition, 0.0, step, layers);
+            grid.fuse(&model, &sonar, measured);
+            let mut hits = Vec::new();
+            for place in partition.places() {
+                for layer in 0..layers {
+                    let index = partition.slot(place).unwrap() * layers + layer;
+                    let (x, y) = partition.centre(place);
+                    let offset = Vector3::new(x, y, grid.middle(layer)) - sonar.origin;
+                    let r = offset.norm();
+                    let cosine = offset.dot(&sonar.axis) / r;
+                    let extent = (offset.x.abs() + offset.y.abs()) * cell + offset.z.abs() * step;
+                    let band = model.epsilon * measured + 0.5 * extent / r;
+                    let near_edge = (cosine - math::cos(model.aperture())).abs() < 1e-6;
+                    let gain = if math::acos(cosine) > model.aperture() {
+                        0.0
+                    } else {
+                        model.membership_of_alpha(math::acos(cosine))
+                    };
+                    let nearness = r / (measured - band);
+                    let empty = if r < measured - band { gain * (1.0 - nearness * nearness) } else { 0.0 };
+                    let found = f64::from(grid.empty[index]);
+                    assert!(near_edge || (found - empty).abs() < 3e-4, "{pitch} {place:?} {layer}: {found} {empty}");
+                    let ratio = (r - measured) / band;
+                    hits.push((index, (1.0 - ratio * ratio).max(0.0) * gain * (1.0 - empty)));
+                }
+            }
+            let total: f64 = hits.iter().map(|(_, gain)| gain).sum();
+            assert!(total > 0.0);
+            for (index, gain) in hits {
+                let found = f64::from(grid.occupied[index]);
+                assert!((found - gain / total).abs() < 1e-2 / total, "{pitch} {index}: {found} {}", gain / total);
             }
         }
     }

@@ -57,7 +57,18 @@ impl Partition {
 
     /// Cells within `reach` m of (x, y) along either axis.
     pub fn places_around(&self, x: f64, y: f64, reach: f64) -> impl Iterator<Item = Place> + use<> {
-        let (from, to) = (self.place(x - reach, y - reach), self.place(x + reach, y + reach));
+        self.places_within(x, y, [-reach, reach], [-reach, reach])
+    }
+
+    /// Cells within ranges relative to (x, y), m.
+    pub(crate) fn places_within(
+        &self,
+        x: f64,
+        y: f64,
+        east: [f64; 2],
+        north: [f64; 2],
+    ) -> impl Iterator<Item = Place> + use<> {
+        let (from, to) = (self.place(x + east[0], y + north[0]), self.place(x + east[1], y + north[1]));
         let cut = |all: Range<i64>, from: i64, to: i64| all.start.max(from)..all.end.min(to + 1);
         let (columns, rows) = (cut(self.all_columns(), from.0, to.0), cut(self.all_rows(), from.1, to.1));
         rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
@@ -177,18 +188,23 @@ pub fn activations(
         let centre = partition.centre(place);
         let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
         // A level sonar hears best at the rim of the cap, whose band is narrower than the distance between two sampling points.
-        let rim = rim(sonar, measured, centre).filter(|(x, y)| partition.place(*x, *y) == place);
-        let points: Vec<(f64, f64, f64)> = within
-            .chain(rim)
-            .filter_map(|(x, y)| cap_point(sonar, measured, x, y, side).map(|(cosine, _)| (x, y, cosine)))
-            .collect();
-        let greatest = points.iter().fold(0.0, |greatest: f64, (.., cosine)| greatest.max(*cosine));
+        let rim = rim(sonar, measured, centre, partition.cell).filter(|(x, y)| partition.place(*x, *y) == place);
+        let (mut points, mut count) = ([(0.0, 0.0, 0.0); LOOKS * LOOKS + 1], 0);
+        let mut greatest = 0.0_f64;
+        for (x, y) in within.chain(rim) {
+            if let Some((cosine, _)) = cap_point(sonar, measured, x, y, side) {
+                points[count] = (x, y, cosine);
+                count += 1;
+                greatest = greatest.max(cosine);
+            }
+        }
         if greatest < least {
             return None;
         }
         // The membership falls with the angle: it is computed only for points that rounding may let share the greatest.
-        points
-            .into_iter()
+        points[..count]
+            .iter()
+            .copied()
             .filter(|(.., cosine)| *cosine >= greatest - 1e-12)
             .filter_map(|(x, y, _)| {
                 let shadow = model.shadow(sonar, measured, x, y, side)?;
@@ -196,12 +212,18 @@ pub fn activations(
             })
             .max_by(|a, b| a.weight.total_cmp(&b.weight))
     };
-    partition.places_around(sonar.origin.x, sonar.origin.y, measured).filter_map(look_at).collect()
+    let [east, north] = model.extents(sonar).map(|range| range.map(|share| share * measured));
+    partition.places_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(look_at).collect()
 }
 
-/// Point of the plane at the measured distance from a sonar, in the direction of a place; `None` for a place at the sonar.
-fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+/// Point of the plane at the measured distance from a sonar, in the direction of a place; `None` for a place at the sonar, or farther
+/// from the point than a cell.
+fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
+    let (square, near) = (dx * dx + dy * dy, (measured - cell).max(0.0));
+    if square < near * near || square > (measured + cell) * (measured + cell) {
+        return None;
+    }
     let length = math::hypot(dx, dy);
     // A little less, since on the rim itself rounding decides whether the cap is hit.
     let scale = measured * (1.0 - 1e-9) / length;

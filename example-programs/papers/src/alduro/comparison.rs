@@ -1,13 +1,16 @@
 //! The page of the fusion study: settings from training terrains, errors on held-out terrains, and what becomes of the paper's claims.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::thread;
 
 use accuracy::comparison::{Difference, Interval, Tuned, Verdict};
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
 
-use super::fusion::{GRIDS, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer};
+use super::fusion::{
+    GRIDS, GROUPS, Known, METHODS, Method, OURS, PRINTED, Part, READINGS, SEARCH, Surface, centimetres, closer,
+};
 use super::fusion::{errors, tuned, work};
 use super::picture::{Panel, maps};
 use super::survey::{Condition, SIDE, Survey, measure};
@@ -55,20 +58,26 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
         first..first + terrains as u64
     };
     let training = measure(job, seeds(TRAINING), Condition::AsAssumed)?;
-    let mut all_tuned = Vec::new();
-    for readings in READINGS {
-        all_tuned.push(in_pairs(&METHODS, |method| {
-            let tuned = tuned(method, &training, readings)?;
-            job.tell(&format!(
-                "{}, {readings} readings: {}, {:.1} cm, {} evaluations",
-                method.name,
-                method.words(&tuned.setting),
-                100.0 * Interval::of(&tuned.errors).mean,
-                tuned.evaluations
-            ));
-            Ok(tuned)
-        })?);
-    }
+    let groups: Vec<(usize, Range<usize>)> =
+        READINGS.into_iter().flat_map(|readings| GROUPS.map(|group| (readings, group))).collect();
+    let of_groups = in_pairs(&groups, |(readings, group)| {
+        let mut known = Known::new();
+        METHODS[group.clone()]
+            .iter()
+            .map(|method| {
+                let tuned = tuned(method, &training, *readings, &mut known)?;
+                job.tell(&format!(
+                    "{}, {readings} readings: {}, {:.1} cm, {} evaluations",
+                    method.name,
+                    method.words(&tuned.setting),
+                    100.0 * Interval::of(&tuned.errors).mean,
+                    tuned.evaluations
+                ));
+                Ok(tuned)
+            })
+            .collect::<anyhow::Result<Vec<Tuned>>>()
+    })?;
+    let all_tuned: Vec<Vec<Tuned>> = of_groups.chunks(GROUPS.len()).map(|groups| groups.concat()).collect();
     let chart = work_chart(&training, &all_tuned[0])?;
     // Nothing is chosen from here on.
     let held_out: Vec<Vec<Survey>> = Condition::ALL
@@ -331,7 +340,7 @@ fn work_chart(training: &[Survey], tuned: &[Tuned]) -> anyhow::Result<Figure> {
     let chart = Chart {
         name: "fusion-work".to_owned(),
         title: "Error against time, partitions coarser and finer than the best".to_owned(),
-        x_label: "time of a reading, us".to_owned(),
+        x_label: "processor time of a reading, us".to_owned(),
         y_label: "height error on training terrains, cm".to_owned(),
         x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,

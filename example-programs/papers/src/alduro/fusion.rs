@@ -1,7 +1,9 @@
 //! Sections 3 and 4: maps of heights from the same sonar readings by an occupancy grid, by TSK systems as printed and by ours, compared
 //! by the protocol of `accuracy::comparison`.
 
+use std::collections::HashMap;
 use std::hint::black_box;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use accuracy::comparison::{Difference, Interval, Parameter, Search, Tuned, Verdict, tune};
@@ -16,9 +18,12 @@ use super::survey::{HEIGHT, Reading, SIDE, Survey};
 /// Numbers of readings of a terrain: many and few.
 pub const READINGS: [usize; 2] = [500, 174];
 /// Rules of the search for parameters, for all methods alike.
-pub const SEARCH: Search = Search { cases: 40, budget: 1200, first: 5, tolerance: 0.05 };
-/// Number of training terrains on which times are taken, and factors on the number of cells along a side there.
+pub const SEARCH: Search = Search { cases: 40, few: 8, budget: 3000, first: 5 };
+/// Number of training terrains on which times are taken.
 const TIMED: usize = 3;
+/// Least time that is taken, s: the account of a thread advances in steps of some milliseconds.
+const LEAST_S: f64 = 0.1;
+/// Factors on the number of cells along a side, at which error and time are shown.
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
 
 /// Projection of the grid's boxes to heights.
@@ -84,6 +89,8 @@ pub const METHODS: [Method; 9] = [
     Method { name: "our cells, constants", kind: Kind::Cells(Order::Zero) },
     Method { name: "our cells, planes", kind: Kind::Cells(Order::One) },
 ];
+/// Groups of the list that a thread computes together.
+pub const GROUPS: [std::ops::Range<usize>; 4] = [0..3, 3..5, 5..7, 7..9];
 /// Places of the methods in the list.
 pub const GRIDS: [usize; 3] = [0, 1, 2];
 /// TSK as printed with a tuned ridge: constants, planes.
@@ -91,12 +98,14 @@ pub const PRINTED: [usize; 2] = [3, 4];
 /// Our cells: constants, planes.
 pub const OURS: [usize; 2] = [7, 8];
 
-const CELLS: Parameter = Parameter { name: "cells", start: 20.0, ratio: std::f64::consts::SQRT_2, most: f64::INFINITY };
-const CUT: Parameter = Parameter { name: "cut", start: 0.05, ratio: 2.0, most: 1.0 };
-const BAND: Parameter = Parameter { name: "band", start: 0.03, ratio: 2.0, most: 1.0 };
-const RIDGE: Parameter = Parameter { name: "ridge", start: 1.0, ratio: 4.0, most: f64::INFINITY };
-const ABOVE: Parameter = Parameter { name: "raise", start: 0.1, ratio: 2.0, most: 1.0 };
-const SIGMA: Parameter = Parameter { name: "sigma, m", start: 0.1, ratio: 2.0, most: f64::INFINITY };
+/// A step doubles the number of cells, and multiplies that of boxes by 2.8: it has to bring more than the others.
+const CELLS: Parameter =
+    Parameter { name: "cells", start: 20.0, ratio: std::f64::consts::SQRT_2, most: f64::INFINITY, gain: 0.05 };
+const CUT: Parameter = Parameter { name: "cut", start: 0.05, ratio: 2.0, most: 1.0, gain: 0.01 };
+const BAND: Parameter = Parameter { name: "band", start: 0.03, ratio: 2.0, most: 1.0, gain: 0.01 };
+const RIDGE: Parameter = Parameter { name: "ridge", start: 1.0, ratio: 4.0, most: f64::INFINITY, gain: 0.01 };
+const ABOVE: Parameter = Parameter { name: "raise", start: 0.1, ratio: 2.0, most: 1.0, gain: 0.01 };
+const SIGMA: Parameter = Parameter { name: "sigma, m", start: 0.1, ratio: 2.0, most: f64::INFINITY, gain: 0.01 };
 
 impl Method {
     /// Its free parameters.
@@ -128,16 +137,13 @@ impl Method {
                 });
                 Some(Surface::Grid(grid, projection))
             }
-            Kind::Printed(order) => {
-                let equations = printed(&partition, &model, order, readings);
-                let parameters = equations.solve(rules * order.parameters(), own[0])?;
-                Some(Surface::Rules { partition, order, parameters })
-            }
-            Kind::Evidence(order) => {
-                let equations = printed(&partition, &model, order, readings);
-                let unknowns = rules * order.parameters();
-                let parameters = equations.solve(unknowns, equations.likeliest_ridge(unknowns)?)?;
-                Some(Surface::Rules { partition, order, parameters })
+            Kind::Printed(order) | Kind::Evidence(order) => {
+                let ridge = own.first().map_or(Ridge::Likeliest, |ridge| Ridge::Given(*ridge));
+                let parameters = match order {
+                    Order::Zero => ridge.solve(&printed::<1>(&partition, &model, readings), rules),
+                    Order::One => ridge.solve(&printed::<3>(&partition, &model, readings), rules),
+                };
+                Some(Surface::Rules { partition, order, parameters: parameters? })
             }
             Kind::Cells(order) => {
                 let fusion = Fusion::Cells { above: own[0] };
@@ -151,13 +157,27 @@ impl Method {
         }
     }
 
-    /// Error of its map of a part of a survey, m; NaN without a map.
+    /// Error of its map of a part of a survey, m. Without a map, as where the evidence has no greatest value, the ground counts as unmeasured.
     ///
     /// # Errors
     /// Too few readings.
     pub fn error(&self, setting: &[f64], survey: &Survey, readings: usize, part: Part) -> anyhow::Result<f64> {
         let map = self.map(setting, &survey.readings(readings)?, part);
-        Ok(map.map_or(f64::NAN, |map| survey.rms(part.side(), |x, y| map.height(x, y))))
+        Ok(survey.rms(part.side(), |x, y| map.as_ref().map_or(0.0, |map| map.height(x, y))))
+    }
+
+    /// Errors of a quarter by each projection of a grid; NaN without a map.
+    fn projected(&self, setting: &[f64], survey: &Survey, readings: usize) -> [f64; 3] {
+        let taken = survey.readings(readings).unwrap_or_default();
+        let surface = if taken.is_empty() { None } else { self.map(setting, &taken, Part::Quarter) };
+        let Some(Surface::Grid(grid, _)) = surface else { return [f64::NAN; 3] };
+        let mut surface = Surface::Grid(grid, Projection::Highest);
+        [Projection::Highest, Projection::Likeliest, Projection::Mean].map(|projection| {
+            if let Surface::Grid(_, own) = &mut surface {
+                *own = projection;
+            }
+            survey.rms(Part::Quarter.side(), |x, y| surface.height(x, y))
+        })
     }
 
     /// A setting in words.
@@ -184,7 +204,7 @@ fn significant(value: f64) -> String {
 ///
 /// The point is the one with the membership 1, the reading's distance ahead of the sonar. The sum is divided by that of the weights: the
 /// text says average, the print omits it. Planes are relative to the middle of their cell, in m, so that a ridge means the same everywhere.
-fn printed(partition: &Partition, model: &SonarModel, order: Order, readings: &[Reading]) -> Equations {
+fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: &[Reading]) -> Equations<N> {
     let mut equations = Equations::default();
     for (sonar, distance) in readings {
         let rules = activations(partition, model, sonar, *distance, Side::MostPossible);
@@ -195,15 +215,30 @@ fn printed(partition: &Partition, model: &SonarModel, order: Order, readings: &[
         let point = sonar.ahead(*distance);
         let term = |rule: &Activation| {
             let (x, y) = partition.centre(rule.place);
-            let base = rule.slot * order.parameters();
-            let factors = [1.0, point.x - x, point.y - y].into_iter().take(order.parameters()).enumerate();
-            let share = rule.weight / total;
-            factors.map(move |(index, factor)| (base + index, share * factor)).collect::<Vec<_>>()
+            let (share, factors) = (rule.weight / total, [1.0, point.x - x, point.y - y]);
+            (rule.slot, std::array::from_fn(|index| share * factors[index]))
         };
-        equations.terms.push(rules.iter().flat_map(term).collect());
+        equations.terms.push(rules.iter().map(term).collect());
         equations.values.push(point.z.max(0.0));
     }
     equations
+}
+
+/// Ridge of Eq. 3.
+enum Ridge {
+    Given(f64),
+    /// That of the greatest evidence.
+    Likeliest,
+}
+
+impl Ridge {
+    fn solve<const N: usize>(&self, equations: &Equations<N>, rules: usize) -> Option<Vec<f64>> {
+        let ridge = match self {
+            Self::Given(ridge) => *ridge,
+            Self::Likeliest => equations.likeliest_ridge(rules)?,
+        };
+        equations.solve(rules, ridge)
+    }
 }
 
 /// Map of heights by a method.
@@ -247,15 +282,23 @@ impl Surface {
     }
 }
 
+/// Errors of the three projections of a grid, by setting (its bits) and training terrain: methods that share a map share its computation.
+pub type Known = HashMap<(Vec<u64>, usize), [f64; 3]>;
+
 /// Searches the parameters of a method on the training terrains.
 ///
 /// # Errors
 /// A search that does not enclose the optimum; too few readings.
-pub fn tuned(method: &Method, training: &[Survey], readings: usize) -> anyhow::Result<Tuned> {
-    let search = Search { cases: training.len(), ..SEARCH };
+pub fn tuned(method: &Method, training: &[Survey], readings: usize, known: &mut Known) -> anyhow::Result<Tuned> {
+    let search = Search { cases: training.len(), few: SEARCH.few.min(training.len()), ..SEARCH };
     // Too few readings are told by the first case: all searches begin with it.
     let error = |setting: &[f64], case: usize| {
-        method.error(setting, &training[case], readings, Part::Quarter).unwrap_or(f64::NAN)
+        let survey = &training[case];
+        let Kind::Grid(projection) = method.kind else {
+            return method.error(setting, survey, readings, Part::Quarter).unwrap_or(f64::NAN);
+        };
+        let key = (setting.iter().map(|value| value.to_bits()).collect(), case);
+        known.entry(key).or_insert_with(|| method.projected(setting, survey, readings))[projection as usize]
     };
     tune(method.parameters(), search, error).with_context(|| format!("{}, {readings} readings", method.name))
 }
@@ -263,20 +306,15 @@ pub fn tuned(method: &Method, training: &[Survey], readings: usize) -> anyhow::R
 /// Errors of a method on terrains, m.
 ///
 /// # Errors
-/// No map, or too few readings.
+/// Too few readings.
 pub fn errors(method: &Method, setting: &[f64], surveys: &[Survey], readings: usize) -> anyhow::Result<Vec<f64>> {
-    let one = |survey: &Survey| {
-        let error = method.error(setting, survey, readings, Part::Whole)?;
-        anyhow::ensure!(error.is_finite(), "{}: no map of terrain {}", method.name, survey.seed);
-        Ok(error)
-    };
-    surveys.iter().map(one).collect()
+    surveys.iter().map(|survey| method.error(setting, survey, readings, Part::Whole)).collect()
 }
 
-/// Time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
+/// Processor time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
 ///
 /// # Errors
-/// No map, or too few readings.
+/// Too few readings.
 pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usize) -> anyhow::Result<Vec<(f64, f64)>> {
     let training = &training[..training.len().min(TIMED)];
     let point = |fineness: &f64| {
@@ -285,15 +323,28 @@ pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usi
         let error = Interval::of(&errors(method, &setting, training, readings)?).mean;
         let time = |survey: &Survey| -> anyhow::Result<f64> {
             let taken = survey.readings(readings)?;
-            let begin = Instant::now();
-            black_box(method.map(&setting, &taken, Part::Whole));
-            Ok(begin.elapsed().as_secs_f64() / readings as f64)
+            let (begin, mut maps, mut taken_s) = (processor_time(), 0.0, 0.0);
+            while taken_s < LEAST_S {
+                black_box(method.map(&setting, &taken, Part::Whole));
+                maps += 1.0;
+                taken_s = processor_time() - begin;
+            }
+            Ok(taken_s / maps / readings as f64)
         };
         // The shortest of all terrains: other programs on the machine only lengthen it.
         let times = training.iter().map(time).collect::<anyhow::Result<Vec<f64>>>()?;
         Ok((times.into_iter().fold(f64::INFINITY, f64::min), error))
     };
     FINENESS.iter().map(point).collect()
+}
+
+/// Time that this thread has had a processor, s, by Linux's account, which leaves out the time of other programs; elsewhere that of the
+/// clock. From an arbitrary start.
+fn processor_time() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    let account = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = account.split(' ').next().and_then(|word| word.parse().ok());
+    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |time| 1e-9 * time)
 }
 
 /// A mean with its interval, in cm.

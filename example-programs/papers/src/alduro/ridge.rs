@@ -7,11 +7,12 @@ use mapping::math;
 use nalgebra::linalg::SymmetricTridiagonal;
 use nalgebra::{DMatrix, DVector};
 
-/// Equations: each the sum of factor times unknown over its terms, and its value.
+/// Equations for the parameters of rules, `N` for each rule: each equation is the sum of factor times parameter over its terms, and its
+/// value.
 #[derive(Clone, Debug, Default)]
-pub struct Equations {
-    /// Terms of each equation: index of an unknown, at most once in each, and factor.
-    pub terms: Vec<Vec<(usize, f64)>>,
+pub struct Equations<const N: usize> {
+    /// Terms of each equation: index of a rule, at most once in each, and the factors of its parameters.
+    pub terms: Vec<Vec<(usize, [f64; N])>>,
     /// Value of each equation.
     pub values: Vec<f64>,
 }
@@ -19,31 +20,31 @@ pub struct Equations {
 /// Ridges among which the evidence chooses, as powers of two.
 const RIDGES: std::ops::RangeInclusive<i32> = -40..=40;
 
-impl Equations {
-    /// The `unknowns` numbers that minimise the sum of the squared errors plus `ridge` times the sum of the squared unknowns; `None` if
-    /// rounding leaves no solution.
-    pub fn solve(&self, unknowns: usize, ridge: f64) -> Option<Vec<f64>> {
-        let mut gram = self.gram(unknowns);
+impl<const N: usize> Equations<N> {
+    /// The parameters of all rules, side by side, that minimise the sum of the squared errors plus `ridge` times the sum of the squared
+    /// parameters; `None` if rounding leaves no solution.
+    pub fn solve(&self, rules: usize, ridge: f64) -> Option<Vec<f64>> {
+        let mut gram = self.gram(rules);
         for index in 0..gram.nrows() {
             gram[(index, index)] += ridge;
         }
         let weights = gram.cholesky()?.solve(&DVector::from_column_slice(&self.values));
-        let mut solution = vec![0.0; unknowns];
+        let mut solution = vec![[0.0; N]; rules];
         for (terms, weight) in self.terms.iter().zip(weights.iter()) {
-            for (unknown, factor) in terms {
-                solution[*unknown] += weight * factor;
+            for (rule, factors) in terms {
+                solution[*rule].iter_mut().zip(factors).for_each(|(parameter, factor)| *parameter += weight * factor);
             }
         }
-        Some(solution)
+        Some(solution.into_flattened())
     }
 
     /// The ridge under which the values are most probable, if unknowns and errors are independent normal numbers with mean 0 and the
     /// ridge is the ratio of the errors' variance to that of the unknowns. `None` if no ridge between 2^-40 and 2^40 is the best.
     ///
     /// Source: the evidence of MacKay 1992, *Bayesian interpolation*, with the scale at its most probable value.
-    pub fn likeliest_ridge(&self, unknowns: usize) -> Option<f64> {
+    pub fn likeliest_ridge(&self, rules: usize) -> Option<f64> {
         let count = self.values.len();
-        let tridiagonal = SymmetricTridiagonal::new(self.gram(unknowns));
+        let tridiagonal = SymmetricTridiagonal::new(self.gram(rules));
         let values = tridiagonal.q().tr_mul(&DVector::from_column_slice(&self.values));
         let (diagonal, beside) = (tridiagonal.diagonal(), tridiagonal.off_diagonal());
         let evidence = |ridge: f64| {
@@ -66,23 +67,31 @@ impl Equations {
     }
 
     /// Products of the equations with each other.
-    fn gram(&self, unknowns: usize) -> DMatrix<f64> {
-        let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); unknowns];
+    fn gram(&self, rules: usize) -> DMatrix<f64> {
+        // The terms by rule: those of a rule lie from its start to that of the next.
+        let mut starts = vec![0_usize; rules + 1];
+        self.terms.iter().flatten().for_each(|(rule, _)| starts[rule + 1] += 1);
+        (0..rules).for_each(|rule| starts[rule + 1] += starts[rule]);
+        let mut places = starts.clone();
+        let mut by_rule = vec![(0, [0.0; N]); starts[rules]];
         for (equation, terms) in self.terms.iter().enumerate() {
-            for (unknown, factor) in terms {
-                columns[*unknown].push((equation, *factor));
+            for (rule, factors) in terms {
+                by_rule[places[*rule]] = (equation, *factors);
+                places[*rule] += 1;
             }
         }
         let count = self.values.len();
         let mut gram = DMatrix::zeros(count, count);
-        for column in &columns {
-            for (place, (i, a)) in column.iter().enumerate() {
-                for (j, b) in &column[..=place] {
-                    gram[(*i, *j)] += a * b;
+        for rule in 0..rules {
+            let own = &by_rule[starts[rule]..starts[rule + 1]];
+            for (place, (i, first)) in own.iter().enumerate() {
+                // Equations come in order, so only one triangle is filled.
+                let mut column = gram.column_mut(*i);
+                for (j, second) in &own[place..] {
+                    column[*j] += first.iter().zip(second).map(|(a, b)| a * b).sum::<f64>();
                 }
             }
         }
-        // Equations come in order in each column: only the lower triangle is filled.
         gram.fill_upper_triangle_with_lower_triangle();
         gram
     }
@@ -103,13 +112,13 @@ mod tests {
         }
     }
 
-    fn equations(count: usize, unknowns: usize, noise: f64) -> Equations {
+    fn equations(count: usize, unknowns: usize, noise: f64) -> Equations<1> {
         let mut next = numbers();
         let truth: Vec<f64> = (0..unknowns).map(|_| next()).collect();
         let mut equations = Equations::default();
         for _ in 0..count {
-            let terms: Vec<(usize, f64)> = (0..unknowns).map(|unknown| (unknown, next())).collect();
-            let value: f64 = terms.iter().map(|(unknown, factor)| factor * truth[*unknown]).sum();
+            let terms: Vec<(usize, [f64; 1])> = (0..unknowns).map(|unknown| (unknown, [next()])).collect();
+            let value: f64 = terms.iter().map(|(unknown, [factor])| factor * truth[*unknown]).sum();
             equations.values.push(value + noise * next());
             equations.terms.push(terms);
         }
@@ -121,11 +130,31 @@ mod tests {
         let equations = equations(20, 30, 0.1);
         let mut rls = Rls::new(&[0.0; 30], &[4.0; 30], 1.0);
         for (terms, value) in equations.terms.iter().zip(&equations.values) {
-            rls.update(terms, *value, 0.36).expect("an equation");
+            let terms: Vec<(usize, f64)> = terms.iter().map(|(unknown, [factor])| (*unknown, *factor)).collect();
+            rls.update(&terms, *value, 0.36).expect("an equation");
         }
         let solution = equations.solve(30, 0.09).expect("a solution");
         for (ours, recursive) in solution.iter().zip(rls.parameters()) {
             assert!((ours - recursive).abs() < 1e-10, "{ours} {recursive}");
+        }
+    }
+
+    /// Three parameters a rule are three unknowns.
+    #[test]
+    fn rules_with_several_parameters_have_the_same_solution() {
+        let alone = equations(20, 30, 0.1);
+        let together = Equations::<3> {
+            terms: alone
+                .terms
+                .iter()
+                .map(|terms| (0..10).map(|rule| (rule, [0, 1, 2].map(|own| terms[3 * rule + own].1[0]))).collect())
+                .collect(),
+            values: alone.values.clone(),
+        };
+        let (alone, together) =
+            (alone.solve(30, 0.09).expect("a solution"), together.solve(10, 0.09).expect("a solution"));
+        for (alone, together) in alone.iter().zip(&together) {
+            assert!((alone - together).abs() < 1e-12, "{alone} {together}");
         }
     }
 

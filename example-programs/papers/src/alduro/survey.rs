@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
+use std::fs;
 
 use anyhow::{Context as _, ensure};
 use mapping::inverse::SonarPose;
@@ -111,10 +112,11 @@ fn places() -> impl Iterator<Item = (f64, f64)> {
     (0..PLACES * PLACES).map(move |index| (place(index % PLACES), place(index / PLACES)))
 }
 
-/// Runs the surveys of the terrains with these seeds.
+/// Runs the surveys of the terrains with these seeds. Beside their traces the true heights at the compared places are kept, in m, a row
+/// of places along x on each line, so that others may compute errors of maps without this program.
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// A scene that does not run to its end; a file that cannot be written.
 pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition) -> anyhow::Result<Vec<Survey>> {
     let seeds: Vec<u64> = seeds.collect();
     let terrain = |seed: u64| {
@@ -133,7 +135,11 @@ pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition
             readings.iter_mut().for_each(|(sonar, _)| *sonar = by_odometry(sonar, seed));
         }
         let field = terrain(seed).field()?;
-        let heights = places().map(|(x, y)| field.height(x, y)).collect();
+        let heights: Vec<f64> = places().map(|(x, y)| field.height(x, y)).collect();
+        let row = |row: &[f64]| row.iter().map(|height| format!("{height:.6}")).collect::<Vec<_>>().join(",");
+        let table: Vec<String> = heights.chunks(PLACES).map(row).collect();
+        let path = job.folder().join("runs").join(format!("heights-{seed}.csv"));
+        fs::write(&path, table.join("\n")).with_context(|| format!("cannot write `{}`", path.display()))?;
         Ok(Survey { seed, field, heights, readings })
     };
     seeds.into_iter().zip(echoes).map(survey).collect()
