@@ -30,7 +30,7 @@ use crate::pack::{Pack, Unpacked};
 use crate::record::log::Printable;
 use crate::record::report::write_atomically;
 use crate::suite::summary::Variant;
-use crate::suite::{CaseResult, RowOutcome, Suite};
+use crate::suite::{RowOutcome, Suite};
 use student::View;
 
 /// Arguments of `eyesim grade`.
