@@ -575,8 +575,8 @@ pub fn stop_overdue(block: &FlowBlock) {
 /// Program counter and stack pointer of the flow of `block`, which runs; its thread goes on at once. `None` if the host works for the
 /// program, or the flow does not run any more.
 pub fn place(block: &FlowBlock) -> Option<[usize; 2]> {
-    /// Time in which a running thread takes the signal.
-    const TIMEOUT: Duration = Duration::from_millis(20);
+    /// Time in which a running thread takes the signal, also on a loaded machine.
+    const TIMEOUT: Duration = Duration::from_millis(200);
     block.place.store(PLACE_ASKED, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
