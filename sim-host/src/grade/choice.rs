@@ -138,7 +138,9 @@ impl Choice {
             let places: Vec<String> = sources.iter().map(|path| place(path)).collect();
             let folder = |place: &String| place.rsplit_once('/').map(|(folder, _)| folder.to_owned());
             let first = places.first().and_then(folder);
-            let is_folder = places.len() > 1 && places.iter().all(|place| folder(place) == first);
+            // The name of a program, which is its folder's, is part of its record: equal programs in files of other names behave the same.
+            let is_source = sources.iter().all(|path| Kind::of(path) == Some(Kind::Source));
+            let is_folder = is_source && places.iter().all(|place| folder(place) == first);
             let program = first.filter(|_| is_folder).map_or(places, |folder| vec![folder]);
             layout.programs.push((robots.clone(), program));
         }
@@ -299,7 +301,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let options = choice.write(folder.path()).expect("programs");
         let relative = |option: &ProgramOption| option.to_string().replace(&format!("{}/", slashed(folder.path())), "");
-        assert_eq!(relative(&options[0]), "1=robot-1/leader.c");
+        assert_eq!(relative(&options[0]), "1=robot-1");
         assert_eq!(relative(&options[1]), "2=robot-2/a/follower_ 2.c,robot-2/b/x.c");
         assert!(folder.path().join("robot-1/map.h").exists() && !folder.path().join("robot-1/b").exists());
     }

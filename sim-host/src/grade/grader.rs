@@ -74,6 +74,8 @@ pub struct Grader {
     /// Hash of everything but the submission.
     key: String,
     builder: Option<Builder>,
+    /// Folder of built programs, as messages of compilers name it.
+    cache: String,
     /// Folder for the files of submissions.
     scratch: tempfile::TempDir,
     /// Ends the grading.
@@ -110,6 +112,7 @@ impl Grader {
             max_points: BTreeMap::new(),
             key: String::new(),
             builder: None,
+            cache: format!("{}/", slashed(builder.cache().root())),
             scratch,
             interrupt,
         };
@@ -230,7 +233,8 @@ impl Grader {
             ControlFlow::Continue(())
         };
         pool.run(&indices, done).map_err(|error| error.to_string())?;
-        let places = Places::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
+        let mut places = Places::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
+        places.cache.clone_from(&self.cache);
         let mut graded = Graded { programs: choice.programs, ..Graded::of(results.into_values().collect()) };
         graded.results.iter_mut().for_each(|result| places.relocate(result, &key));
         _ = fs::remove_dir_all(&folder);
@@ -331,13 +335,16 @@ fn in_words(error: &Error, case: &Case) -> String {
 struct Places {
     /// Text and its replacement, longer texts first.
     replaced: Vec<(String, String)>,
+    /// The folder of built programs, in which each build has a folder with a name of its own; empty if none is named.
+    cache: String,
 }
 
 impl Places {
     fn of_suite(folder: &str) -> Self {
         let folder = folder.trim_end_matches('/');
         let is_real = folder.contains('/') || folder.len() > 2;
-        Self { replaced: is_real.then(|| (format!("{folder}/"), String::new())).into_iter().collect() }
+        let replaced = is_real.then(|| (format!("{folder}/"), String::new())).into_iter().collect();
+        Self { replaced, cache: String::new() }
     }
 
     fn new(folder: &Path, other: &Path, suite: &str, choice: &Choice) -> Self {
@@ -350,7 +357,7 @@ impl Places {
             replaced.push((format!("{folder}/"), String::new()));
         }
         replaced.extend(Self::of_suite(suite).replaced);
-        Self { replaced }
+        Self { replaced, cache: String::new() }
     }
 
     fn fix(&self, text: &mut String) {
@@ -358,6 +365,11 @@ impl Places {
             if text.contains(from.as_str()) {
                 *text = text.replace(from.as_str(), to);
             }
+        }
+        while let Some(at) = text.find(&self.cache).filter(|_| !self.cache.is_empty()) {
+            let rest = &text[at + self.cache.len()..];
+            let of_build = rest.starts_with("tmp-").then(|| rest.find('/')).flatten().map_or(0, |end| end + 1);
+            text.replace_range(at..at + self.cache.len() + of_build, "");
         }
     }
 

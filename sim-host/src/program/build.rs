@@ -143,6 +143,11 @@ impl Builder {
         Self { cache, kits, tools, compilers: Default::default(), search_lock: Mutex::new(()), observer: None }
     }
 
+    /// The cache of its results.
+    pub fn cache(&self) -> &Cache {
+        &self.cache
+    }
+
     /// Sets the observer.
     pub fn with_observer(self, observer: Box<dyn BuildObserver>) -> Self {
         Self { observer: Some(observer), ..self }
