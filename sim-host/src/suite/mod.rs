@@ -27,6 +27,7 @@ use crate::executive::program::Exec;
 use crate::files::{DiskFiles, slashed};
 use crate::launch::settings::ProgramOption;
 use crate::launch::{Options, check};
+use crate::program::sandbox::Sandbox;
 
 /// A suite that has been read.
 pub struct Suite {
@@ -38,6 +39,8 @@ pub struct Suite {
     pub inputs: Vec<InputFile>,
     /// The programs of checks may run: the suite is the user's own, not that of an archive.
     pub may_run_checks: bool,
+    /// Restrictions of the programs and of the compilers that build them.
+    pub sandbox: Option<Sandbox>,
     axes: Vec<Axis>,
     /// Its checks as text: lines of the file and its place do not matter.
     checks_text: String,
@@ -59,6 +62,7 @@ impl Suite {
             diagnostics: loaded.diagnostics,
             inputs: loaded.inputs,
             may_run_checks: true,
+            sandbox: None,
             axes,
             checks_text,
             programs,
@@ -126,7 +130,8 @@ impl Suite {
             until: spec.until,
             linger: spec.linger,
             workers: std::num::NonZeroUsize::new(1),
-            exec: Exec::Auto,
+            exec: if self.sandbox.is_some() { Exec::Process } else { Exec::Auto },
+            sandbox: self.sandbox.clone(),
             timeout: spec.limits.slot_processor,
             programs: programs.to_vec(),
             keys: spec.keys.clone(),
