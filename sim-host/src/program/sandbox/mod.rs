@@ -179,7 +179,8 @@ impl Sandbox {
     }
 
     /// Restricts `command`: its process, and all that this starts, get no more than `grant` allows. The environment is replaced by a short
-    /// list of variables and those that were set on the command; descriptors besides the standard streams are closed.
+    /// list of variables and those that were set on the command; descriptors besides the standard streams are closed. These must be pipes or of
+    /// its own: what it does to a file that it shares is done to all who share it.
     ///
     /// As root the process gets a user id of its own, see [`User`].
     ///

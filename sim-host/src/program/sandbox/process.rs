@@ -54,11 +54,14 @@ impl User {
 
     /// Changes the calling process to this user. Async-signal-safe.
     fn enter(&self) -> io::Result<()> {
+        /// Of <linux/securebits.h>.
+        const SECBIT_NO_SETUID_FIXUP: libc::c_ulong = 1 << 2;
         // SAFETY: the calls get numbers and one string that ends in 0.
         unsafe {
             let id = FIRST_USER + self.number.unwrap_or_else(|| libc::getpid().cast_unsigned());
             check(libc::chown(self.scratch.as_ptr(), id, id))?;
-            check(libc::prctl(libc::PR_SET_KEEPCAPS, 1, 0, 0, 0))?;
+            // The change of the user keeps capabilities, and `access`, by which gcc judges its temporary folder, counts them.
+            check(libc::prctl(libc::PR_SET_SECUREBITS, SECBIT_NO_SETUID_FIXUP, 0, 0, 0))?;
             check(libc::setgroups(0, std::ptr::null()))?;
             check(libc::setresgid(id, id, id))?;
             check(libc::setresuid(id, id, id))?;
