@@ -13,11 +13,11 @@ use sim_format::{Diagnostic, Severity};
 use super::choice::{self, Choice};
 use super::submission::Submission;
 use crate::executive::interrupt::Interrupt;
-use crate::executive::program::Exec;
 use crate::files::slashed;
 use crate::launch::settings::{ProgramOption, withdraw_programs};
 use crate::launch::{Error, Options, ProgramCache, Rejected, Scene};
 use crate::program::Builder;
+use crate::program::sandbox::Sandbox;
 use crate::record::report::Input;
 use crate::suite::summary::{Variant, variants};
 use crate::suite::{Case, CaseResult, Pool, PoolError, PoolOptions, Preparation, Row, Session, Suite, lost_case};
@@ -67,6 +67,7 @@ pub struct Grader {
     /// Seeds that students do not see.
     hidden: BTreeSet<u64>,
     may_run_checks: bool,
+    sandbox: Sandbox,
     suite: Suite,
     cases: Vec<Case>,
     /// Points of each variant.
@@ -91,13 +92,13 @@ impl Grader {
         path: &Path,
         hidden: &[u64],
         may_run_checks: bool,
-        builder: Builder,
+        (builder, sandbox): (Builder, Sandbox),
         interrupt: Interrupt,
     ) -> Result<Self, GradeError> {
         let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
         let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
         let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
-        let suite = open(path, &hidden, may_run_checks, Vec::new())?;
+        let suite = open(path, &hidden, may_run_checks, &sandbox, Vec::new())?;
         if suite.spec.submit.is_empty() {
             let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
             return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
@@ -107,6 +108,7 @@ impl Grader {
             path: path.to_owned(),
             hidden,
             may_run_checks,
+            sandbox,
             suite,
             cases,
             max_points: BTreeMap::new(),
@@ -220,7 +222,7 @@ impl Grader {
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
         // Messages of compilers have the paths without links.
         let folder = fs::canonicalize(&folder).unwrap_or(folder);
-        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs).map_err(|error| error.to_string())?;
+        let suite = open(&self.path, &self.hidden, self.may_run_checks, &self.sandbox, programs).map_err(|error| error.to_string())?;
         let cases = suite.cases()?;
         let builder = self.builder.take().ok_or("the builder has been used")?;
         let session = Session::new(builder, self.interrupt.clone());
@@ -301,11 +303,12 @@ impl Graded {
     }
 }
 
-/// Opens the suite with hidden seeds and programs of a submission, each in a process of its own.
+/// Opens the suite with hidden seeds and programs of a submission, which are built and run in the sandbox.
 fn open(
     path: &Path,
     hidden: &BTreeSet<u64>,
     may_run_checks: bool,
+    sandbox: &Sandbox,
     programs: Vec<ProgramOption>,
 ) -> Result<Suite, GradeError> {
     let mut suite = Suite::open(path, programs);
@@ -316,7 +319,7 @@ fn open(
         return Err(GradeError::Suite(lines.join("\n")));
     }
     suite.may_run_checks = may_run_checks;
-    suite.exec = Exec::Process;
+    suite.sandbox = Some(sandbox.clone());
     suite.add_seeds(hidden.iter().copied()).map_err(GradeError::Suite)?;
     Ok(suite)
 }
