@@ -65,8 +65,8 @@ fn folders() -> Scratch {
     }
     scratch.write(
         "run/programs/good.c",
-        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.3, 0.2);\n\
-         VWDriveWait(vw); return 0; }\n",
+        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveTurn(vw, 1.5708, 1);\n\
+         VWDriveWait(vw); VWDriveStraight(vw, 0.3, 0.2); VWDriveWait(vw); return 0; }\n",
     );
     scratch
 }
@@ -220,7 +220,7 @@ const HOSTILE: &[(&str, &str, &str)] = &[
     ("sockets", "return socket(2, 1, 0) < 0 ? 7 : 0;", "exit code 7"),
     (
         "turn page of another",
-        "char n[64]; for (int p = getppid() - 50; p < getppid() + 200; p++) for (int f = 0; f < 20; f++) { sprintf(n, \"/proc/%d/fd/%d\", p, f); if (p != getpid() && open(n, O_RDWR) >= 0) return 9; } return 8;",
+        "char n[64]; for (int p = getppid() - 50; p < getppid() + 200; p++) { sprintf(n, \"/proc/self/task/%d\", p); if (!access(n, F_OK)) continue; for (int f = 0; f < 20; f++) { sprintf(n, \"/proc/%d/fd/%d\", p, f); if (open(n, O_RDWR) >= 0) return 9; } } return 8;",
         "exit code 8",
     ),
     (
