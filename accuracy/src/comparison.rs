@@ -84,7 +84,8 @@ pub enum TuneError {
 /// Searches the setting of a method with the least mean error over the training cases.
 ///
 /// A compass search: each parameter is moved two steps up and down on a few cases, then one step on all cases, as long as this lowers the
-/// error; it ends when no single step along any parameter does. `error` has the error of a setting in a case.
+/// error; it ends when no single step along any parameter does. The last parameter comes first: it should be the resolution, without
+/// which the others have no sharp optimum. `error` has the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].
@@ -146,7 +147,7 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
     /// On the first `cases`, moves `best` by `stride` steps along one parameter after the other, each as far as that is an improvement, until none is.
     fn descend(&mut self, best: &mut Vec<i32>, stride: i32, cases: usize) -> Result<(), TuneError> {
         let ways: Vec<(usize, i32)> =
-            (0..self.parameters.len()).flat_map(|index| [(index, stride), (index, -stride)]).collect();
+            (0..self.parameters.len()).rev().flat_map(|index| [(index, stride), (index, -stride)]).collect();
         let (mut way, mut failed) = (0, 0);
         while failed < ways.len() {
             let (index, step) = ways[way];
