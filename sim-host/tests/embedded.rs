@@ -82,7 +82,8 @@ fn calls_take_virtual_time_and_end_with_the_program() {
         assert_eq!(wait(&*calls, 300), Status::OK);
         assert_eq!(calls.call(b"nonsense", &mut Vec::new()), Err(Malformed));
         let other = Arc::clone(&calls);
-        let of_thread = std::thread::spawn(move || wait(&*other, 100)).join().expect("a status");
+        let thread = std::thread::Builder::new().name("other".into()).spawn(move || wait(&*other, 100));
+        let of_thread = thread.expect("a thread").join().expect("a status");
         assert_eq!(of_thread, Status::STOP, "another thread");
         *keep.lock() = Some(calls);
         EmbeddedEnd::Exited(3)
