@@ -344,5 +344,5 @@ fn wrong_arguments_are_told() {
     check(&base.replace("submit =", "# "), &all, "which files of a submission are programs");
     check(&base.replace("{ 1 =", "{ 7 ="), &all, "robot 7");
     check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "[]"), &all, "names no files");
-    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "3"), &all, "text");
+    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "3"), &all, "is of type integer");
 }
