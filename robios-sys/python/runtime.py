@@ -106,6 +106,10 @@ class _Number(int):
     value = property(int)
 
 
+# Messages of Python name the type, which students know by this name.
+_Number.__name__ = "int"
+
+
 class _Values(tuple):
     """What C writes through pointers: a tuple, whose items can be set as those of the list that the original gives."""
 
@@ -1393,6 +1397,9 @@ def _similar_name(error, trace):
     import difflib
 
     name = getattr(error, "name", None)
+    if isinstance(error, ModuleNotFoundError):
+        alike = isinstance(name, str) and difflib.get_close_matches(name.lower(), ["eye", "eyebot", "eyesim"], 1, 0.75)
+        return "eye" if alike else None
     if isinstance(error, NameError):
         while trace and trace.tb_next:
             trace = trace.tb_next
@@ -1409,17 +1416,33 @@ def _similar_name(error, trace):
     return alike[near[0]] if near else None
 
 
+def _missing_import(error, trace):
+    """What to write for a name of this module that the program has not imported; None for other errors."""
+    name = getattr(error, "name", None) or (str(error).split("'") + [None] * 2)[1]
+    if not isinstance(error, NameError) or name not in __all__ or name in _ELSE:
+        return None
+    while trace.tb_next:
+        trace = trace.tb_next
+    if trace.tb_frame.f_globals.get("eye") is _sys.modules["eye"]:
+        return f"write eye.{name}"
+    return "it is of eye: write `from eye import *` as the first line"
+
+
 def _tell_error(path):
     """Prints the traceback of the program's own frames, and tells the simulator what the program failed with."""
     import traceback
 
     kind, error, trace = _sys.exc_info()
+    _consoles[0].finish()  # what the program has printed comes before its error
     report = traceback.TracebackException(kind, error, trace)
     _own_frames(report)
     text = "".join(report.format()).rstrip("\n")
     said = traceback.format_exception_only(kind, error)[-1].strip()
-    near = _similar_name(error, trace)
-    if near and "Did you mean" not in said:
+    missing = _missing_import(error, trace)
+    near = None if missing else _similar_name(error, trace)
+    if missing:
+        said, text = said.split(". Did you mean")[0] + f": {missing}", text.split(". Did you mean")[0] + f": {missing}"
+    elif near and "Did you mean" not in said:
         hint = f". Did you mean: '{near}'?"
         said, text = said + hint, text + ("" if "Did you mean" in text else hint)
     _sys.stderr.write(text + "\n")

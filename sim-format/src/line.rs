@@ -146,7 +146,8 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     let Ok(value) = word.text.parse::<f64>() else {
         let message = format!("`{}` is not a number ({name})", word.text);
         let diagnostic = sink.report(severity, Code::NumberInvalid, word.span, message, quantity.expected());
-        diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`"));
+        let note = if word.text.ends_with([',', ';']) { ": blanks separate numbers" } else { "" };
+        diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`{note}"));
         return None;
     };
     let checked = quantity.check(value);
@@ -157,8 +158,9 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// Guess of the intended number: a comma for the point, letters for digits, or an attached unit.
+/// Guess of the intended number: a comma for the point or behind the number, letters for digits, or an attached unit.
 pub(super) fn number_within(word: &str) -> Option<String> {
+    let word = word.trim_end_matches([',', ';']);
     let digits = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',

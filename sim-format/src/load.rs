@@ -14,8 +14,8 @@ use super::spec::{
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    CellRules, MeshReader, NoiseRef, Span, checks, clearance, faults, line, path, place, read_companion, read_costs,
-    read_esobj, read_maze_with, read_noise, read_robi, read_sim, read_world, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, builtin, checks, clearance, faults, line, path, place, read_companion,
+    read_costs, read_esobj, read_maze_with, read_noise, read_robi, read_sim, read_world, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -362,8 +362,21 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Records a file as input and decodes it.
+    /// Returns true if a file of a robot type that was referred to is missing.
+    pub(super) fn lacks_robot_type(&self) -> bool {
+        self.robots.referenced.values().any(Option::is_none)
+    }
+
+    /// Records a file as input and decodes it; reports an error for UTF-16, of which no text is returned.
     pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
+        if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
+            let mut sink = Sink::new(path);
+            let diagnostic = sink.error(Code::FileEncoding, Span::default(), "the file is UTF-16", "UTF-8 or ASCII");
+            diagnostic.suggestion = Some("save it as UTF-8".to_owned());
+            self.diagnostics.extend(sink.finish());
+            self.inputs.push(InputFile { path: path.to_owned(), bytes });
+            return String::new();
+        }
         let (text, invalid) = decode(&bytes);
         if let Some(place) = invalid {
             let starts = line::line_starts(&text[..place]);
@@ -438,7 +451,13 @@ impl<'a> Loader<'a> {
             let message = format!("`{}` is not found; tried {}", reference.text, tried(&places));
             let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
             let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
-            diagnostic.suggestion = self.similar(&places).map(|name| format!("there is `{name}`"));
+            let stem = path::stem(&reference.text);
+            let built_in = builtin::ROBOTS.iter().find(|name| name.eq_ignore_ascii_case(stem));
+            let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
+            diagnostic.suggestion = match built_in {
+                Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
+                None => self.similar(&places).map(|name| format!("there is `{name}`")),
+            };
         }
         self.diagnostics.extend(sink.finish());
         found

@@ -80,7 +80,9 @@ pub(super) fn place(
             SceneForm::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
             SceneForm::Toml => "a section `[[robot]]`",
         };
-        sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
+        let diagnostic = sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
+        let is_sim = sim.form == SceneForm::Sim;
+        diagnostic.suggestion = is_sim.then(|| "write a line such as `S4 500 500 0 program.c`".to_owned());
         loader.diagnostics.extend(sink.finish());
     }
     PlacedEntities { robots: placer.robots, objects: placer.objects, of_world, walls, drawn, may_retry }

@@ -27,9 +27,17 @@ const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let sim = SimSpec { file: file.to_owned(), ..SimSpec::default() };
     let mut reader = Reader { sink: Sink::new(file), sim, is_of_2018: false, is_newer: false };
+    let mut is_first = true;
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
+            if is_first && first.text.starts_with('[') {
+                let diagnostic =
+                    reader.sink.error(Code::SimKeyword, first.span, "the file is TOML, and no sim file", KNOWN);
+                diagnostic.suggestion = Some(format!("name it `{}.scene.toml`", path::stem(file)));
+                break;
+            }
+            is_first = false;
             reader.line(first, rest);
         }
     }
@@ -183,7 +191,7 @@ impl Reader {
     fn object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
         let span = whole(name, rest);
         if rest.len() < 3 {
-            let message = format!("`{}` has {} of 3 numbers", name.text, rest.len());
+            let message = short_pose(name, rest.len());
             self.sink.error(Code::SimPlaceArity, span, message, PLACE_OBJECT);
             return;
         }
@@ -209,8 +217,19 @@ impl Reader {
         // A misspelt world or robot line loses that world or robot.
         let is_lost = nearest.is_some_and(|word| VITAL.contains(&word) || builtin::ROBOTS.contains(&word));
         let severity = if is_lost { Severity::Error } else { Severity::Warning };
-        if nearest.is_none() && count_numbers(rest) > 0 {
-            let message = format!("`{}` has {} of 3 numbers", first.text, count_numbers(rest));
+        let is_type = |word: &Word<'_>| {
+            builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|name| name.eq_ignore_ascii_case(word.text))
+        };
+        if let Some((kind, pose)) = rest.split_first().filter(|(kind, pose)| is_type(kind) && count_numbers(pose) > 0) {
+            let message = format!("the line begins with `{}`, and not with the type", first.text);
+            let span = whole(first, rest);
+            let words: Vec<&str> = pose.iter().map(|word| word.text).collect();
+            self.sink.error(Code::SimKeyword, span, message, PLACE_NAMED).suggestion =
+                Some(format!("write `{} {} {}`", kind.text, words.join(" "), first.text));
+            return;
+        }
+        if nearest.is_none() && count_numbers(rest) > 1 {
+            let message = short_pose(first, count_numbers(rest));
             self.sink.report(severity, Code::SimPlaceArity, whole(first, rest), message, PLACE_NAMED);
             return;
         }
@@ -233,7 +252,7 @@ impl Reader {
                 (Some(StartRef::Letter { letter, heading }), &rest[1 + usize::from(has_heading)..])
             }
             None if is_short(rest) => {
-                let message = format!("`{}` has {} of 3 numbers", name.text, count_numbers(rest));
+                let message = short_pose(name, count_numbers(rest));
                 self.sink.error(Code::SimPlaceArity, span, message, form);
                 return None;
             }
@@ -282,6 +301,12 @@ impl Reader {
             }
         }
     }
+}
+
+/// Message about a pose with `count` of its three numbers.
+fn short_pose(name: &Word<'_>, count: usize) -> String {
+    let missing = if count == 2 { ": the heading phi in degrees is missing" } else { "" };
+    format!("`{}` has {count} of 3 numbers{missing}", name.text)
 }
 
 /// Span from the first word of a line to its last.

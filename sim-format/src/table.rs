@@ -10,6 +10,7 @@ use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use super::line::{self, Quantity};
 use super::spec::PathRef;
+use super::{builtin, path, sim};
 
 /// Place of keys that the text does not have: settings have added them ([`super::set`]).
 pub(super) const SET: Range<usize> = usize::MAX..usize::MAX;
@@ -64,6 +65,14 @@ impl Reader {
             text: text.to_owned(),
         };
         let (root, errors) = DeTable::parse_recoverable(text);
+        if let Some(span) = first_of_sim(text).filter(|_| !errors.is_empty()) {
+            let expected = "TOML: `key = value` lines and `[section]` lines";
+            let diagnostic = reader.sink.error(Code::TomlSyntax, span, "the file is a sim file, and no TOML", expected);
+            let stem = path::stem(file);
+            let stem = stem.strip_suffix(".scene").unwrap_or(stem);
+            diagnostic.suggestion = Some(format!("name it `{stem}.sim`"));
+            return (reader, DeTable::new());
+        }
         for error in errors {
             let span = reader.span(error.span().unwrap_or(0..0));
             let expected = "TOML: `key = value` lines and `[section]` lines";
@@ -71,6 +80,16 @@ impl Reader {
         }
         (reader, root.into_inner())
     }
+}
+
+/// The first word of `text`, if that begins as a sim file does.
+fn first_of_sim(text: &str) -> Option<Span> {
+    let line = line::lines(text).find(|line| !line.words().is_empty())?;
+    let words = line.words();
+    let (first, rest) = words.split_first()?;
+    let mut known = sim::KEYWORDS.iter().chain(&builtin::ROBOTS);
+    let is_known = known.any(|keyword| keyword.eq_ignore_ascii_case(first.text));
+    (is_known && rest.first().is_some_and(|word| !word.text.starts_with('='))).then_some(first.span)
 }
 
 impl Reader {

@@ -147,6 +147,10 @@ impl Types {
         folder: &str,
         reference: &PathRef,
     ) {
+        // The type may be in the file that is missing, which is already reported.
+        if self.form == SceneForm::Sim && loader.lacks_robot_type() {
+            return;
+        }
         let message = format!("there is no type `{}`", reference.text);
         let expected = match self.form {
             SceneForm::Sim => {

@@ -57,7 +57,7 @@ impl Reader {
             "push" => self.push(first, rest),
             "pop" => self.pop(first, rest),
             word if line::looks_numeric(word) => self.wall(words, first, rest),
-            _ => self.unknown(first),
+            _ => self.unknown(first, rest),
         }
     }
 
@@ -190,12 +190,18 @@ impl Reader {
         }
     }
 
-    fn unknown(&mut self, word: &Word<'_>) {
+    fn unknown(&mut self, word: &Word<'_>, rest: &[Word<'_>]) {
         let expected =
             "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop";
         let message = format!("unknown keyword `{}`", word.text);
         let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, expected);
-        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+        let is_wall =
+            word.text.eq_ignore_ascii_case("wall") && rest.first().is_some_and(|it| line::looks_numeric(it.text));
+        diagnostic.suggestion = if is_wall {
+            Some("write the wall's numbers without the word `wall`".to_owned())
+        } else {
+            line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"))
+        };
     }
 
     fn too_far(&mut self, word: &Word<'_>) {

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use sim_core::build::MeshSource;
 use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
-use sim_format::{CellRules, Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
+use sim_format::{CellRules, Code, Diagnostic, FileError, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 
 use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
 
@@ -132,7 +132,13 @@ fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
         "toml" if is_scene(name, files) => check_sim(name, overrides, files, find_program),
         "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
         "toml" => check_robi(&format!("{stem}.robi"), files),
-        _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
+        _ => {
+            let diagnostic = match files.read(name) {
+                Err(FileError::Missing) => on_file(Code::FileMissing, name, "no such file", "a file that can be read"),
+                _ => unknown_kind(name),
+            };
+            Loaded { diagnostics: vec![diagnostic], ..Loaded::default() }
+        }
     }
 }
 

@@ -34,8 +34,11 @@ pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
         Ok(Some(code)) => print(&page(code, screen))?,
         Ok(None) => print(&list("", screen))?,
         Err(error) => {
-            let family = family(&error.name);
-            eprint!("error: {error}; there are\n{}", list(family, Screen::of_stderr(args.color)));
+            let list = match family(&error.name) {
+                "" => "`eyesim explain` lists all codes\n".to_owned(),
+                family => format!("there are\n{}", list(family, Screen::of_stderr(args.color))),
+            };
+            eprint!("error: {error}; {list}");
             return Ok(ExitCode::from(EXIT_USAGE));
         }
     }

@@ -4,6 +4,7 @@
 //! 130: interrupted.
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -134,6 +135,11 @@ pub fn main() -> ExitCode {
 
 /// Runs a command line: the name of the command, then its arguments. Messages about them, and help, end the process.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let words: Vec<OsString> = words.into_iter().collect();
+    if let Some(command) = run_of_scene(&words) {
+        say(format_args!("error: no command is given: `{command}` runs the scene"));
+        return ExitCode::from(EXIT_USAGE);
+    }
     let result = match Cli::parse_from(words).command {
         Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
         Command::Pack(args) => pack::run(&args),
@@ -171,6 +177,18 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         say(format_args!("error: {error:#}"));
         ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
     })
+}
+
+/// Parses a whole number, such as a seed.
+fn whole_number(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_invalid| "expected a whole number from 0".to_owned())
+}
+
+/// Command line with `run` before the scene, if it names a scene in place of a subcommand.
+fn run_of_scene(words: &[OsString]) -> Option<String> {
+    let scene = Path::new(words.get(1)?);
+    let is_scene = scene.is_file() && scene.extension().is_some_and(|it| it == "sim" || it == "toml");
+    is_scene.then(|| format!("eyesim run {}", scene.display()))
 }
 
 /// An error that no input should be able to cause.

@@ -36,6 +36,7 @@ pub enum Language {
     /// C, compiled with the system's compiler
     C,
     /// C++, compiled with the system's compiler
+    #[value(alias = "c++")]
     Cpp,
     /// Python, run by the system's python3
     Python,

@@ -38,7 +38,7 @@ pub struct PackArgs {
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
     /// Seed of all random numbers [default: that of the scene, else 0]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
     pub seed: Option<u64>,
 }
 

@@ -12,6 +12,7 @@ use sim_core::world::Lifetime;
 use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
 use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
+use crate::program::scene::shown_name;
 use crate::record::notes::Notes;
 use crate::record::report::{DrawnReport, Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trail::BodyTrails;
@@ -85,7 +86,7 @@ pub(super) fn report(
     let robot = |(spec, end): (&RobotSpec, &RobotEnd)| RobotReport {
         id: spec.id.0,
         name: spec.robi.name.clone(),
-        program: spec.program_name().to_owned(),
+        program: shown_name(spec, scene),
         outcome: end.outcome,
         reason: end.reason.clone(),
         exit_code: end.exit_code,

@@ -11,7 +11,7 @@ use crate::robios::key::ScriptError;
 pub enum OptionError {
     /// A script of key presses cannot be read.
     #[error("--keys: {0}")]
-    Keys(#[from] ScriptError),
+    Keys(ScriptError),
     /// An option names a robot that the scene does not have.
     #[error("{option}: {robot}")]
     UnknownRobot {
@@ -98,6 +98,13 @@ pub enum OptionError {
         /// The mistake.
         error: CostError,
     },
+}
+
+// The message has that of the mistake, which therefore is no source: error chains would repeat it.
+impl From<ScriptError> for OptionError {
+    fn from(error: ScriptError) -> Self {
+        Self::Keys(error)
+    }
 }
 
 impl OptionError {

@@ -127,7 +127,7 @@ pub struct Compiled {
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
     /// The compiler refuses a source; its messages follow unchanged after hints of ours.
-    #[error("`{}` does not compile (paths below are seen from `{}`):{hints}\n{output}", source_file.display(), folder.display())]
+    #[error("{hints}`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
     Refused {
         /// The source.
         source_file: PathBuf,
@@ -135,17 +135,17 @@ pub enum CompileError {
         folder: PathBuf,
         /// Messages of the compiler.
         output: String,
-        /// Possible causes, each in its own line that begins with a line feed.
+        /// Possible causes, a line each.
         hints: String,
     },
     /// Functions or variables are used and not defined, or defined twice.
-    #[error("`{}` does not link:\n{output}{hints}", program.display())]
+    #[error("{}", unlinked(program, output, hints))]
     Unlinked {
         /// The first source.
         program: PathBuf,
         /// Messages of the linker.
         output: String,
-        /// Possible causes, each in its own line that begins with a line feed.
+        /// Possible causes, a line each.
         hints: String,
     },
     /// A file cannot be written, or the compiler cannot be started.
@@ -156,6 +156,16 @@ pub enum CompileError {
         /// What went wrong.
         error: io::Error,
     },
+}
+
+/// Message about a program that does not link: the hints first, the linker's own words only where they say more.
+fn unlinked(program: &Path, output: &str, hints: &str) -> String {
+    let own_words = format!("`{}` does not link:\n{output}", program.display());
+    match hints.trim_end() {
+        "" => own_words,
+        hints if hint::is_explained(output) => hints.to_owned(),
+        hints => format!("{hints}\n{own_words}"),
+    }
 }
 
 impl<'a> Compilation<'a> {
@@ -182,7 +192,7 @@ impl<'a> Compilation<'a> {
         let program = self.sources.first().cloned().unwrap_or_default();
         result.map_err(|failure| match failure {
             Failure::Refused { source_file, output } => {
-                let hints = hint::of_compile(&output);
+                let hints = hint::of_compile(&output, &source_file, self.generation);
                 let folder = self.source_folder().to_owned();
                 CompileError::Refused { source_file, folder, output, hints }
             }
@@ -323,9 +333,22 @@ impl<'a> Compilation<'a> {
                 if declared.is_empty() {
                     return first;
                 }
-                let (name, declared) = (source.file_name().unwrap_or_default().display(), hint::quoted(&declared));
-                let remark =
-                    format!("{name}: the headers that declare {declared} are included, as it does not include them\n");
+                let name = source.file_name().unwrap_or_default().display();
+                let (ours, others): (Vec<&String>, Vec<&String>) =
+                    declared.into_iter().partition(|name| self.generation.has(name));
+                let mut remark = String::new();
+                if !ours.is_empty() {
+                    remark += &format!(
+                        "{name}: {}; it was added for this run: write it as the first line\n",
+                        hint::MISSING_HEADER
+                    );
+                }
+                if !others.is_empty() {
+                    let others = hint::quoted(&others);
+                    remark += &format!(
+                        "{name}: the headers that declare {others} are included, as it does not include them\n"
+                    );
+                }
                 Ok((with_headers, remark + &again))
             }
             Err(Failure::Refused { .. }) => first,

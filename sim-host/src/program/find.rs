@@ -122,7 +122,7 @@ impl std::fmt::Display for FindError {
             folder = problem.is_none().then(|| path.parent());
         }
         // For a source of another language the attempt itself gives the advice.
-        if foreign.iter().any(|attempt| source_language(&attempt.path).is_none()) {
+        if foreign.iter().any(|attempt| source_language(&attempt.path).is_none() && !attempt.path.is_dir()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
             )?;
@@ -321,7 +321,8 @@ impl Finder<'_> {
                 let path = entry.path();
                 let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else { continue };
                 let distance = strsim::osa_distance(&stem.to_lowercase(), &wanted.to_lowercase());
-                if distance <= (wanted.chars().count() / 3).max(1) && looks_like_program(&path) {
+                let is_tried = self.attempts.iter().any(|attempt| attempt.path == path);
+                if distance <= (wanted.chars().count() / 3).max(1) && !is_tried && looks_like_program(&path) {
                     near.push((distance, path.display().to_string()));
                 }
             }
@@ -354,9 +355,11 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 }
 
 /// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`, `maze.c++`, the
-/// folder or package `maze`, `maze.so`. Empty if `path` is a source.
+/// folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have elsewhere.
 fn places_beside(path: &Path) -> Vec<PathBuf> {
-    if Language::of(path).is_some() || path.file_name().is_none() {
+    const REPLACED: [&str; 7] = ["dll", "exe", "x", "so", "py", "hex", "o"];
+    let is_replaced = path.extension().is_none() || REPLACED.iter().any(|wanted| has_extension(path, wanted));
+    if !is_replaced || path.file_name().is_none() {
         return Vec::new();
     }
     let stem = path.with_extension("");
@@ -592,6 +595,16 @@ mod tests {
              did you mean `{root}/sims/maze.c`?"
         );
         assert_eq!(message, expected);
+    }
+
+    #[test]
+    fn a_file_that_is_no_program_is_not_replaced_by_its_neighbour() {
+        let place = Place::with(&[("sims/good.c", b""), ("sims/good.txt", b"text"), ("sims/mine.c/x.txt", b"")]);
+        assert!(place.check_missing("good.txt").contains("`good.txt` cannot be run here"));
+        assert!(place.check_missing("good.md").contains("did you mean"));
+        let folder = place.check_missing("mine.c");
+        assert!(folder.contains("mine.c` is a folder without `Cargo.toml`, `.c` or `.cpp` files"), "{folder}");
+        assert!(!folder.contains("put its source") && !folder.contains("did you mean"), "{folder}");
     }
 
     #[test]

@@ -2,13 +2,13 @@
 //! missing `extern "C"` between C and C++.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use object::{Object as _, ObjectSymbol as _};
 
 use super::generation::Generation;
+use super::language::Language;
 
 /// Headers of other systems and of terminals, and what programs of a robot use instead.
 const ABSENT: &[(&[&str], &str)] = &[
@@ -27,24 +27,79 @@ const ABSENT: &[(&[&str], &str)] = &[
 /// Functions of curses that almost every program of it calls.
 const OF_CURSES: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
-/// Hint on the compiler's message `output` about a header that is missing, in a line of its own; empty for others.
-pub fn of_compile(output: &str) -> String {
-    let Some(missing) = output.lines().find_map(missing_header) else { return String::new() };
-    let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
-    let mut hints = String::new();
-    if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
-        line(&mut hints, &format!("`{missing}`: {instead}"));
-    } else if let Some(own) = own_header(name) {
-        line(&mut hints, &format!("`{missing}`: write `#include \"{own}\"`, which eyesim has"));
+/// Functions of other systems, and what programs of a robot call instead.
+const FOREIGN: &[(&[&str], &str)] = &[
+    (&["Sleep"], "is a function of Windows: `OSWait(ms)` waits"),
+    (&["delay"], "is a function of Arduino: `OSWait(ms)` waits"),
+    (&["GetTickCount"], "is a function of Windows: `OSGetCount` tells the time in ms"),
+];
+
+/// Hints on the compiler's message `output` about `source`, a line each: headers that are missing, text in another encoding. Empty
+/// for other messages.
+pub fn of_compile(output: &str, source: &Path, generation: Generation) -> String {
+    let text = fs::read(source).unwrap_or_default();
+    let name = source.file_name().unwrap_or_default().display().to_string();
+    if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
+        return format!("{name} is UTF-16: save it as UTF-8\n");
     }
-    hints
+    let header = output.lines().find_map(missing_header).and_then(|missing| of_missing(missing, source));
+    let text = String::from_utf8_lossy(&text);
+    let hints = [header, of_undeclared(output, &text, generation), of_quotes(output, &text)];
+    hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect()
+}
+
+/// Hint on the header `missing` that `source` includes, beginning after the source's name.
+fn of_missing(missing: &str, source: &Path) -> Option<String> {
+    let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
+    if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
+        Some(format!(": `{missing}`: {instead}"))
+    } else if let Some(own) = own_header(name) {
+        Some(format!(": `{missing}`: write `#include \"{own}\"`, which eyesim has"))
+    } else if Language::of(source) == Some(Language::C) && !missing.contains(['.', '/']) {
+        // Headers of the C++ library have no extension.
+        let cpp = source.with_extension("cpp");
+        let cpp = cpp.file_name().unwrap_or_default().display();
+        Some(format!(" includes `{missing}`, so this is C++: name the file `{cpp}`, and in the scene too"))
+    } else {
+        None
+    }
+}
+
+/// Hint on functions of RoBIOS that the compiler does not know, as the program's `text` does not include their header.
+fn of_undeclared(output: &str, text: &str, generation: Generation) -> Option<String> {
+    let is_unknown = |line: &&str| {
+        line.contains("error: ")
+            && ["not declared in this scope", "undeclared identifier"].iter().any(|it| line.contains(it))
+    };
+    let mut names = output.lines().filter(is_unknown).filter_map(|line| line.split(['\'', '`']).nth(1));
+    let is_included = text.lines().any(|line| line.trim_start().starts_with('#') && line.contains("eyebot"));
+    (!is_included && names.any(|name| generation.has(name)))
+        .then(|| format!(": {MISSING_HEADER}: write it as the first line"))
+}
+
+/// Message about a program that does not include the header of RoBIOS, without its end.
+pub const MISSING_HEADER: &str = "`#include \"eyebot.h\"` is missing";
+
+/// Hint on typographic quotes at which the compiler stumbles, with their line.
+fn of_quotes(output: &str, text: &str) -> Option<String> {
+    const QUOTES: [char; 6] = ['\u{201C}', '\u{201D}', '\u{201E}', '\u{2018}', '\u{2019}', '\u{201A}'];
+    let is_stray = |line: &str| {
+        line.contains("error: stray ")
+            || line.contains("extended character")
+            || line.contains("unexpected character <U+")
+    };
+    let (index, line) =
+        text.lines().enumerate().find(|(_, line)| line.contains(QUOTES)).filter(|_| output.lines().any(is_stray))?;
+    let quote = line.chars().find(|letter| QUOTES.contains(letter))?;
+    let plain = if matches!(quote, '\u{2018}' | '\u{2019}' | '\u{201A}') { '\'' } else { '"' };
+    Some(format!(":{}: `{quote}` is a typographic quote: write `{plain}`", index + 1))
 }
 
 /// The header of ours whose name is `name` but for capitals and two letters.
 fn own_header(name: &str) -> Option<&'static str> {
     let distance = |own: &&str| strsim::osa_distance(own, &name.to_lowercase());
     let nearest = ["eyebot.h", "eyebot++.h", "types.h"].into_iter().min_by_key(distance)?;
-    (distance(&nearest) <= name.len() / 4).then_some(nearest)
+    (distance(&nearest) <= name.len() / 4 || name.eq_ignore_ascii_case("eyebot")).then_some(nearest)
 }
 
 /// The header that the compiler does not find, as the program names it (gcc and clang, `LC_ALL=C`).
@@ -54,18 +109,21 @@ fn missing_header(line: &str) -> Option<&str> {
     Some(missing.trim_matches('\''))
 }
 
-/// Hints on the linker's message `output`, each in its own line that begins with a line feed; `objects` are the sources with their
-/// object files.
+/// Hints on the linker's message `output`, a line each; `objects` are the sources with their object files.
 pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
-    let linkage = linkage_hints(&symbols_of(objects));
-    let undefined: Vec<String> =
-        undefined_symbols(output).into_iter().filter(|name| !linkage.contains_key(name)).collect();
+    let symbols = symbols_of(objects);
+    let linkage = linkage_hints(&symbols);
+    let mut undefined = undefined_symbols(output);
+    undefined.retain(|it| !linkage.contains_key(&it.name));
     let mut hints = undefined_hint(&undefined, generation);
-    if undefined.iter().any(|name| OF_CURSES.contains(&name.as_str())) {
+    if undefined.iter().any(|it| it.name == "main") {
+        line(&mut hints, &of_missing_main(&symbols, objects));
+    }
+    if undefined.iter().any(|it| OF_CURSES.contains(&it.name.as_str())) {
         line(&mut hints, &format!("`curses.h`: {}", ABSENT[0].1));
     }
     linkage.values().for_each(|hint| line(&mut hints, hint));
-    if ["multiple definition of `main'", "duplicate symbol: main"].iter().any(|phrase| output.contains(phrase)) {
+    if DOUBLE_MAIN.iter().any(|phrase| output.contains(phrase)) {
         let example = objects.first().and_then(|(source, _)| source.file_name()).unwrap_or_default();
         line(
             &mut hints,
@@ -76,6 +134,49 @@ pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generatio
         );
     }
     hints
+}
+
+const DOUBLE_MAIN: [&str; 2] = ["multiple definition of `main'", "duplicate symbol: main"];
+
+/// Returns true if the linker's message `output` (GNU ld) says nothing besides undefined symbols and a second `main`, for which
+/// [`of_link`] has hints.
+pub fn is_explained(output: &str) -> bool {
+    const KNOWN: [&str; 6] = [
+        "undefined reference",
+        "in function `",
+        "ld returned",
+        "first defined here",
+        "multiple definition of `main'",
+        "undefined references to",
+    ];
+    output.lines().filter(|line| !line.trim().is_empty()).all(|line| KNOWN.iter().any(|known| line.contains(known)))
+}
+
+/// Hint on a program without `main`.
+fn of_missing_main(files: &[Symbols], objects: &[(&Path, PathBuf)]) -> String {
+    let is_blank = |(source, _): &&(&Path, PathBuf)| fs::read(source).is_ok_and(|text| text.trim_ascii().is_empty());
+    let names = |(source, _): &(&Path, PathBuf)| source.file_name().unwrap_or_default().display().to_string();
+    if let [source] = objects
+        && is_blank(&source)
+    {
+        return format!("`{}` is empty", names(source));
+    }
+    let functions: Vec<(&str, &str)> = files
+        .iter()
+        .flat_map(|file| {
+            file.defined.iter().map(|name| (file.file.as_str(), function_of_mangled(name).unwrap_or(name)))
+        })
+        .collect();
+    let has = |wanted: &str| functions.iter().any(|(_, name)| *name == wanted);
+    if has("setup") && has("loop") {
+        return "the program has no function `main`: `setup` and `loop` are called by Arduino only; \
+                write `int main(void) { setup(); while (1) loop(); }`"
+            .to_owned();
+    }
+    match functions.iter().find(|(_, name)| strsim::osa_distance(&name.to_lowercase(), "main") <= 1) {
+        Some((file, name)) => format!("{file}: the program has no function `main`; did you mean `main` by `{name}`?"),
+        None => "the program has no function `main`".to_owned(),
+    }
 }
 
 /// Names in back-quotes with commas between them.
@@ -135,46 +236,47 @@ pub fn is_collision(output: &str) -> bool {
 }
 
 fn line(text: &mut String, hint: &str) {
-    // Writing to a string does not fail.
-    let _ = write!(text, "\n  {hint}");
+    text.push_str(hint);
+    text.push('\n');
 }
 
-fn undefined_hint(undefined: &[String], generation: Generation) -> String {
+/// A function or variable that is used and not defined.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Undefined {
+    name: String,
+    /// File and line of the first use, if the linker tells them.
+    place: Option<String>,
+}
+
+/// Hints on symbols that are not defined, `main` left out: a line for each, and one for all of the other generation.
+fn undefined_hint(undefined: &[Undefined], generation: Generation) -> String {
     let other = generation.other();
-    let (of_other, rest): (Vec<&String>, Vec<&String>) =
-        undefined.iter().partition(|name| other.has(name) && !generation.has(name));
+    let (of_other, rest): (Vec<&Undefined>, Vec<&Undefined>) =
+        undefined.iter().partition(|it| other.has(&it.name) && !generation.has(&it.name));
     let mut hints = String::new();
     if !of_other.is_empty() {
         let (name, own, number) = (other.name(), generation.name(), other.number());
-        let functions = quoted(&of_other);
+        let functions = quoted(&of_other.iter().map(|it| &it.name).collect::<Vec<_>>());
         line(
             &mut hints,
             &format!("{name} has {functions}; this program is built for {own} (`--api {number}` changes that)"),
         );
     }
-    for name in &rest {
-        if generation.has(name) {
-            line(
-                &mut hints,
-                &format!(
-                    "`{name}` is a function of {}, and is declared otherwise: include `eyebot.h`",
-                    generation.name()
-                ),
-            );
+    for Undefined { name, place } in rest.into_iter().filter(|it| it.name != "main") {
+        let place = place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
+        let foreign = FOREIGN.iter().find(|(names, _)| names.contains(&name.as_str()));
+        let what = if generation.has(name) {
+            format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
         } else if let Some(near) = near_function(name, generation) {
-            line(&mut hints, &format!("`{name}` is not defined; did you mean `{near}`?"));
-        }
-    }
-    match rest.as_slice() {
-        [] => {}
-        [main] if *main == "main" => line(&mut hints, "the program has no function `main`"),
-        rest => line(
-            &mut hints,
-            &format!(
-                "not defined: {}; a program of several files is named with all of them (`main.c,map.c`) or by its folder",
-                quoted(rest)
-            ),
-        ),
+            format!("is not defined; did you mean `{near}`?")
+        } else if let Some((_, what)) = foreign {
+            (*what).to_owned()
+        } else {
+            "is used and nowhere defined: write it; a program of several files is named with all of them \
+             (`main.c,map.c`) or by its folder"
+                .to_owned()
+        };
+        line(&mut hints, &format!("{place}`{name}` {what}"));
     }
     hints
 }
@@ -186,21 +288,29 @@ fn near_function(name: &str, generation: Generation) -> Option<&'static str> {
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
-/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters.
-fn undefined_symbols(output: &str) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. GNU ld tells
+/// their places.
+fn undefined_symbols(output: &str) -> Vec<Undefined> {
+    let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {
-        let name = ["undefined reference to ", "undefined symbol: "]
-            .iter()
-            .find_map(|phrase| Some(line.split_once(phrase)?.1.trim_matches(['`', '\'', ' '])));
-        let name = name.map(|name| name.split('(').next().unwrap_or(name));
-        if let Some(name) = name
-            && !names.iter().any(|known| known == name)
-        {
-            names.push(name.to_owned());
+        let parts = ["undefined reference to ", "undefined symbol: "].iter().find_map(|phrase| line.split_once(phrase));
+        let Some((before, name)) = parts else { continue };
+        let name = name.trim_matches(['`', '\'', ' ']);
+        let name = name.split('(').next().unwrap_or(name);
+        if !found.iter().any(|known| known.name == name) {
+            found.push(Undefined { name: name.to_owned(), place: place_of(before) });
         }
     }
-    names
+    found
+}
+
+/// `maze.c:3` from `/p/maze.c:3: ` or `/p/maze.c:3:(.text+0x1f): `.
+fn place_of(before: &str) -> Option<String> {
+    let (path, rest) = before.rsplit_once('/').map_or(("", before), |(folder, rest)| (folder, rest));
+    let (file, rest) = rest.split_once(':')?;
+    let number = rest.split(':').next()?.trim();
+    let is_place = !path.contains(": ") && !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    is_place.then(|| format!("{file}:{number}"))
 }
 
 /// The symbols of one source's object file.
@@ -272,29 +382,91 @@ fn function_of_mangled(symbol: &str) -> Option<&str> {
 mod tests {
     use super::*;
 
+    fn of_source(output: &str, name: &str, text: &[u8]) -> String {
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = folder.path().join(name);
+        fs::write(&source, text).expect("a source");
+        of_compile(output, &source, Generation::Robios7)
+    }
+
     #[test]
     fn headers_of_other_systems_name_what_to_use_instead() {
-        let gcc = of_compile("a.c:2:10: fatal error: conio.h: No such file or directory\n");
-        assert!(gcc.starts_with("\n  `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
-        let clang = of_compile("a.c:1:10: fatal error: 'windows.h' file not found\n");
-        assert!(clang.starts_with("\n  `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
-        let elsewhere = of_compile("a.c:1:10: fatal error: ../include/EyeBot.h: No such file or directory\n");
-        assert_eq!(elsewhere, "\n  `../include/EyeBot.h`: write `#include \"eyebot.h\"`, which eyesim has");
-        let misspelt = of_compile("a.c:1:10: fatal error: eyebott.h: No such file or directory\n");
-        assert_eq!(misspelt, "\n  `eyebott.h`: write `#include \"eyebot.h\"`, which eyesim has");
-        assert_eq!(of_compile("a.c:1:10: fatal error: map.h: No such file or directory\n"), "");
+        let gcc = of_source("a.c:2:10: fatal error: conio.h: No such file or directory\n", "a.c", b"");
+        assert!(gcc.starts_with("a.c: `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
+        let clang = of_source("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
+        assert!(clang.starts_with("a.c: `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
+        for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {
+            let output = format!("a.c:1:10: fatal error: {missing}: No such file or directory\n");
+            let expected = format!("a.c: `{missing}`: write `#include \"eyebot.h\"`, which eyesim has\n");
+            assert_eq!(of_source(&output, "a.c", b""), expected);
+        }
+        assert_eq!(of_source("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");
         let unlinked = of_link("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
     }
 
     #[test]
+    fn cpp_in_a_file_of_c_is_told() {
+        let output = "a.c:1:10: fatal error: iostream: No such file or directory\n";
+        let hint = "a.c includes `iostream`, so this is C++: name the file `a.cpp`, and in the scene too\n";
+        assert_eq!(of_source(output, "a.c", b""), hint);
+        assert_eq!(of_source(output, "a.cpp", b""), "");
+    }
+
+    #[test]
+    fn a_missing_include_is_told_in_one_line() {
+        let output = "a.cpp:3:3: error: 'VWStraight' was not declared in this scope\n";
+        let hint = "a.cpp: `#include \"eyebot.h\"` is missing: write it as the first line\n";
+        assert_eq!(of_source(output, "a.cpp", b"int main() {}"), hint);
+        assert_eq!(of_source(output, "a.cpp", b"# include \"eyebot.h\"\n"), "");
+        assert_eq!(of_source("a.cpp:3:3: error: 'Plan' was not declared in this scope\n", "a.cpp", b""), "");
+    }
+
+    #[test]
+    fn other_encodings_and_typographic_quotes_are_told() {
+        assert_eq!(
+            of_source("error: stray '\\377' in program", "a.c", b"\xFF\xFEi\0"),
+            "a.c is UTF-16: save it as UTF-8\n"
+        );
+        let text = "int i;\nf(\u{201C}a\u{201D});\n".as_bytes();
+        let hint = "a.c:2: `\u{201C}` is a typographic quote: write `\"`\n";
+        assert_eq!(of_source("a.c:2:3: error: stray '\\342' in program", "a.c", text), hint);
+        assert_eq!(of_source("a.c:1:3: error: expected ';'", "a.c", text), "");
+    }
+
+    fn undefined(name: &str, place: Option<&str>) -> Undefined {
+        Undefined { name: name.to_owned(), place: place.map(str::to_owned) }
+    }
+
+    #[test]
     fn undefined_symbols_are_read_from_each_linker() {
-        let gnu = "ld: 0.o: in function `main':\nmaze.c:3: undefined reference to `Plan'\nmaze.c:4: undefined reference to `Plan'";
+        let gnu = "ld: 0.o: in function `main':\n/p/maze.c:3: undefined reference to `Plan'\n/p/maze.c:4: undefined reference to `Plan'";
         let lld = "ld.lld: error: undefined symbol: Plan\n>>> referenced by maze.c:3";
-        assert_eq!(undefined_symbols(gnu), ["Plan"]);
-        assert_eq!(undefined_symbols(lld), ["Plan"]);
-        assert_eq!(undefined_symbols("a.cpp:3: undefined reference to `Plan(int, char*)'"), ["Plan"]);
+        assert_eq!(undefined_symbols(gnu), [undefined("Plan", Some("maze.c:3"))]);
+        assert_eq!(undefined_symbols(lld), [undefined("Plan", None)]);
+        let cpp = "/usr/bin/ld: /p/a.cpp:3:(.text+0x1f): undefined reference to `Plan(int, char*)'";
+        assert_eq!(undefined_symbols(cpp), [undefined("Plan", None)]);
+        let cpp = "/p/a.cpp:3:(.text+0x1f): undefined reference to `Plan(int, char*)'";
+        assert_eq!(undefined_symbols(cpp), [undefined("Plan", Some("a.cpp:3"))]);
         assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
+        assert!(is_explained(gnu) && is_explained(&format!("{gnu}\ncollect2: error: ld returned 1 exit status\n")));
+        assert!(!is_explained(&format!("{gnu}\n/usr/bin/ld: cannot find -lmap")));
+    }
+
+    #[test]
+    fn a_program_without_main_is_told_what_it_has_instead() {
+        let hint = |functions: &[&str]| {
+            let defined = functions.iter().map(|&name| name.to_owned()).collect();
+            of_missing_main(&[Symbols { file: "a.c".into(), defined, undefined: Vec::new() }], &[])
+        };
+        assert_eq!(hint(&["Main"]), "a.c: the program has no function `main`; did you mean `main` by `Main`?");
+        assert_eq!(hint(&["_Z4mianv"]), "a.c: the program has no function `main`; did you mean `main` by `mian`?");
+        assert!(hint(&["setup", "loop"]).contains("Arduino"));
+        assert_eq!(hint(&["plan"]), "the program has no function `main`");
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = folder.path().join("a.c");
+        fs::write(&source, " \n").expect("a source");
+        assert_eq!(of_missing_main(&[], &[(&source, PathBuf::new())]), "`a.c` is empty");
     }
 
     #[test]
@@ -318,7 +490,7 @@ mod tests {
     #[test]
     fn misspelled_functions_and_those_of_another_generation_are_told() {
         let hint = |names: &[&str], generation| {
-            undefined_hint(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>(), generation)
+            undefined_hint(&names.iter().map(|name| undefined(name, None)).collect::<Vec<_>>(), generation)
         };
         let of_6 = |names: &[&str]| hint(names, Generation::Robios6);
         let of_7 = |names: &[&str]| hint(names, Generation::Robios7);
@@ -327,13 +499,13 @@ mod tests {
         assert!(of_6(&["psdget"]).contains("did you mean `PSDGet`?"));
         assert_eq!(
             of_6(&["VWStraight"]),
-            "\n  RoBIOS-7 has `VWStraight`; this program is built for RoBIOS 6 (`--api 7` changes that)"
+            "RoBIOS-7 has `VWStraight`; this program is built for RoBIOS 6 (`--api 7` changes that)\n"
         );
         assert!(of_7(&["VWInit"]).contains("RoBIOS 6 has `VWInit`; this program is built for RoBIOS-7 (`--api 6`"));
         assert!(of_7(&["VWStraight"]).contains("include `eyebot.h`"));
         assert!(!of_6(&["Plan"]).contains("did you mean"));
         assert!(of_6(&["Plan"]).contains("named with all of them"));
-        assert_eq!(of_6(&["main"]), "\n  the program has no function `main`");
+        assert_eq!(of_6(&["main"]), "");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Builds and reads each program that was found, once, into an image that robots can load.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -103,6 +104,22 @@ pub enum PrepareError {
     /// The file is not a library that can be loaded.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A Cargo package whose library is no robot program.
+    #[error("{}", without_entry(.0))]
+    NoEntry(PathBuf),
+}
+
+/// Message about the package in `folder`, whose library has no entry of a program.
+fn without_entry(folder: &Path) -> String {
+    let root = folder.join("src/lib.rs");
+    let is_blank = fs::read(&root).is_ok_and(|text| text.trim_ascii().is_empty());
+    if is_blank {
+        return format!("`{}` is empty: `eyesim new NAME --lang rust` shows how a program begins", root.display());
+    }
+    format!(
+        "`{}` has no line `robios_api::program!(main);`: write it below the `use` lines, with `fn main(robot: &Robot) -> Result`",
+        root.display()
+    )
 }
 
 /// Builds and reads each program of `found` once, in parallel; the results are in the order of `found`, and programs
@@ -130,6 +147,11 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
                     ProgramSource::Embedded(program) => (Code::Embedded(program.clone()), Vec::new(), None),
                     source => {
                         let image = ProgramImage::read(&built.library, source_folder(source))?;
+                        if let ProgramSource::Cargo(folder) = source
+                            && image.description().is_none()
+                        {
+                            return Err(PrepareError::NoEntry(folder.clone()));
+                        }
                         let warnings = warnings_about(&image, &program.name);
                         let danger = danger_to_host(&image);
                         (Code::Library(Arc::new(image)), warnings, danger)

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
@@ -88,7 +90,7 @@ impl Programs {
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
                     of_robots.push(Some(program));
                 }
-                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program_name())),
+                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", shown_name(robot, scene))),
             }
         }
         if !mistakes.is_empty() {
@@ -110,6 +112,21 @@ pub fn program_of_command_line(name: &str) -> PathRef {
 
 fn is_of_command_line(program: &PathRef) -> bool {
     program.span.line == 0
+}
+
+/// Name of a robot's program for messages and tables: as the scene names it, but by the folder's name if it is the `Cargo.toml`
+/// of a package.
+pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
+    let Some(program) = &robot.program else { return String::new() };
+    let text = program.text.replace('\\', "/");
+    let folder = if is_of_command_line(program) { "" } else { &scene.folder };
+    let of_package = || {
+        let manifest = Path::new(&text);
+        let folder = Path::new(folder).join(manifest.parent().filter(|_| manifest.ends_with("Cargo.toml"))?);
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        Some(fs::canonicalize(folder).ok()?.file_name()?.to_string_lossy().into_owned())
+    };
+    of_package().unwrap_or_else(|| program.text.clone())
 }
 
 /// Place in which `program` is named: `line.sim:3`, or the command line's option.

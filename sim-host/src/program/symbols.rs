@@ -25,7 +25,20 @@ const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sig
 /// In Rust programs only imports count that their standard library does not have anyway, so `println!` and the order of a
 /// `HashMap` are not reported, see `docs/programs.md`.
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
-    uses(image, c::outside_guarantee).into_iter().map(|line| format!("program `{name}` {line}")).collect()
+    uses(image, reason_in_program(image)).into_iter().map(|line| format!("program `{name}` {line}")).collect()
+}
+
+/// Function that tells the reason why a program of this language leaves the guarantee by a symbol.
+fn reason_in_program(image: &ProgramImage) -> fn(&str) -> Option<&'static str> {
+    match image.description().map(|description| description.language) {
+        Some(language::RUST) => |symbol| match symbol {
+            "clock_nanosleep" | "nanosleep" => {
+                Some("`std::thread::sleep` lets no time of the robot pass: write `robot.sleep(Duration::from_secs(2))`")
+            }
+            _ => c::outside_guarantee(symbol),
+        },
+        _ => c::outside_guarantee,
+    }
 }
 
 /// Returns the reason why the program of `image` could end or stop the host on one of its threads, as far as its imports and its symbols

@@ -144,7 +144,8 @@ pub struct RobotReport {
     pub id: u32,
     /// Its name.
     pub name: String,
-    /// Its program as the sim file or the command line names it; empty for a robot without one.
+    /// Its program as the sim file or the command line names it, but the folder's name for the `Cargo.toml` of a package; empty for a
+    /// robot without one.
     pub program: String,
     /// State of the program.
     pub outcome: Outcome,
