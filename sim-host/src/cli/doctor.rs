@@ -16,6 +16,7 @@ use crate::program::command::build_output;
 use crate::program::compiler::Compiler;
 use crate::program::language::Language;
 use crate::program::python::Python;
+use crate::program::sandbox::Kernel;
 use crate::program::{Cache, Tools};
 
 /// Arguments of `eyesim doctor`.
@@ -65,6 +66,7 @@ pub fn run(_: &DoctorArgs) -> anyhow::Result<ExitCode> {
         Err(error) => findings.push(Finding::new("cache", "built programs", None, error.to_string())),
     }
     findings.extend(others(&installer));
+    findings.push(sandbox());
     findings.extend(limits());
     findings.extend(cache.ok().map(|cache| {
         let root = cache.root().display().to_string();
@@ -138,6 +140,16 @@ fn others(installer: &Installer) -> Vec<Finding> {
             "set BROWSER to the command of a browser",
         ),
     ]
+}
+
+/// The strongest sandbox of this kernel, with the means that close each area.
+fn sandbox() -> Finding {
+    let kernel = Kernel::probe();
+    let level = kernel.reached();
+    let closed: Vec<String> =
+        level.areas().filter_map(|area| Some(format!("{} by {}", area.word(), kernel.means(area).ok()?))).collect();
+    let found = format!("{}: closes {}", level.word(), closed.join("; "));
+    Finding::new("sandbox", "programs of strangers: `eyesim run --sandbox`", Some(found), "")
 }
 
 /// Limits and surroundings of this process.

@@ -19,7 +19,7 @@ use clap::Args;
 use super::EXIT_INTERRUPTED;
 use super::output::say;
 use super::pack::{self, Collected, is_archive};
-use super::run::report_diagnostics;
+use super::run::{parse_sandbox, report_diagnostics};
 use super::test::screen::number;
 use super::test::{builder, junit};
 use crate::executive::interrupt;
@@ -61,6 +61,9 @@ pub struct GradeArgs {
     /// Submissions that are graded at one time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER")]
     pub jobs: Option<NonZeroUsize>,
+    /// What is closed to compilers and programs of submissions: full, calls or limits
+    #[arg(long, value_name = "LEVEL", default_value = "full")]
+    pub sandbox: String,
     /// Let the programs of an archive's checks run
     #[arg(long)]
     pub allow_execute: bool,
@@ -131,11 +134,14 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
     let may_run_checks = unpacked.is_none() || args.allow_execute;
-    let mut grader = Grader::open(&path, &seeds, may_run_checks, builder(true)?, interrupt.clone())?;
+    let sandbox = parse_sandbox(&args.sandbox).map_err(anyhow::Error::msg).context("--sandbox")?;
+    let level = sandbox.level();
+    let builder = builder(true, Some(sandbox.clone()))?;
+    let mut grader = Grader::open(&path, &seeds, may_run_checks, (builder, sandbox), interrupt.clone())?;
     if let Some(file) = &args.gradescope {
         ensure!(is_archive(file), "--gradescope `{}`: expected a name that ends in .zip", file.display());
         let pack = suite_pack(&grader, &path)?;
-        autograder::write(file, &pack, args.hidden_seeds.as_deref())?;
+        autograder::write(file, &pack, args.hidden_seeds.as_deref(), level)?;
         say(format_args!("wrote `{}`: upload it as the autograder of an assignment", file.display()));
         return Ok(ExitCode::SUCCESS);
     }

@@ -30,6 +30,7 @@ use crate::executive::subreaper::Subreaper;
 use crate::launch::settings::ProgramOption;
 use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
+use crate::program::sandbox::{Level, Sandbox};
 use crate::program::words::quoted;
 use crate::record::{Report, TraceFilter};
 use sim_core::record::Outcome;
@@ -84,6 +85,18 @@ pub struct RunArgs {
     /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Auto)]
     pub exec: Exec,
+    /// Build and run programs of strangers: closed to them are files, network, signals, memory of others and resources; `calls`: all but
+    /// files, `limits`: resources alone. Implies --exec=process
+    #[arg(
+        long,
+        value_name = "LEVEL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "full",
+        value_parser = parse_sandbox,
+        conflicts_with_all = ["exec", "allow_execute"]
+    )]
+    pub sandbox: Option<Sandbox>,
     /// Simulated seconds at which the run ends [default: that of the scene, else 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
@@ -193,6 +206,11 @@ impl RunArgs {
         self.report.clone().filter(|_| !self.prints_report())
     }
 
+    /// Where programs run.
+    pub fn exec(&self) -> Exec {
+        if self.sandbox.is_some() { Exec::Process } else { self.exec }
+    }
+
     /// Options of the run itself.
     pub fn options(&self) -> Options {
         Options {
@@ -201,7 +219,8 @@ impl RunArgs {
             until: self.until,
             linger: self.linger,
             workers: self.threads,
-            exec: self.exec,
+            exec: self.exec(),
+            sandbox: self.sandbox.clone(),
             timeout: self.timeout,
             programs: self.programs.clone(),
             api: self.api,
@@ -390,6 +409,14 @@ fn exit_code(finished: &Finished) -> ExitCode {
         _ if report.checks.iter().any(|check| !check.passed) => ExitCode::from(EXIT_PROGRAM),
         _ => ExitCode::SUCCESS,
     }
+}
+
+/// The sandbox of the level of this name.
+///
+/// # Errors
+/// Message with the accepted names, or with what the kernel lacks.
+pub fn parse_sandbox(text: &str) -> Result<Sandbox, String> {
+    Sandbox::new(Level::parse(text)?).map_err(|error| error.to_string())
 }
 
 /// The rule of contacts of this name.

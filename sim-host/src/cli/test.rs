@@ -21,11 +21,12 @@ use super::check::walk;
 use super::output::{check_outputs, given};
 use super::pack::{self, is_archive};
 use super::progress::Building;
-use super::run::report_diagnostics;
+use super::run::{parse_sandbox, report_diagnostics};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 use crate::executive::interrupt;
 use crate::files::{read_regular, slashed};
 use crate::launch::settings::ProgramOption;
+use crate::program::sandbox::Sandbox;
 use crate::program::{Builder, Cache, Kits, Tools};
 use crate::record::report::write_atomically;
 use crate::suite::summary::{Variant, variants};
@@ -62,6 +63,16 @@ pub struct TestArgs {
     /// Run every case in a process of its own
     #[arg(long)]
     pub isolate: bool,
+    /// Build and run programs of strangers, as `eyesim run --sandbox` does: full, calls or limits
+    #[arg(
+        long,
+        value_name = "LEVEL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "full",
+        value_parser = parse_sandbox
+    )]
+    pub sandbox: Option<Sandbox>,
     /// Let the programs of an archive's checks run
     #[arg(long)]
     pub allow_execute: bool,
@@ -128,7 +139,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let mut unpacked = None;
     let mut runs = Vec::new();
     for path in &paths {
-        let suite = if is_archive(path) {
+        let mut suite = if is_archive(path) {
             // Both would have an installation of their own.
             ensure!(paths.len() == 1, "an archive is run alone, not with other suites");
             let archive = unpacked.insert(pack::unpack(path)?);
@@ -138,6 +149,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         } else {
             Suite::open(path, args.programs.clone())
         };
+        suite.sandbox = args.sandbox.clone();
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
         let cases = suite.cases().map_err(anyhow::Error::msg).with_context(|| format!("`{}`", path.display()))?;
         runs.push(SuiteRun { suite, cases, results: BTreeMap::new(), variants: Vec::new() });
@@ -162,7 +174,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
     for (run, selected) in runs.iter_mut().zip(&selected).filter(|(_, selected)| !selected.is_empty()) {
         let SuiteRun { suite, cases, results, .. } = run;
-        let session = Session::new(builder(args.quiet)?, interrupt.clone());
+        let session = Session::new(builder(args.quiet, args.sandbox.clone())?, interrupt.clone());
         let preparation = Preparation::of(suite, selected.iter().map(|&index| &cases[index]), session);
         console.begin(&suite.spec.file, selected.len());
         let mut is_stopped = false;
@@ -202,9 +214,9 @@ impl SuiteRun {
     }
 }
 
-pub(super) fn builder(is_quiet: bool) -> anyhow::Result<Builder> {
+pub(super) fn builder(is_quiet: bool, sandbox: Option<Sandbox>) -> anyhow::Result<Builder> {
     let cache = Cache::of_user().context("no folder for built programs")?;
-    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
+    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment()).with_sandbox(sandbox);
     Ok(if is_quiet { builder } else { builder.with_observer(Box::new(Building::on_stderr())) })
 }
 

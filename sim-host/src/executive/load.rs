@@ -11,6 +11,7 @@ use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, Place, RobotProgram};
 use super::{damage, fiber};
+use crate::host;
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::scene::Programs;
@@ -179,14 +180,30 @@ impl Loading {
                 let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
                 return Err(LoadError::Incompatible { path, what });
             }
-            (Code::Python(python), None) => (Child::start_foreign(python.command(&path)), path.clone()),
+            (Code::Python(python), None) => {
+                let why = |error: std::io::Error| why_not(program, path.clone(), error.to_string());
+                let (mut command, folders) = match loader.is_restricting() {
+                    true => {
+                        std::path::absolute(&path).and_then(|path| python.restricted_command(&path)).map_err(why)?
+                    }
+                    false => (python.command(&path), Vec::new()),
+                };
+                let scratch = loader.restrict(&mut command, program, folders).map_err(why)?;
+                (Child::start_foreign(command, scratch), path.clone())
+            }
             // gdb reads the library's file again while it debugs; the file in the cache is not removed.
             (Code::Library(image), Some(debugger)) => {
                 (Child::start_debugged(debugger, image.path()), image.path().to_owned())
             }
             (Code::Library(_), None) => {
                 let library = loader.library(program, &robot.arguments)?;
-                (Child::command(&format!("{} {}", robot.id, program.name), &library).and_then(Child::start), library)
+                let start = || {
+                    let mut command = Child::command(&format!("{} {}", robot.id, program.name), &library)?;
+                    let folders = host::words()?.iter().map(PathBuf::from).chain([library.clone()]).collect();
+                    let scratch = loader.restrict(&mut command, program, folders)?;
+                    Child::start(command, scratch)
+                };
+                (start(), library)
             }
         };
         let child = child.map_err(|error| why_not(program, path, format!("{error} ({PROCESS_HINT})")))?;

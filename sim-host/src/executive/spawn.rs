@@ -17,6 +17,7 @@ use super::process::Child;
 use super::program::{Exec, RobotProgram};
 use crate::program::load::Loader;
 use crate::program::prepare::Prepared;
+use crate::program::sandbox::{Level, Sandbox};
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::robios::Robios;
@@ -52,6 +53,8 @@ pub struct RobotOptions {
     pub frames: Option<Arc<Frames>>,
     /// Place in which the programs run.
     pub exec: Exec,
+    /// Restrictions of programs in processes of their own.
+    pub sandbox: Option<Sandbox>,
     /// Number of workers.
     pub workers: usize,
 }
@@ -160,6 +163,7 @@ impl Spawner {
             Some(loader) => loader,
             None => self.loader.insert(Loader::new().map_err(ProgramLoadError::Folder)?),
         };
+        loader.set_sandbox(self.options.sandbox.clone());
         load_program(spec, prepared, (self.options.exec, self.options.workers), loader)
     }
 
@@ -193,7 +197,12 @@ impl Spawner {
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let mut robios = new_robios(&spec.robi).with_entity_numbers(Arc::clone(&self.entity_numbers));
         robios.table = Arc::clone(self.tables.entry(spec.robi.file.clone()).or_insert(robios.table));
-        robios.storage = Storage::new(Path::new(&self.scene.folder));
+        let folder = Path::new(&self.scene.folder);
+        let is_confined = self.options.sandbox.as_ref().is_some_and(|sandbox| sandbox.level() == Level::Full);
+        robios.storage = match is_confined {
+            true => Storage::confined(folder, program.and_then(|program| program.own_folder())),
+            false => Storage::new(folder),
+        };
         robios.dialect = self.scene.run.dialect.unwrap_or_default();
         robios.os.may_execute = self.options.may_execute;
         robios.console = Console::new(self.options.output_limit);

@@ -13,11 +13,11 @@ use sim_format::{Diagnostic, Severity};
 use super::choice::{self, Choice};
 use super::submission::Submission;
 use crate::executive::interrupt::Interrupt;
-use crate::executive::program::Exec;
 use crate::files::slashed;
 use crate::launch::settings::{ProgramOption, withdraw_programs};
 use crate::launch::{Error, Options, ProgramCache, Rejected, Scene};
 use crate::program::Builder;
+use crate::program::sandbox::Sandbox;
 use crate::record::report::Input;
 use crate::suite::summary::{Variant, variants};
 use crate::suite::{Case, CaseResult, Pool, PoolError, PoolOptions, Preparation, Row, Session, Suite, lost_case};
@@ -74,6 +74,7 @@ pub struct Grader {
     /// Hash of everything but the submission.
     key: String,
     builder: Option<Builder>,
+    sandbox: Sandbox,
     /// Folder of built programs, as messages of compilers name it.
     cache: String,
     /// Folder for the files of submissions.
@@ -83,7 +84,8 @@ pub struct Grader {
 }
 
 impl Grader {
-    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`.
+    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`. Compilers and
+    /// programs of submissions run in `sandbox`.
     ///
     /// # Errors
     /// The suite or a scene has mistakes, names no files to submit, or a program of its own cannot be built.
@@ -91,13 +93,13 @@ impl Grader {
         path: &Path,
         hidden: &[u64],
         may_run_checks: bool,
-        builder: Builder,
+        (builder, sandbox): (Builder, Sandbox),
         interrupt: Interrupt,
     ) -> Result<Self, GradeError> {
         let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
         let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
         let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
-        let suite = open(path, &hidden, may_run_checks, Vec::new())?;
+        let suite = open(path, &hidden, may_run_checks, Vec::new(), &sandbox)?;
         if suite.spec.submit.is_empty() {
             let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
             return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
@@ -112,6 +114,7 @@ impl Grader {
             max_points: BTreeMap::new(),
             key: String::new(),
             builder: None,
+            sandbox,
             cache: format!("{}/", slashed(builder.cache().root())),
             scratch,
             interrupt,
@@ -220,9 +223,13 @@ impl Grader {
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
         // Messages of compilers have the paths without links.
         let folder = fs::canonicalize(&folder).unwrap_or(folder);
-        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs).map_err(|error| error.to_string())?;
+        // Sources in several folders include each other's headers.
+        let mut sandbox = self.sandbox.clone();
+        sandbox.root = Some(folder.clone());
+        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs, &sandbox)
+            .map_err(|error| error.to_string())?;
         let cases = suite.cases()?;
-        let builder = self.builder.take().ok_or("the builder has been used")?;
+        let builder = self.builder.take().ok_or("the builder has been used")?.with_sandbox(Some(sandbox));
         let session = Session::new(builder, self.interrupt.clone());
         let preparation = Preparation::of(&suite, cases.iter(), session);
         let mut results: BTreeMap<usize, CaseResult> = BTreeMap::new();
@@ -273,6 +280,7 @@ impl Grader {
         };
         add(&format!("eyesim {} {SCHEMA} {}", env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA));
         add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden, self.may_run_checks));
+        add(self.sandbox.level().word());
         for (path, sha256) in inputs {
             add(path);
             add(sha256);
@@ -301,12 +309,13 @@ impl Graded {
     }
 }
 
-/// Opens the suite with hidden seeds and programs of a submission, each in a process of its own.
+/// Opens the suite with hidden seeds and programs of a submission, all in `sandbox`.
 fn open(
     path: &Path,
     hidden: &BTreeSet<u64>,
     may_run_checks: bool,
     programs: Vec<ProgramOption>,
+    sandbox: &Sandbox,
 ) -> Result<Suite, GradeError> {
     let mut suite = Suite::open(path, programs);
     let errors: Vec<&Diagnostic> =
@@ -316,7 +325,7 @@ fn open(
         return Err(GradeError::Suite(lines.join("\n")));
     }
     suite.may_run_checks = may_run_checks;
-    suite.exec = Exec::Process;
+    suite.sandbox = Some(sandbox.clone());
     suite.add_seeds(hidden.iter().copied()).map_err(GradeError::Suite)?;
     Ok(suite)
 }

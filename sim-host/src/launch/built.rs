@@ -103,15 +103,17 @@ impl BuiltScene {
             seed: settings.seed,
             slot: settings.slot,
             keys: settings.keys.clone(),
-            may_execute: options.allow_execute,
+            may_execute: options.allow_execute && options.sandbox.is_none(),
             output_limit: options.output_limit,
             stdin: settings.stdin.clone(),
             is_verbose: options.is_verbose,
             scenery: Arc::clone(&scenery),
             frames: frames.clone(),
             exec: options.exec,
+            sandbox: options.sandbox.clone(),
             workers: options.worker_count(),
         };
+        loader.set_sandbox(options.sandbox.clone());
         let mut spawner = Spawner::new(Arc::clone(&scene), &programs, robot_options);
         let (world, robots) = spawner.start()?;
         let loaded =

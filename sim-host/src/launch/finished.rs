@@ -132,6 +132,7 @@ pub(super) fn report(
             .map(|drawn| DrawnReport { path: drawn.path.clone(), value: drawn.value.clone() })
             .collect(),
         checks: Vec::new(),
+        sandbox: None,
         points: 0.0,
         max_points: 0.0,
     }

@@ -11,6 +11,7 @@ use super::settings::ProgramOption;
 use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
 use crate::program::Generation;
+use crate::program::sandbox::Sandbox;
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 
 /// Simulated time after which a run ends if neither options nor scene set one.
@@ -34,6 +35,8 @@ pub struct Options {
     /// Place of the programs; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
     /// [`serve_child`](super::serve_child) first.
     pub exec: Exec,
+    /// Restrictions of the programs and of the compilers that build them; needs [`Exec::Process`].
+    pub sandbox: Option<Sandbox>,
     /// Processor time in seconds that a program may use within one slot before it is stopped; default: 10 s.
     pub timeout: f64,
     /// Programs of robots, in place of the scene's.
@@ -101,6 +104,7 @@ impl Default for Options {
             linger: Time::ZERO,
             workers: None,
             exec: Exec::Fiber,
+            sandbox: None,
             timeout: 10.0,
             programs: Vec::new(),
             api: None,

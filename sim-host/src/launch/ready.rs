@@ -24,9 +24,10 @@ use crate::executive::program::{Exec, RobotProgram};
 use crate::executive::scheduler::{Ended, Limits, RunParts, Scheduler};
 use crate::executive::spawn::Spawner;
 use crate::files::slashed;
+use crate::program::sandbox::{Sandbox, SandboxReport};
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::notes::Notes;
-use crate::record::report::Input;
+use crate::record::report::{Input, Report};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{EventStore, RecordError, Sink, Sinks};
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
@@ -165,7 +166,8 @@ impl Ready {
         if let Some(tally) = &tally {
             record_calls(&tally.lock(), &scheduler);
         }
-        let judging = Judging { tally, notes, events, interrupt, may_run: options.may_run_checks };
+        let sandbox = options.sandbox.as_ref().map(Sandbox::report);
+        let judging = Judging { sandbox, tally, notes, events, interrupt, may_run: options.may_run_checks };
         Ok(Running { scheduler, settings, scene, scenery, inputs, judging })
     }
 
@@ -211,9 +213,10 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     options.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
     options.noise.iter().for_each(|noise| add("noise", noise));
     options.contact.iter().for_each(|contact| add("contact", &contact.word()));
-    if options.exec == Exec::Process {
+    if options.exec == Exec::Process && options.sandbox.is_none() {
         add("exec", &"process");
     }
+    options.sandbox.iter().for_each(|sandbox| words.push(format!("--sandbox={}", sandbox.level().word())));
     if options.output_limit != DEFAULT_OUTPUT_LIMIT {
         words.push(format!("--output-limit={}", options.output_limit as f64 / 1e6));
     }
@@ -236,6 +239,7 @@ pub struct Running {
 
 /// What the checks of a run need besides its motion.
 struct Judging {
+    sandbox: Option<SandboxReport>,
     tally: Option<Arc<Mutex<Tally>>>,
     notes: Arc<Mutex<Notes>>,
     /// For the programs of checks.
@@ -272,7 +276,7 @@ impl Over {
     /// Judges the run by the checks of its scene.
     pub fn judge(self) -> Finished {
         let Self { ended, settings, scene, scenery, mut inputs, judging } = self;
-        let Judging { tally, notes, events, interrupt, may_run } = judging;
+        let Judging { sandbox, tally, notes, events, interrupt, may_run } = judging;
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
@@ -291,7 +295,7 @@ impl Over {
             }
             checks
         };
-        let report = report.with_checks(checks);
+        let report = Report { sandbox, ..report.with_checks(checks) };
         Finished { settings, scene, scenery, ended, report, remarks: notes.remarks }
     }
 }

@@ -112,7 +112,7 @@ impl Scene {
             // Unoptimised, so that every line and variable exists for the debugger; the user's own flags follow and take precedence.
             tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
         }
-        Ok(Builder::new(cache, Kits::of_robios(), tools))
+        Ok(Builder::new(cache, Kits::of_robios(), tools).with_sandbox(self.options.sandbox.clone()))
     }
 
     /// Finds, builds and loads its programs.

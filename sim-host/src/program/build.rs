@@ -13,6 +13,7 @@ use super::find::ProgramSource;
 use super::generation::{Generation, GenerationChoice, GenerationError, GenerationHint, choose};
 use super::language::Language;
 use super::python::{Python, PythonError};
+use super::sandbox::Sandbox;
 use super::words::{WordsError, split_words};
 use crate::files::read_regular;
 
@@ -102,6 +103,21 @@ pub enum BuildError {
         /// Why.
         error: io::Error,
     },
+    /// A source is a link to a file outside the program's folder, which is all that a restricted program is built from.
+    #[error("`{}` is a link out of its folder, and the sandbox builds a program from the files in its own folder alone", path.display())]
+    Outside {
+        /// The source.
+        path: PathBuf,
+    },
+    /// A package of Rust, whose build scripts cargo would run without restrictions.
+    #[error(
+        "`{}` is a Rust package, which the sandbox does not build: name its built library (`cargo build --release`), which it runs",
+        folder.display()
+    )]
+    Package {
+        /// The package's folder.
+        folder: PathBuf,
+    },
     /// There is no Python interpreter for a Python program.
     #[error(transparent)]
     Python(#[from] PythonError),
@@ -135,12 +151,27 @@ pub struct Builder {
     /// Locked while a compiler is searched, so that only one thread does so.
     search_lock: Mutex<()>,
     observer: Option<Box<dyn BuildObserver>>,
+    /// Restrictions of the compilers.
+    sandbox: Option<Sandbox>,
 }
 
 impl Builder {
     /// Creates a builder that stores its results in `cache` and gives C and C++ programs the headers and the shim of `kits`.
     pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
-        Self { cache, kits, tools, compilers: Default::default(), search_lock: Mutex::new(()), observer: None }
+        Self {
+            cache,
+            kits,
+            tools,
+            compilers: Default::default(),
+            search_lock: Mutex::new(()),
+            observer: None,
+            sandbox: None,
+        }
+    }
+
+    /// Restricts the compilers: a program is then built from the files in its own folder alone.
+    pub fn with_sandbox(self, sandbox: Option<Sandbox>) -> Self {
+        Self { sandbox, ..self }
     }
 
     /// The cache of its results.
@@ -169,6 +200,9 @@ impl Builder {
                 Ok(BuiltProgram { library, source, output: String::new(), compiled: false, choice: None })
             }
             ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
+            ProgramSource::Cargo(folder) if self.sandbox.is_some() => {
+                Err(BuildError::Package { folder: folder.clone() })
+            }
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
                 let package = self.observed(source, || build_package(folder, cargo, &self.cache))?;
@@ -256,6 +290,9 @@ impl Builder {
     ) -> Result<BuiltProgram, BuildError> {
         let generation = choice.generation;
         let sources = absolute(files)?;
+        if let Some(sandbox) = &self.sandbox {
+            check_own(files, &sources, sandbox.root.as_deref())?;
+        }
         let extra_flags = self.extra_flags()?;
         let built = |entry: super::cache::CacheEntry, compiled| BuiltProgram {
             library: entry.library,
@@ -316,6 +353,7 @@ impl Builder {
             extra_flags,
             folder,
             cache: &self.cache,
+            sandbox: self.sandbox.as_ref(),
         };
         let mut compiled = compilation.run()?;
         let notes: String = compilers.iter().filter_map(|compiler| compiler.note()).collect();
@@ -380,6 +418,8 @@ impl Builder {
             hasher.update(bytes);
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
+        // What was built without restrictions may contain what a restricted program must not read.
+        add(self.sandbox.as_ref().map_or("", |sandbox| sandbox.level().word()).as_bytes());
         add(self.kits.of(generation).digest().as_bytes());
         for compiler in self.compilers(sources)? {
             add(compiler.identity().as_bytes());
@@ -434,6 +474,18 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
     let canonical =
         |path: &PathBuf| fs::canonicalize(path).map_err(|error| BuildError::Source { path: path.clone(), error });
     sources.iter().map(canonical).collect()
+}
+
+/// Checks that no source leads out of the folder that names the first one, nor out of `root`.
+fn check_own(named: &[PathBuf], sources: &[PathBuf], root: Option<&Path>) -> Result<(), BuildError> {
+    let folder = named.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let own = fs::canonicalize(folder).map_err(|error| BuildError::Source { path: folder.to_owned(), error })?;
+    let is_own = |source: &PathBuf| source.starts_with(&own) || root.is_some_and(|root| source.starts_with(root));
+    match named.iter().zip(sources).find(|(_, source)| !is_own(source)) {
+        Some((path, _)) => Err(BuildError::Outside { path: path.clone() }),
+        None => Ok(()),
+    }
 }
 
 fn headers_beside(source: &Path) -> Vec<PathBuf> {

@@ -115,9 +115,11 @@ impl Cache {
     /// # Errors
     /// A file cannot be written or renamed.
     pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<CacheEntry> {
-        let digest = blake3::hash(&fs::read(library)?).to_hex().to_string();
+        let bytes = fs::read(library)?;
+        let digest = blake3::hash(&bytes).to_hex().to_string();
         let whole = self.build_folder()?;
-        fs::rename(library, whole.path().join(LIBRARY))?;
+        // A copy belongs to this user, also if the compiler was another one's, in a sandbox.
+        fs::write(whole.path().join(LIBRARY), bytes)?;
         let record = EntryRecord { library_blake3: digest, output: output.to_owned() };
         fs::write(whole.path().join(RECORD), serde_json::to_vec(&record)?)?;
         build.close()?;

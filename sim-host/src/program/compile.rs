@@ -16,6 +16,7 @@ use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
+use super::sandbox::{Grant, Role, Sandbox};
 
 /// Source texts that are part of every C program: the headers that it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
@@ -105,6 +106,8 @@ pub struct Compilation<'a> {
     pub folder: &'a Path,
     /// Cache of the shims' object files.
     pub cache: &'a Cache,
+    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write the folder of the compilation.
+    pub sandbox: Option<&'a Sandbox>,
 }
 
 /// Result of a compilation.
@@ -354,8 +357,8 @@ impl<'a> Compilation<'a> {
         }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
         command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(object);
-        let output = compiled
-            .call(&mut command)?
+        let output = self
+            .call(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;
         let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
         compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
@@ -386,7 +389,7 @@ impl<'a> Compilation<'a> {
         let object = build.path().join("shim.o");
         command.arg(&object);
         let refused = |output| Failure::Refused { source_file: folder.join(name), output };
-        compiled.call(&mut command)?.map_err(refused)?;
+        self.call(compiled, compiler, &mut command, build.path())?.map_err(refused)?;
         Ok(self.cache.insert(key, build, &object, "")?.library)
     }
 
@@ -399,9 +402,30 @@ impl<'a> Compilation<'a> {
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
         command.args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
-        let output = compiled.call(&mut command)?.map_err(|output| Failure::Unlinked { output })?;
+        let output =
+            self.call(compiled, compiler, &mut command, self.folder)?.map_err(|output| Failure::Unlinked { output })?;
         compiled.output.push_str(&output);
         Ok(())
+    }
+
+    /// Runs a command of `compiler` that writes to the folder `scratch`; returns its output, as `Err` if it failed.
+    fn call(
+        &self,
+        compiled: &mut Compiled,
+        compiler: &Compiler,
+        command: &mut Command,
+        scratch: &Path,
+    ) -> io::Result<Result<String, String>> {
+        compiled.note(command);
+        if let Some(sandbox) = self.sandbox {
+            let mut reads = compiler.folders();
+            reads.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
+            reads.extend(sandbox.root.clone());
+            // The shims' object files are entries of the cache.
+            reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
+            sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;
+        }
+        compiled.call(command)
     }
 
     /// A call of `compiler` with the path of the headers.
@@ -463,7 +487,6 @@ impl Compiled {
 
     /// Runs `command`; returns its output, as `Err` if it failed.
     fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
-        self.note(command);
         let output = match build_output(command, build_timeout(COMMAND_TIMEOUT)) {
             Err(error) if error.kind() == io::ErrorKind::TimedOut => {
                 return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));

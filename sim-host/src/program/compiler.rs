@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use robios_sys::c;
@@ -218,6 +218,11 @@ impl Compiler {
         format!("{:?}\n{}\n{}", self.command, program.display(), self.version)
     }
 
+    /// Folders besides the system's that it needs: those of its own installation.
+    pub fn folders(&self) -> Vec<PathBuf> {
+        self.command.first().and_then(|name| which(name)).map_or_else(Vec::new, |program| tool_folders(&program))
+    }
+
     /// Flags of a compilation to an object file, except the standard.
     pub fn compile_flags(&self) -> impl Iterator<Item = &str> {
         let flags = c::COMPILE_FLAGS.iter().chain(COMPILE_FLAGS).copied();
@@ -372,6 +377,14 @@ fn ask_version(command: &[String]) -> io::Result<String> {
         return Err(io::Error::other(format!("`--version` gives {}: {}", output.status, said.trim())));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// The folders of the installation to which `program` belongs, such as `bin/python3`: its own and those of its libraries beside it.
+pub(super) fn tool_folders(program: &Path) -> Vec<PathBuf> {
+    let folder = program.parent().unwrap_or(Path::new("/"));
+    let installation = folder.parent().unwrap_or(folder);
+    let beside = ["lib", "lib64", "libexec", "include", "pyvenv.cfg"].map(|name| installation.join(name));
+    std::iter::once(folder.to_owned()).chain(beside).collect()
 }
 
 /// The path of the command `name` on the search path, with links resolved; `None` if no file there can be executed.

@@ -8,6 +8,7 @@ use std::io::{self, Write as _};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::ptr::NonNull;
 use std::sync::{Arc, Once};
 
@@ -23,6 +24,8 @@ use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
 use super::python::PythonError;
 use super::run_folder::RunFolder;
+use super::sandbox::scratch::Scratch;
+use super::sandbox::{Grant, Role, Sandbox};
 use super::share::share_pages;
 use super::shared::{SharedCopy, Variables};
 
@@ -275,6 +278,8 @@ pub struct Loader {
     sharing_robots: usize,
     /// Number of robots that a worker gets before the next one does.
     deal: usize,
+    /// Restrictions of programs in processes of their own.
+    sandbox: Option<Sandbox>,
 }
 
 /// Number of robots, neighbours in the list of `robots`, that each of the `workers` gets before the next one does. Neighbours in the list
@@ -298,7 +303,37 @@ impl Loader {
             shared_copies: BTreeMap::new(),
             sharing_robots: 0,
             deal: 1,
+            sandbox: None,
         })
+    }
+
+    /// Restricts the programs that run in processes of their own.
+    pub fn set_sandbox(&mut self, sandbox: Option<Sandbox>) {
+        self.sandbox = sandbox;
+    }
+
+    /// Returns true if programs in processes of their own are restricted.
+    pub fn is_restricting(&self) -> bool {
+        self.sandbox.is_some()
+    }
+
+    /// Restricts `command`, which runs `prepared` and may read the files and folders `reads` besides the program's own, and gives it a scratch
+    /// folder as its working folder; `None` if programs are not restricted.
+    ///
+    /// # Errors
+    /// The folder cannot be created, or the kernel refuses.
+    pub fn restrict(
+        &self,
+        command: &mut Command,
+        prepared: &Prepared,
+        mut reads: Vec<PathBuf>,
+    ) -> io::Result<Option<Scratch>> {
+        let Some(sandbox) = &self.sandbox else { return Ok(None) };
+        let scratch = Scratch::new(sandbox.of_programs)?;
+        reads.extend(prepared.own_folder());
+        command.current_dir(scratch.folder());
+        sandbox.apply(command, &Grant { role: Role::Program, reads, scratch: scratch.folder() })?;
+        Ok(Some(scratch))
     }
 
     /// Sets the number of robots that a worker gets before the next one does, see [`deal`].

@@ -23,6 +23,7 @@ pub mod load;
 pub mod prepare;
 pub mod python;
 mod run_folder;
+pub mod sandbox;
 pub mod scene;
 pub(crate) mod share;
 pub mod shared;

@@ -70,6 +70,16 @@ impl Prepared {
         self.choice.as_ref()?.remark(self.source.path())
     }
 
+    /// The folder that belongs to the program alone: that of its sources, or of its file.
+    pub fn own_folder(&self) -> Option<PathBuf> {
+        match &self.source {
+            ProgramSource::Cargo(folder) => Some(folder.clone()),
+            source => source.path().parent().map(Path::to_owned),
+        }
+        // A name without a folder lies in the working folder.
+        .map(|folder| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder })
+    }
+
     /// The files that determine the program, for the list of a run's inputs.
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, build_output};
-use super::compiler::which;
+use super::compiler::{tool_folders, which};
 use crate::host;
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
@@ -19,6 +19,14 @@ pub struct Python {
     interpreter: PathBuf,
     /// The module `eye`, which, run as a script, runs a program.
     eye: PathBuf,
+}
+
+/// Interpreter and folders of an installation of Python.
+struct PythonHome {
+    executable: PathBuf,
+    /// Folder of modules that the user has installed without root.
+    user: PathBuf,
+    folders: Vec<PathBuf>,
 }
 
 /// Reasons why Python programs cannot be run.
@@ -77,6 +85,43 @@ impl Python {
         let mut version = said.split(' ').map(str::parse);
         let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= MINOR);
         if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
+    }
+
+    /// The interpreter itself, behind any launcher, and the folders that it reads: its installation, the module `eye` and the modules that it finds.
+    ///
+    /// # Errors
+    /// It does not start, or does not answer.
+    fn home(&self) -> io::Result<PythonHome> {
+        // The modules are loaded before any file of the working folder could take their place.
+        const QUESTION: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
+        let mut command = Command::new(&self.interpreter);
+        let answer = build_output(command.args(["-c", QUESTION]), COMMAND_TIMEOUT)?;
+        let said = String::from_utf8_lossy(&answer.stdout);
+        let mut lines = said.lines().map(PathBuf::from);
+        let (Some(executable), Some(prefix), Some(base), Some(user)) =
+            (lines.next(), lines.next(), lines.next(), lines.next())
+        else {
+            return Err(io::Error::other(format!("`{}` does not tell its folders", self.interpreter.display())));
+        };
+        let mut folders: Vec<PathBuf> = lines.filter(|path| path.is_absolute()).collect();
+        let real = std::fs::canonicalize(&executable)?;
+        folders.extend(tool_folders(&executable).into_iter().chain(tool_folders(&real)));
+        folders.extend([prefix, base].iter().flat_map(|prefix| tool_folders(&prefix.join("bin/python3"))));
+        folders.push(self.eye.clone());
+        Ok(PythonHome { executable, user, folders })
+    }
+
+    /// As [`Self::command`], for a process without the user's environment; also gives the folders that the interpreter reads.
+    ///
+    /// # Errors
+    /// The interpreter does not start, or does not answer.
+    pub fn restricted_command(&self, program: &Path) -> io::Result<(Command, Vec<PathBuf>)> {
+        let PythonHome { executable, user, folders } = self.home()?;
+        let mut command = Self { interpreter: executable, eye: self.eye.clone() }.command(program);
+        if !user.as_os_str().is_empty() {
+            command.env("PYTHONUSERBASE", user);
+        }
+        Ok((command, folders))
     }
 
     /// The interpreter.

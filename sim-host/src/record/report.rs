@@ -10,6 +10,7 @@ use sha2::{Digest as _, Sha256};
 use sim_core::pose::Pose;
 
 use super::sink::RecordError;
+use crate::program::sandbox::SandboxReport;
 use sim_core::record::{Digest, Outcome};
 
 /// Version of the report's schema.
@@ -46,6 +47,9 @@ pub struct Report {
     pub drawn: Vec<DrawnReport>,
     /// Results of the scene's checks, in the order of the file.
     pub checks: Vec<CheckReport>,
+    /// Restrictions of the programs; none if they were not restricted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sandbox: Option<SandboxReport>,
     /// Points of all checks together.
     #[serde(serialize_with = "finite")]
     pub points: f64,

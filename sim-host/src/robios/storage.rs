@@ -4,15 +4,19 @@
 //! scene. A robot reads its own writes at once; other robots see them from the next slot on, in the order (virtual
 //! time, robot), so that a run does not depend on execution order. Files that other programs change during a run are
 //! outside this guarantee.
+//!
+//! The calls of a program in a sandbox read files in its own folder and in that of the scene alone, and what they write stays in memory.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read as _};
 use std::os::unix::ffi::OsStrExt;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use sim_core::time::Time;
+
+use crate::program::sandbox::files::open_beneath;
 
 /// Largest file that is read: larger ones are no images or sounds.
 const MAX_BYTES: u64 = 256 << 20;
@@ -21,9 +25,22 @@ const MAX_BYTES: u64 = 256 << 20;
 #[derive(Clone, Debug, Default)]
 pub struct Storage {
     scene_folder: PathBuf,
+    /// In a sandbox, the folder of the program and the files written.
+    confined: Option<Confined>,
     /// Files written in the present slot.
     pending_writes: BTreeMap<PathBuf, (Time, Vec<u8>)>,
 }
+
+/// Files of a robot whose program is in a sandbox.
+#[derive(Clone, Debug, Default)]
+struct Confined {
+    own_folder: Option<PathBuf>,
+    /// Files written, which exist for this robot alone.
+    written: BTreeMap<PathBuf, Vec<u8>>,
+}
+
+/// Most bytes of files that a robot in a sandbox may write; our choice.
+const MAX_WRITTEN: usize = 64 << 20;
 
 /// A file that a robot wrote in a slot.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,7 +56,13 @@ pub struct PendingWrite {
 impl Storage {
     /// Files of a robot in a scene that is in `scene_folder`.
     pub fn new(scene_folder: &Path) -> Self {
-        Self { scene_folder: scene_folder.to_owned(), pending_writes: BTreeMap::new() }
+        Self { scene_folder: scene_folder.to_owned(), ..Self::default() }
+    }
+
+    /// Files of a robot in a sandbox, whose program lies in `own_folder`.
+    pub fn confined(scene_folder: &Path, own_folder: Option<PathBuf>) -> Self {
+        let confined = Some(Confined { own_folder, ..Confined::default() });
+        Self { confined, ..Self::new(scene_folder) }
     }
 
     /// Reads the file called `name`.
@@ -48,6 +71,9 @@ impl Storage {
     /// Those of the system for `name` in the working folder.
     pub fn read(&self, name: &[u8]) -> io::Result<Vec<u8>> {
         let path = path_of(name);
+        if let Some(confined) = &self.confined {
+            return confined.read(&path, &self.scene_folder);
+        }
         let beside_scene = self.scene_folder.join(&path);
         for path in [&path, &beside_scene] {
             if let Some((_, bytes)) = self.pending_writes.get(path) {
@@ -66,6 +92,9 @@ impl Storage {
     /// If the parent folder does not exist, or a folder has this name.
     pub fn write(&mut self, now: Time, name: &[u8], bytes: Vec<u8>) -> io::Result<()> {
         let path = path_of(name);
+        if let Some(confined) = &mut self.confined {
+            return confined.write(path, bytes);
+        }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if path.file_name().is_none() || path.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
@@ -89,6 +118,35 @@ impl Storage {
     }
 }
 
+impl Confined {
+    fn read(&self, path: &Path, scene_folder: &Path) -> io::Result<Vec<u8>> {
+        if let Some(bytes) = self.written.get(path) {
+            return Ok(bytes.clone());
+        }
+        let mut result = Err(io::ErrorKind::NotFound.into());
+        for folder in self.own_folder.iter().map(PathBuf::as_path).chain([scene_folder]) {
+            result = open_beneath(folder, path).and_then(read_open);
+            if result.is_ok() {
+                break;
+            }
+        }
+        result
+    }
+
+    fn write(&mut self, path: PathBuf, bytes: Vec<u8>) -> io::Result<()> {
+        let is_plain = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !is_plain || path.file_name().is_none() {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        let others = self.written.iter().filter(|(other, _)| **other != path).map(|(_, bytes)| bytes.len());
+        if others.sum::<usize>() + bytes.len() > MAX_WRITTEN {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        self.written.insert(path, bytes);
+        Ok(())
+    }
+}
+
 impl PendingWrite {
     /// Writes the file to the disk.
     ///
@@ -106,7 +164,15 @@ fn path_of(name: &[u8]) -> PathBuf {
 }
 
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    let metadata = fs::metadata(path)?;
+    // Opening a pipe might wait for ever.
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("it is not a file"));
+    }
+    read_open(File::open(path)?)
+}
+
+fn read_open(mut file: File) -> io::Result<Vec<u8>> {
+    let metadata = file.metadata()?;
     // Reading a pipe or a terminal might never end.
     if !metadata.is_file() {
         return Err(io::Error::other("it is not a file"));
@@ -114,7 +180,9 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     if metadata.len() > MAX_BYTES {
         return Err(io::Error::other(format!("it is larger than {} MiB", MAX_BYTES >> 20)));
     }
-    fs::read(path)
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -123,6 +191,30 @@ mod tests {
 
     fn name(path: &Path) -> &[u8] {
         path.as_os_str().as_bytes()
+    }
+
+    #[test]
+    fn a_robot_in_a_sandbox_reads_its_own_folder_and_writes_memory() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own");
+        fs::create_dir_all(own.join("images")).unwrap();
+        fs::write(folder.path().join("secret"), "s").unwrap();
+        fs::write(own.join("images/a.pgm"), "a").unwrap();
+        std::os::unix::fs::symlink("../secret", own.join("link")).unwrap();
+        let mut storage = Storage::confined(Path::new("/nowhere"), Some(own.clone()));
+        assert_eq!(storage.read(b"images\\a.pgm").unwrap(), b"a");
+        let secret = folder.path().join("secret");
+        let outside: [&[u8]; 5] = [b"../secret", b"link", name(&secret), b"/etc/passwd", b"/proc/self/environ"];
+        for outside in outside {
+            assert!(storage.read(outside).is_err(), "{}", String::from_utf8_lossy(outside));
+        }
+        storage.write(Time::ZERO, b"b.pgm", b"b".to_vec()).unwrap();
+        assert_eq!(storage.read(b"b.pgm").unwrap(), b"b");
+        assert!(!storage.has_pending_writes() && !own.join("b.pgm").exists());
+        assert!(storage.write(Time::ZERO, b"../secret", Vec::new()).is_err());
+        assert!(storage.write(Time::ZERO, name(&secret), Vec::new()).is_err());
+        assert!(storage.write(Time::ZERO, b"c", vec![0; MAX_WRITTEN]).is_err(), "one byte is taken");
+        storage.write(Time::ZERO, b"b.pgm", vec![0; MAX_WRITTEN]).unwrap();
     }
 
     #[test]

@@ -28,6 +28,7 @@ use crate::executive::program::Exec;
 use crate::files::{DiskFiles, slashed};
 use crate::launch::settings::ProgramOption;
 use crate::launch::{Options, check};
+use crate::program::sandbox::Sandbox;
 
 /// A suite that has been read.
 pub struct Suite {
@@ -39,8 +40,8 @@ pub struct Suite {
     pub inputs: Vec<InputFile>,
     /// The programs of checks may run: the suite is the user's own, not that of an archive.
     pub may_run_checks: bool,
-    /// Place of the programs.
-    pub exec: Exec,
+    /// Restrictions of the programs and of the compilers that build them.
+    pub sandbox: Option<Sandbox>,
     axes: Vec<Axis>,
     /// Its checks as text: lines of the file and its place do not matter.
     checks_text: String,
@@ -62,7 +63,7 @@ impl Suite {
             diagnostics: loaded.diagnostics,
             inputs: loaded.inputs,
             may_run_checks: true,
-            exec: Exec::Auto,
+            sandbox: None,
             axes,
             checks_text,
             programs,
@@ -151,7 +152,8 @@ impl Suite {
             until: spec.until,
             linger: spec.linger,
             workers: std::num::NonZeroUsize::new(1),
-            exec: self.exec,
+            exec: if self.sandbox.is_some() { Exec::Process } else { Exec::Auto },
+            sandbox: self.sandbox.clone(),
             timeout: spec.limits.slot_processor,
             programs: programs.to_vec(),
             keys: spec.keys.clone(),

@@ -12,16 +12,17 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::host;
 use crate::pack::Pack;
+use crate::program::sandbox::Level;
 use crate::record::report::write_atomically;
 
 const SETUP: &str = include_str!("setup.sh");
 const RUN: &str = include_str!("run_autograder");
 
-/// Writes the archive.
+/// Writes the archive, which grades in a sandbox of `level`.
 ///
 /// # Errors
 /// This binary or the seeds cannot be read, or the archive cannot be written.
-pub(super) fn write(file: &Path, suite: &Pack, seeds: Option<&Path>) -> anyhow::Result<()> {
+pub(super) fn write(file: &Path, suite: &Pack, seeds: Option<&Path>, level: Level) -> anyhow::Result<()> {
     let binary = host::script().context("no path of this command")?;
     anyhow::ensure!(
         host::current().is_none(),
@@ -30,7 +31,7 @@ pub(super) fn write(file: &Path, suite: &Pack, seeds: Option<&Path>) -> anyhow::
     let binary = fs::read(&binary).with_context(|| format!("`{}`", binary.display()))?;
     let mut entries: Vec<(&str, u32, Vec<u8>)> = vec![
         ("setup.sh", 0o755, SETUP.into()),
-        ("run_autograder", 0o755, RUN.into()),
+        ("run_autograder", 0o755, RUN.replace("LEVEL", level.word()).into()),
         ("suite.zip", 0o644, suite.to_bytes()?),
         ("eyesim", 0o755, binary),
     ];

@@ -16,12 +16,14 @@ use robios_sys::wire::{Malformed, Reader};
 use super::channel::{Channel, Channels, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
+use super::output;
 use crate::executive::confine::protect_host;
 use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
 use crate::host;
 use crate::program::command;
+use crate::program::sandbox::scratch::Scratch;
 
 /// Prefix of the name of a robot's process in lists of processes.
 pub const CHILD_NAME: &str = "eyesim: ";
@@ -58,6 +60,8 @@ pub struct Child {
     pub(super) last_call: AtomicU16,
     /// Functions of the program that the host may call, by their numbers in the child.
     pub(super) callbacks: Mutex<BTreeMap<(u64, u64), Box<dyn Any + Send>>>,
+    /// Scratch folder of a restricted process, with its limits.
+    scratch: Option<Scratch>,
 }
 
 struct Process {
@@ -94,17 +98,26 @@ impl Child {
     ///
     /// # Errors
     /// The system has no room for another process, or the command does not exist.
-    pub fn start(mut command: Command) -> io::Result<Self> {
+    ///
+    /// A restricted process has a folder `scratch`, and prints to a pipe: its output is cut, and shown without control characters.
+    pub fn start(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
         let channels = Channels::new()?;
-        command.stdin(Stdio::from(channels.file()?)).stdout(Stdio::from(io::stderr())).process_group(0);
-        Self::spawn(command, channels, false)
+        command.stdin(Stdio::from(channels.file()?)).process_group(0);
+        if scratch.is_some() {
+            let (reader, writer) = io::pipe()?;
+            command.stdout(writer.try_clone()?).stderr(writer);
+            output::forward(reader)?;
+        } else {
+            command.stdout(Stdio::from(io::stderr()));
+        }
+        Self::spawn(command, channels, false, scratch)
     }
 
     /// As [`Child::start`], for a command that is not this binary and cannot [protect the host](protect_host) itself.
     ///
     /// # Errors
     /// As [`Child::start`].
-    pub fn start_foreign(mut command: Command) -> io::Result<Self> {
+    pub fn start_foreign(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
         let host = std::process::id().cast_signed();
         // SAFETY: the function is async-signal-safe.
         unsafe {
@@ -113,7 +126,7 @@ impl Child {
                 Ok(())
             })
         };
-        Self::start(command)
+        Self::start(command, scratch)
     }
 
     /// Starts the program in `library` under a debugger, which gets the terminal.
@@ -123,10 +136,10 @@ impl Child {
     pub fn start_debugged(debugger: &Debugger, library: &Path) -> io::Result<Self> {
         let channels = Channels::new()?;
         let command = debugger.command(library, &channels.path())?;
-        Self::spawn(command, channels, true)
+        Self::spawn(command, channels, true, None)
     }
 
-    fn spawn(command: Command, channels: Channels, is_debugged: bool) -> io::Result<Self> {
+    fn spawn(command: Command, channels: Channels, is_debugged: bool, scratch: Option<Scratch>) -> io::Result<Self> {
         let first = channels.map(0)?;
         let handle = command::spawn(command)?;
         Ok(Self {
@@ -143,6 +156,7 @@ impl Child {
             lost: OnceLock::new(),
             last_call: AtomicU16::new(u16::MAX),
             callbacks: Mutex::default(),
+            scratch,
         })
     }
 
@@ -213,7 +227,13 @@ impl Child {
             return Err(lost.clone());
         }
         let mut gone = None;
-        while !channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
+        loop {
+            if let Some(excess) = self.scratch.as_ref().and_then(|scratch| scratch.excess(self.pid)) {
+                return Err(self.lose(self.broken(&excess)));
+            }
+            if channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
+                break;
+            }
             // A message sent before the child ended still counts.
             if let Some(status) = self.exit_status()
                 && !channel.wait_for(Turn::Host, Some(Duration::ZERO))

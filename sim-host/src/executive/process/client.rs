@@ -48,6 +48,13 @@ static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
 /// # Errors
 /// This process was not started by `eyesim run`.
 pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
+    // SAFETY: the calls take numbers alone.
+    unsafe {
+        // A restricted process is hidden from others of its user, which exec has taken back.
+        if libc::prctl(libc::PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) == 1 {
+            libc::prctl(libc::PR_SET_DUMPABLE, 0, 0, 0, 0);
+        }
+    }
     let channels = Channels::of_standard_input()?;
     let first = channels.map(0)?;
     if !first.is_known() {

@@ -8,6 +8,7 @@ pub mod channel;
 pub mod child;
 pub mod client;
 pub mod debugger;
+mod output;
 pub mod serve;
 
 pub use child::{CHILD_NAME, Child};

@@ -1,0 +1,57 @@
+//! Output that a restricted process writes past the simulator, to its own standard output and error.
+
+use std::io::{self, PipeReader, Read as _, Write as _};
+use std::thread;
+
+/// Bytes of such output of one process that are shown; our choice.
+const MOST: usize = 1 << 20;
+
+/// Forwards what comes through `pipe` to this process's standard error on a new thread: at most [`MOST`] bytes, and without control
+/// characters, which could change the terminal. The rest is read and dropped, so that the writer does not block.
+///
+/// # Errors
+/// The system has no room for the thread.
+pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
+    let copy = move || {
+        let mut left = MOST;
+        let mut buffer = [0; 1 << 14];
+        loop {
+            let count = match pipe.read(&mut buffer) {
+                Ok(0) => return,
+                Ok(count) => count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(_) => return,
+            };
+            let shown = count.min(left);
+            left -= shown;
+            // A standard error that is closed does not concern the program.
+            let _ = io::stderr().write_all(printable(&mut buffer[..shown]));
+            if shown < count && shown > 0 {
+                let _ = writeln!(
+                    io::stderr(),
+                    "\n... a program has printed more than {} kB past the simulator",
+                    MOST / 1000
+                );
+            }
+        }
+    };
+    thread::Builder::new().name("output".to_owned()).spawn(copy).map(drop)
+}
+
+/// Replaces control characters besides the line feed and the tabulator by `?`.
+fn printable(bytes: &mut [u8]) -> &[u8] {
+    let is_control = |byte: &u8| byte.is_ascii_control() && !matches!(byte, b'\n' | b'\t');
+    bytes.iter_mut().filter(|byte| is_control(byte)).for_each(|byte| *byte = b'?');
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_terminal_gets_no_escapes() {
+        let mut bytes = *b"a\x1b[2J\tb\r\n";
+        assert_eq!(printable(&mut bytes), b"a?[2J\tb?\n");
+    }
+}

@@ -1,0 +1,97 @@
+//! What the kernel offers to close areas.
+
+use std::ptr;
+
+use super::{Area, Level, Unreachable};
+
+/// Landlock's version from which on it keeps signals within the sandbox.
+const SCOPED_SIGNALS: i32 = 6;
+
+/// Features of the running kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kernel {
+    /// Version of Landlock's interface, 0 without Landlock.
+    pub landlock: i32,
+    /// It filters system calls.
+    pub has_seccomp: bool,
+}
+
+impl Kernel {
+    /// Asks the kernel.
+    pub fn probe() -> Self {
+        // SAFETY: with this flag the call reads no attributes and only returns the version; the second call reads nothing but its own
+        // arguments, and fails with EFAULT for the null filter where filters exist.
+        let (landlock, has_seccomp) = unsafe {
+            let no_attributes = ptr::null::<libc::c_void>();
+            let version = libc::syscall(libc::SYS_landlock_create_ruleset, no_attributes, 0_usize, 1_u32);
+            let filter = libc::prctl(libc::PR_SET_SECCOMP, libc::SECCOMP_MODE_FILTER, no_attributes, 0, 0);
+            (version, filter < 0 && std::io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT))
+        };
+        Self { landlock: i32::try_from(landlock).unwrap_or_default().max(0), has_seccomp }
+    }
+
+    /// What closes an area, in words; what is missing if nothing does.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn means(&self, area: Area) -> Result<String, &'static str> {
+        let landlock = format!("Landlock {}", self.landlock);
+        match area {
+            Area::Resources => Ok("resource limits".to_owned()),
+            _ if !self.has_seccomp => Err("it has no seccomp filters"),
+            // Seccomp closes what Landlock does not know, such as modes and times of files.
+            Area::Files if self.landlock > 0 => Ok(format!("{landlock}, seccomp")),
+            Area::Files => Err("it has no Landlock"),
+            Area::Signals if self.landlock >= SCOPED_SIGNALS => Ok(format!("{landlock}, seccomp")),
+            Area::Network | Area::Signals | Area::Memory => Ok("seccomp".to_owned()),
+        }
+    }
+
+    /// Returns true if Landlock keeps the signals of a sandbox within it.
+    pub fn has_scoped_signals(&self) -> bool {
+        self.landlock >= SCOPED_SIGNALS
+    }
+
+    /// The strongest level that it reaches.
+    pub fn reached(&self) -> Level {
+        let reaches = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
+        Level::ALL.into_iter().rev().find(reaches).unwrap_or(Level::Limits)
+    }
+
+    /// Checks that all areas of `level` can be closed.
+    ///
+    /// # Errors
+    /// [`Unreachable`] with the first area that stays open.
+    pub fn check(&self, level: Level) -> Result<(), Unreachable> {
+        let open = level.areas().find_map(|area| Some((area, self.means(area).err()?)));
+        match open {
+            Some((area, missing)) => Err(Unreachable { level, area, missing, reached: self.reached() }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_beyond_the_kernel_is_refused_with_the_strongest_one() {
+        let modern = Kernel { landlock: 7, has_seccomp: true };
+        let old = Kernel { landlock: 0, ..modern };
+        let bare = Kernel { landlock: 0, has_seccomp: false };
+        assert_eq!([modern, old, bare].map(|kernel| kernel.reached()), [Level::Full, Level::Calls, Level::Limits]);
+        assert_eq!(modern.check(Level::Full), Ok(()));
+        assert_eq!(
+            old.check(Level::Full).unwrap_err().to_string(),
+            "this kernel cannot close files to programs (it has no Landlock), as the sandbox `full` must: `--sandbox=calls` is the \
+             most that it reaches"
+        );
+        let refused = bare.check(Level::Calls).unwrap_err().to_string();
+        assert!(refused.contains("network") && refused.contains("`--sandbox=limits`"), "{refused}");
+        assert_eq!(bare.check(Level::Limits), Ok(()));
+        let early = Kernel { landlock: 3, has_seccomp: true };
+        assert_eq!(early.means(Area::Signals), Ok("seccomp".to_owned()));
+        assert_eq!(early.reached(), Level::Full);
+    }
+}

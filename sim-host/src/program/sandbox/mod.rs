@@ -1,0 +1,238 @@
+//! Sandbox: restrictions of the kernel on the processes that compile and run programs of strangers.
+//!
+//! A [`Level`] says which [areas](Area) are closed to such a process, [`Kernel`] by which means this kernel closes each. [`Sandbox::new`]
+//! refuses a level that the kernel does not reach. [`Sandbox::apply`] restricts a command before it is started: [`files`] with Landlock,
+//! [`calls`] with seccomp, [`limits`] with resource limits, and [`process`] applies them between fork and exec. `docs/sandbox.md` says what
+//! is not protected.
+
+pub mod calls;
+pub mod files;
+pub mod kernel;
+pub mod limits;
+mod process;
+pub mod scratch;
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::io;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+pub use kernel::Kernel;
+pub use limits::Limits;
+use process::{Restriction, User};
+
+/// Area of the system that a sandbox closes to a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Area {
+    /// Files and folders besides those of the system's libraries, its own and its scratch folder.
+    Files,
+    /// All sockets.
+    Network,
+    /// Signals to processes besides its own.
+    Signals,
+    /// Memory of other processes, by tracing or by any other call.
+    Memory,
+    /// Processor time, memory, processes, files and space beyond the [limits](Limits).
+    Resources,
+}
+
+impl Area {
+    /// All areas.
+    pub const ALL: [Self; 5] = [Self::Files, Self::Network, Self::Signals, Self::Memory, Self::Resources];
+
+    /// Its word in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Files => "files",
+            Self::Network => "network",
+            Self::Signals => "signals",
+            Self::Memory => "memory",
+            Self::Resources => "resources",
+        }
+    }
+}
+
+/// Set of areas that a sandbox closes; each level closes what those before it do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Resources alone.
+    Limits,
+    /// All but files: for kernels without Landlock.
+    Calls,
+    /// All areas.
+    #[default]
+    Full,
+}
+
+impl Level {
+    /// All levels, weakest first.
+    pub const ALL: [Self; 3] = [Self::Limits, Self::Calls, Self::Full];
+
+    /// Its word on the command line and in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Limits => "limits",
+            Self::Calls => "calls",
+            Self::Full => "full",
+        }
+    }
+
+    /// The areas that it closes.
+    pub fn areas(self) -> impl Iterator<Item = Area> {
+        Area::ALL.into_iter().filter(move |area| match area {
+            Area::Resources => true,
+            Area::Network | Area::Signals | Area::Memory => self >= Self::Calls,
+            Area::Files => self == Self::Full,
+        })
+    }
+
+    /// The level of this name.
+    ///
+    /// # Errors
+    /// Message with the accepted names.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let level = Self::ALL.into_iter().find(|level| level.word() == text);
+        level.ok_or_else(|| "expected full, calls or limits".to_owned())
+    }
+}
+
+/// A level that the kernel does not reach.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "this kernel cannot close {} to programs ({missing}), as the sandbox `{}` must: `--sandbox={}` is the most that it reaches",
+    area.word(), level.word(), reached.word()
+)]
+pub struct Unreachable {
+    level: Level,
+    area: Area,
+    missing: &'static str,
+    reached: Level,
+}
+
+/// Kind of process that is restricted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A robot's program: it starts threads, and no processes.
+    Program,
+    /// A compiler or build tool: it starts processes.
+    Build,
+}
+
+/// What one process may use.
+#[derive(Clone, Debug)]
+pub struct Grant<'a> {
+    /// Kind of process.
+    pub role: Role,
+    /// Files and folders that it may read besides the system's; those that do not exist are skipped.
+    pub reads: Vec<PathBuf>,
+    /// Folder that it may write to, which must exist: its home and its temporary folder.
+    pub scratch: &'a Path,
+}
+
+/// Restrictions for processes of strangers' programs.
+#[derive(Clone, Debug)]
+pub struct Sandbox {
+    level: Level,
+    kernel: Kernel,
+    /// Limits of a robot's program.
+    pub of_programs: Limits,
+    /// Limits of a compiler.
+    pub of_builds: Limits,
+    /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first source is open in any
+    /// case.
+    pub root: Option<PathBuf>,
+}
+
+/// Record of a sandbox in a report.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SandboxReport {
+    /// Word of the level.
+    pub level: String,
+    /// Closed areas, each with the means that close it.
+    pub closed: BTreeMap<String, String>,
+}
+
+impl Sandbox {
+    /// A sandbox of `level` on this kernel, with the default limits. This process can no longer be traced or read by others of its user.
+    ///
+    /// # Errors
+    /// [`Unreachable`] if the kernel lacks what the level needs.
+    pub fn new(level: Level) -> Result<Self, Unreachable> {
+        let kernel = Kernel::probe();
+        kernel.check(level)?;
+        if level >= Level::Calls {
+            process::hide_own_memory();
+        }
+        Ok(Self { level, kernel, of_programs: Limits::OF_PROGRAM, of_builds: Limits::OF_BUILD, root: None })
+    }
+
+    /// Its level.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Its record in a report.
+    pub fn report(&self) -> SandboxReport {
+        let means = |area: Area| Some((area.word().to_owned(), self.kernel.means(area).ok()?));
+        SandboxReport { level: self.level.word().to_owned(), closed: self.level.areas().filter_map(means).collect() }
+    }
+
+    /// Restricts `command`: its process, and all that this starts, get no more than `grant` allows. The environment is replaced by a short
+    /// list of variables and those that were set on the command; descriptors besides the standard streams are closed. These must be pipes or of
+    /// its own: what it does to a file that it shares is done to all who share it.
+    ///
+    /// As root the process gets a user id of its own, see [`User`].
+    ///
+    /// # Errors
+    /// The kernel refuses the rules.
+    pub fn apply(&self, command: &mut Command, grant: &Grant<'_>) -> io::Result<()> {
+        replace_environment(command, grant.scratch);
+        let is_full = self.level == Level::Full;
+        let restriction = Restriction {
+            limits: match grant.role {
+                Role::Program => self.of_programs.values(),
+                Role::Build => self.of_builds.values(),
+            },
+            user: User::of_process(grant)?,
+            files: is_full.then(|| files::rules(grant)).transpose()?,
+            calls: match self.level {
+                Level::Limits => Vec::new(),
+                Level::Calls | Level::Full => calls::filters(grant.role, &self.kernel)?,
+            },
+        };
+        // SAFETY: the function allocates nothing and makes only system calls, and so is async-signal-safe.
+        unsafe { command.pre_exec(move || restriction.enter()) };
+        Ok(())
+    }
+}
+
+/// Variables that a restricted process gets from this one's environment.
+const VARIABLES: [&str; 6] = ["PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "TERM"];
+
+/// Leaves only the variables that were set on the command, the [common ones](VARIABLES), and the scratch folder as home.
+fn replace_environment(command: &mut Command, scratch: &Path) {
+    let set: Vec<(OsString, OsString)> =
+        command.get_envs().filter_map(|(name, value)| Some((name.to_owned(), value?.to_owned()))).collect();
+    command.env_clear();
+    command.envs(VARIABLES.iter().filter_map(|name| Some((name, std::env::var_os(name)?))));
+    command.env("HOME", scratch).env("TMPDIR", scratch).envs(set);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_level_closes_what_the_weaker_ones_do() {
+        let closed = |level: Level| level.areas().map(Area::word).collect::<Vec<_>>();
+        assert_eq!(closed(Level::Limits), ["resources"]);
+        assert_eq!(closed(Level::Calls), ["network", "signals", "memory", "resources"]);
+        assert_eq!(closed(Level::Full), Area::ALL.map(Area::word));
+        assert!(Level::ALL.into_iter().all(|level| Level::parse(level.word()) == Ok(level)));
+        assert_eq!(Level::parse("none").unwrap_err(), "expected full, calls or limits");
+    }
+}

@@ -1,0 +1,172 @@
+//! Scratch folders: the only place that a restricted program writes to, watched with the program's other limits.
+
+use std::fs;
+use std::io;
+use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+
+use super::Limits;
+use crate::program::run_folder::RunFolder;
+
+/// Interval at which a program's limits are checked: it may exceed them by what it does in this time.
+const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Bytes that an entry of a folder counts besides its contents.
+const ENTRY: u64 = 1 << 10;
+
+/// Most folders within each other.
+const DEPTH: usize = 32;
+
+/// The scratch folder of a restricted program; removed when dropped.
+#[derive(Debug)]
+pub struct Scratch {
+    folder: PathBuf,
+    /// The folder around it, which no program may write to.
+    _outer: RunFolder,
+    limits: Limits,
+    /// Time of the last check.
+    checked: Mutex<Instant>,
+}
+
+impl Scratch {
+    /// Creates the folder in the temporary folder, for a program with these limits.
+    ///
+    /// # Errors
+    /// The folder cannot be created.
+    pub fn new(limits: Limits) -> io::Result<Self> {
+        let outer = RunFolder::new()?;
+        let folder = outer.path().join("scratch");
+        fs::create_dir(&folder)?;
+        Ok(Self { folder, _outer: outer, limits, checked: Mutex::new(Instant::now()) })
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The limit that the process `pid` of the program exceeds, in words, if it was not checked a moment ago.
+    pub fn excess(&self, pid: i32) -> Option<String> {
+        {
+            let mut checked = self.checked.lock();
+            if checked.elapsed() < INTERVAL {
+                return None;
+            }
+            *checked = Instant::now();
+        }
+        if threads_of(pid) > self.limits.processes {
+            return Some(format!("it started more than {} threads, the limit of its sandbox", self.limits.processes));
+        }
+        (!fits(&self.folder, self.limits.scratch)).then(|| {
+            format!(
+                "its files exceed the limits of its sandbox: {} MiB, and {DEPTH} folders within each other",
+                self.limits.scratch >> 20
+            )
+        })
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What is left is removed with the run folder, or at the start of a later run.
+        let _ = remove(&self.folder);
+    }
+}
+
+/// Threads of the process `pid`, 0 if it has ended.
+fn threads_of(pid: i32) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    let threads = status.lines().find_map(|line| line.strip_prefix("Threads:"));
+    threads.and_then(|threads| threads.trim().parse().ok()).unwrap_or_default()
+}
+
+/// Returns true if all files in `folder` together take at most `most` bytes. A folder that cannot be looked into does not fit.
+fn fits(folder: &Path, most: u64) -> bool {
+    let mut size = 0;
+    let mut folders = vec![(folder.to_owned(), 0)];
+    while let Some((folder, depth)) = folders.pop() {
+        let Ok(entries) = fs::read_dir(folder) else { return false };
+        for entry in entries {
+            // A file may be removed meanwhile.
+            let Ok(entry) = entry else { continue };
+            let Ok(metadata) = entry.metadata() else { continue };
+            size += ENTRY + metadata.blocks() * 512;
+            if metadata.is_dir() {
+                folders.push((entry.path(), depth + 1));
+            }
+            if size > most || depth > DEPTH {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// Removes `folder` with all that is in it, which may be nested too deep for any path: folders within it are moved up before they are emptied.
+fn remove(folder: &Path) -> io::Result<()> {
+    let mut moved = 0_u64;
+    loop {
+        fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
+        let mut is_empty = true;
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            is_empty = false;
+            if !entry.file_type()?.is_dir() {
+                fs::remove_file(entry.path())?;
+                continue;
+            }
+            let inner = entry.path();
+            fs::set_permissions(&inner, fs::Permissions::from_mode(0o700))?;
+            for entry in fs::read_dir(&inner)? {
+                let entry = entry?;
+                if entry.file_type()?.is_dir() {
+                    // A folder can be moved only by who may write to it.
+                    fs::set_permissions(entry.path(), fs::Permissions::from_mode(0o700))?;
+                    moved += 1;
+                    fs::rename(entry.path(), folder.join(format!("moved-{}-{moved}", std::process::id())))?;
+                } else {
+                    fs::remove_file(entry.path())?;
+                }
+            }
+            fs::remove_dir(inner)?;
+        }
+        if is_empty {
+            return fs::remove_dir(folder);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_counts_files_folders_and_depth() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("scratch");
+        fs::create_dir(&folder).unwrap();
+        assert!(fits(&folder, 0));
+        fs::write(folder.join("a"), vec![1; 10_000]).unwrap();
+        assert!(fits(&folder, 20_000) && !fits(&folder, 10_000));
+        (0..30).for_each(|number| fs::create_dir(folder.join(format!("d{number}"))).unwrap());
+        assert!(!fits(&folder, 20_000), "empty folders take room as well");
+        let deep: PathBuf = std::iter::repeat_n("d", DEPTH + 3).collect();
+        fs::create_dir_all(folder.join(deep)).unwrap();
+        assert!(!fits(&folder, u64::MAX));
+    }
+
+    #[test]
+    fn a_tree_deeper_than_any_path_is_removed() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("scratch");
+        fs::create_dir(&folder).unwrap();
+        let script = "i=0; while [ $i -lt 3000 ]; do mkdir ddddd && cd -P ddddd && echo x > f || exit 1; i=$((i+1)); done; chmod 0 .";
+        let made = std::process::Command::new("sh").args(["-c", script]).current_dir(&folder).status().unwrap();
+        assert!(made.success());
+        remove(&folder).unwrap();
+        assert!(!folder.exists());
+    }
+}
