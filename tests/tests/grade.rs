@@ -331,7 +331,7 @@ fn wrong_arguments_are_told() {
     scratch.write("used/mine.txt", "mine");
     scratch.write("seeds.txt", "1\nx\n");
     let base = scratch.read("lab/lab.suite.toml");
-    let mut check = |suite: &str, args: &[&str], part: &str| {
+    let check = |suite: &str, args: &[&str], part: &str| {
         scratch.write("lab/lab.suite.toml", suite);
         let ran = scratch.eyesim(&[&["grade", "lab/lab.suite.toml"], args].concat());
         assert!(ran.code == Some(2) && ran.stderr.contains(part), "{args:?}: {ran:#?}");
@@ -344,5 +344,5 @@ fn wrong_arguments_are_told() {
     check(&base.replace("submit =", "# "), &all, "which files of a submission are programs");
     check(&base.replace("{ 1 =", "{ 7 ="), &all, "robot 7");
     check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "[]"), &all, "names no files");
-    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "3"), &all, "text");
+    check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "3"), &all, "is of type integer");
 }

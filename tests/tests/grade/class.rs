@@ -139,7 +139,7 @@ fn forms(add: Add<'_>) {
     let mac: [(&str, &[u8]); 3] = [("lab/solve.c", &mine), ("__MACOSX/lab/._solve.c", b"x"), ("lab/.DS_Store", b"x")];
     add("form-mac", Form::File(".zip", zip_of(&mac)), "passed", "");
     add("form-windows", Form::File(".zip", zip_of(&[("lab\\solve.c", &mine)])), "passed", "");
-    for name in ["Ana María Núñez", "王小明", "محمد", "Ω 🙂", "a, b = c", "<b>bold</b>", "=SUM(A1)", "\u{1b}[31mred"]
+    for name in ["Ana María Núñez", "王小明", "محمد", "Ω 🙂", "a, b = c", "<b>bold<b>", "=SUM(A1)", "\u{1b}[31mred"]
     {
         add(name, Form::Folder(vec![("Übung 1, neu/lösung = 1.c", mine.clone())]), "passed", "");
     }
