@@ -118,7 +118,8 @@ impl Failure {
         let text = text.to_string();
         let is_long = text.lines().nth(1).is_some();
         // Compilers tell first where they look, and linkers last that they have failed.
-        let find = |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
+        let find =
+            |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
         let of_linker = || find("multiple definition of").or_else(|| find("undefined reference to"));
         let first = find(" error: ").or_else(of_linker).or(text.lines().next());
         let message = first.unwrap_or_default().trim().to_owned();
