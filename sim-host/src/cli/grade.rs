@@ -27,7 +27,6 @@ use crate::files::read_regular;
 use crate::grade::submission::{Submission, read_all, read_one};
 use crate::grade::{GradeError, Graded, Grader, grade_all, parse_seeds};
 use crate::pack::{Pack, Unpacked};
-use crate::program::sandbox::Sandbox;
 use crate::record::log::Printable;
 use crate::record::report::write_atomically;
 use crate::suite::summary::Variant;
@@ -62,9 +61,9 @@ pub struct GradeArgs {
     /// Submissions that are graded at one time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER")]
     pub jobs: Option<NonZeroUsize>,
-    /// Level of the sandbox in which submissions are built and run: full, calls or limits
-    #[arg(long, value_name = "LEVEL", default_value = "full", value_parser = parse_sandbox)]
-    pub sandbox: Sandbox,
+    /// What is closed to compilers and programs of submissions: full, calls or limits
+    #[arg(long, value_name = "LEVEL", default_value = "full")]
+    pub sandbox: String,
     /// Let the programs of an archive's checks run
     #[arg(long)]
     pub allow_execute: bool,
@@ -135,12 +134,14 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
     let may_run_checks = unpacked.is_none() || args.allow_execute;
-    let builder = builder(true, Some(args.sandbox.clone()))?;
-    let mut grader = Grader::open(&path, &seeds, may_run_checks, (builder, args.sandbox.clone()), interrupt.clone())?;
+    let sandbox = parse_sandbox(&args.sandbox).map_err(anyhow::Error::msg).context("--sandbox")?;
+    let level = sandbox.level();
+    let builder = builder(true, Some(sandbox.clone()))?;
+    let mut grader = Grader::open(&path, &seeds, may_run_checks, (builder, sandbox), interrupt.clone())?;
     if let Some(file) = &args.gradescope {
         ensure!(is_archive(file), "--gradescope `{}`: expected a name that ends in .zip", file.display());
         let pack = suite_pack(&grader, &path)?;
-        autograder::write(file, &pack, args.hidden_seeds.as_deref(), args.sandbox.level())?;
+        autograder::write(file, &pack, args.hidden_seeds.as_deref(), level)?;
         say(format_args!("wrote `{}`: upload it as the autograder of an assignment", file.display()));
         return Ok(ExitCode::SUCCESS);
     }

@@ -349,6 +349,7 @@ mod tests {
 
     fn report(robots: Vec<RobotReport>) -> Report {
         Report {
+            sandbox: None,
             schema: REPORT_SCHEMA,
             eyesim_version: "0.1.0".into(),
             argv: vec![],

@@ -84,7 +84,8 @@ pub struct Grader {
 }
 
 impl Grader {
-    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`.
+    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`. Compilers and
+    /// programs of submissions run in `sandbox`.
     ///
     /// # Errors
     /// The suite or a scene has mistakes, names no files to submit, or a program of its own cannot be built.
@@ -98,7 +99,7 @@ impl Grader {
         let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
         let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
         let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
-        let suite = open(path, &hidden, may_run_checks, &sandbox, Vec::new())?;
+        let suite = open(path, &hidden, may_run_checks, Vec::new(), &sandbox)?;
         if suite.spec.submit.is_empty() {
             let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
             return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
@@ -222,9 +223,13 @@ impl Grader {
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
         // Messages of compilers have the paths without links.
         let folder = fs::canonicalize(&folder).unwrap_or(folder);
-        let suite = open(&self.path, &self.hidden, self.may_run_checks, &self.sandbox, programs).map_err(|error| error.to_string())?;
+        // Sources in several folders include each other's headers.
+        let mut sandbox = self.sandbox.clone();
+        sandbox.root = Some(folder.clone());
+        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs, &sandbox)
+            .map_err(|error| error.to_string())?;
         let cases = suite.cases()?;
-        let builder = self.builder.take().ok_or("the builder has been used")?;
+        let builder = self.builder.take().ok_or("the builder has been used")?.with_sandbox(Some(sandbox));
         let session = Session::new(builder, self.interrupt.clone());
         let preparation = Preparation::of(&suite, cases.iter(), session);
         let mut results: BTreeMap<usize, CaseResult> = BTreeMap::new();
@@ -275,6 +280,7 @@ impl Grader {
         };
         add(&format!("eyesim {} {SCHEMA} {}", env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA));
         add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden, self.may_run_checks));
+        add(self.sandbox.level().word());
         for (path, sha256) in inputs {
             add(path);
             add(sha256);
@@ -303,7 +309,7 @@ impl Graded {
     }
 }
 
-/// Opens the suite with hidden seeds and programs of a submission, which are built and run in the sandbox.
+/// Opens the suite with hidden seeds and programs of a submission, all in `sandbox`.
 fn open(
     path: &Path,
     hidden: &BTreeSet<u64>,

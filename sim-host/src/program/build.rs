@@ -290,8 +290,8 @@ impl Builder {
     ) -> Result<BuiltProgram, BuildError> {
         let generation = choice.generation;
         let sources = absolute(files)?;
-        if self.sandbox.is_some() {
-            check_own(files, &sources)?;
+        if let Some(sandbox) = &self.sandbox {
+            check_own(files, &sources, sandbox.root.as_deref())?;
         }
         let extra_flags = self.extra_flags()?;
         let built = |entry: super::cache::CacheEntry, compiled| BuiltProgram {
@@ -476,12 +476,13 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
     sources.iter().map(canonical).collect()
 }
 
-/// Checks that no source leads out of the folder that names the first one.
-fn check_own(named: &[PathBuf], sources: &[PathBuf]) -> Result<(), BuildError> {
+/// Checks that no source leads out of the folder that names the first one, nor out of `root`.
+fn check_own(named: &[PathBuf], sources: &[PathBuf], root: Option<&Path>) -> Result<(), BuildError> {
     let folder = named.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let own = fs::canonicalize(folder).map_err(|error| BuildError::Source { path: folder.to_owned(), error })?;
-    match named.iter().zip(sources).find(|(_, source)| !source.starts_with(&own)) {
+    let is_own = |source: &PathBuf| source.starts_with(&own) || root.is_some_and(|root| source.starts_with(root));
+    match named.iter().zip(sources).find(|(_, source)| !is_own(source)) {
         Some((path, _)) => Err(BuildError::Outside { path: path.clone() }),
         None => Ok(()),
     }

@@ -443,6 +443,7 @@ impl<'a> Compilation<'a> {
         if let Some(sandbox) = self.sandbox {
             let mut reads = compiler.folders();
             reads.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
+            reads.extend(sandbox.root.clone());
             // The shims' object files are entries of the cache.
             reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
             sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;

@@ -319,6 +319,7 @@ mod tests {
             ..robot.clone()
         };
         Report {
+            sandbox: None,
             schema: REPORT_SCHEMA,
             eyesim_version: "0.1.0".into(),
             argv: ["eyesim", "run", "square.sim"].map(str::to_owned).to_vec(),

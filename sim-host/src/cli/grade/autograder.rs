@@ -18,7 +18,7 @@ use crate::record::report::write_atomically;
 const SETUP: &str = include_str!("setup.sh");
 const RUN: &str = include_str!("run_autograder");
 
-/// Writes the archive.
+/// Writes the archive, which grades in a sandbox of `level`.
 ///
 /// # Errors
 /// This binary or the seeds cannot be read, or the archive cannot be written.

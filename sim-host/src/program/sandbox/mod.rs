@@ -142,6 +142,9 @@ pub struct Sandbox {
     pub of_programs: Limits,
     /// Limits of a compiler.
     pub of_builds: Limits,
+    /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first source is open in any
+    /// case.
+    pub root: Option<PathBuf>,
 }
 
 /// Record of a sandbox in a report.
@@ -164,7 +167,7 @@ impl Sandbox {
         if level >= Level::Calls {
             process::hide_own_memory();
         }
-        Ok(Self { level, kernel, of_programs: Limits::OF_PROGRAM, of_builds: Limits::OF_BUILD })
+        Ok(Self { level, kernel, of_programs: Limits::OF_PROGRAM, of_builds: Limits::OF_BUILD, root: None })
     }
 
     /// Its level.
