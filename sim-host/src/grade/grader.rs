@@ -99,7 +99,7 @@ impl Grader {
         let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
         let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
         let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
-        let suite = open(path, &hidden, may_run_checks, Vec::new(), &sandbox)?;
+        let suite = open(path, &hidden, may_run_checks, &sandbox, Vec::new())?;
         if suite.spec.submit.is_empty() {
             let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
             return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
@@ -226,7 +226,7 @@ impl Grader {
         // Sources in several folders include each other's headers.
         let mut sandbox = self.sandbox.clone();
         sandbox.root = Some(folder.clone());
-        let suite = open(&self.path, &self.hidden, self.may_run_checks, programs, &sandbox)
+        let suite = open(&self.path, &self.hidden, self.may_run_checks, &sandbox, programs)
             .map_err(|error| error.to_string())?;
         let cases = suite.cases()?;
         let builder = self.builder.take().ok_or("the builder has been used")?.with_sandbox(Some(sandbox));
