@@ -188,7 +188,9 @@ fn files_that_are_none_are_reported() {
     assert_eq!(codes(&scratch, "cr.wld"), ["wld-wall-arity"]);
     assert_eq!(codes(&scratch, "latin.wld"), ["file-encoding"]);
     assert_eq!(codes(&scratch, "folder.wld"), ["folder-empty"]);
-    assert_eq!(codes(&scratch, "a.xyz"), ["file-kind"]);
+    assert_eq!(codes(&scratch, "a.xyz"), ["file-missing"]);
+    scratch.write("b.xyz", "");
+    assert_eq!(codes(&scratch, "b.xyz"), ["file-kind"]);
     assert!(codes(&scratch, "named.sim").contains(&"file-unreadable".to_owned()));
     // Again, as text for people.
     let ran = check(&scratch, &[".", "--format", "human"]);

@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn each_program_gets_its_own_files_and_the_headers() {
-        let two = [submit("1", &["leader.c"]), submit("2", &["*er, 2.c", "b/*.c"])];
+        let two = [submit("1", &["leader.c"]), submit("2", &["follower*.c", "b/*.c"])];
         let files = [("leader.c", "1"), ("a/follower, 2.c", "2"), ("b/x.c", "3"), ("map.h", "4")];
         let choice = choose(&two, &contents(&files)).expect("a choice");
         let folder = tempfile::tempdir().expect("a folder");
