@@ -22,7 +22,7 @@ pub fn write_headers(folder: &Path, headers: &[robios_sys::c::SourceFile]) {
     for header in headers {
         let path = folder.join(header.name);
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("a folder for a file");
-        std::fs::write(path, &*header.text).expect("a header");
+        std::fs::write(path, header.text).expect("a header");
     }
 }
 
