@@ -39,7 +39,7 @@ pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
     for file in headers.iter().chain(c::SHIM) {
         let path = folder.path().join(file.name);
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("the temporary folder is writable");
-        std::fs::write(path, &*file.text).expect("the temporary folder is writable");
+        std::fs::write(path, file.text).expect("the temporary folder is writable");
     }
     folder
 }

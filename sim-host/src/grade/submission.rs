@@ -105,14 +105,14 @@ fn part_name(part: &Part) -> &str {
     }
 }
 
-/// Entries of an archive with all submissions by their names: whether each is a folder, and its files.
-fn of_archive(
-    path: &Path,
-    wanted: &dyn Fn(&str) -> bool,
-) -> Result<BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)>, ArchiveError> {
+/// Entries of an archive by their names: whether each is a folder, and its files by their paths.
+type Entries = BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)>;
+
+/// Entries of an archive with all submissions.
+fn of_archive(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Entries, ArchiveError> {
     let mut reader = Reader::of_class(wanted);
     reader.read_path(path, &name_of(path))?;
-    let mut entries: BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)> = BTreeMap::new();
+    let mut entries = Entries::new();
     // The first folder is called after the archive.
     let inner = |(path, bytes): (String, Vec<u8>)| Some((path.split_once('/')?.1.to_owned(), bytes));
     let mut files: Vec<(String, Vec<u8>)> = reader.into_contents().files.into_iter().filter_map(inner).collect();

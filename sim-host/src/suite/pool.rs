@@ -289,7 +289,7 @@ impl Worker {
             };
             if missing == 0 && self.received.len() >= HEAD {
                 let answer = std::mem::take(&mut self.received);
-                let result: CaseResult = serde_json::from_slice(&answer[HEAD..]).map_err(|_| MALFORMED)?;
+                let result: CaseResult = serde_json::from_slice(&answer[HEAD..]).map_err(|_error| MALFORMED)?;
                 let is_asked = asked.is_none_or(|case| result.row.case == case.name);
                 return if is_asked { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
             }

@@ -271,7 +271,7 @@ fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::Backe
     rules.insert(libc::SYS_prlimit64, own_or_none()?);
     rules.insert(libc::SYS_sched_setaffinity, own_or_none()?);
     // No text typed into the terminal for others.
-    let terminal = [libc::TIOCSTI, libc::TIOCLINUX].map(|request| argument(1, Ne, request as u64));
+    let terminal = [libc::TIOCSTI, libc::TIOCLINUX].map(|request| argument(1, Ne, request));
     rules.insert(libc::SYS_ioctl, vec![SeccompRule::new(terminal.into_iter().collect::<Result<_, _>>()?)?]);
     // Landlock, or the one below, closes other processes to signals.
     let is_scoped = role == Role::Build && kernel.has_scoped_signals();

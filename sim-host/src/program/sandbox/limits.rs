@@ -46,7 +46,7 @@ impl Limits {
 
     /// The kernel's limits, except that on processes, which depends on the user.
     pub(super) fn values(&self) -> Values {
-        let limits = [
+        [
             (libc::RLIMIT_CPU, self.processor.as_secs().max(1)),
             (libc::RLIMIT_AS, self.memory),
             (libc::RLIMIT_FSIZE, self.file),
@@ -55,8 +55,7 @@ impl Limits {
             (libc::RLIMIT_MEMLOCK, 64 << 10),
             (libc::RLIMIT_MSGQUEUE, 0),
             (libc::RLIMIT_NPROC, self.processes),
-        ];
-        limits.map(|(limit, value)| (limit as u32, value))
+        ]
     }
 }
 

@@ -97,7 +97,7 @@ impl Restriction {
         unsafe { libc::umask(0o022) };
         for (limit, value) in self.limits {
             // For an ordinary user it counts the processes of the user's session as well.
-            if limit != libc::RLIMIT_NPROC as u32 || self.user.is_some() {
+            if limit != libc::RLIMIT_NPROC || self.user.is_some() {
                 limits::set(limit, value)?;
             }
         }
