@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use sim_core::spec::{ContactKind, Dialect};
 use sim_core::time::Time;
@@ -87,8 +88,10 @@ pub struct Options {
 impl Options {
     /// Number of workers.
     pub fn worker_count(&self) -> usize {
-        let processors = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        self.workers.map_or_else(processors, NonZeroUsize::get)
+        // The standard library reads files of the control groups each time.
+        static PROCESSORS: LazyLock<usize> =
+            LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get));
+        self.workers.map_or_else(|| *PROCESSORS, NonZeroUsize::get)
     }
 
     /// Values that override those of the scene when its files are read.

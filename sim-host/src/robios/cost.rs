@@ -187,9 +187,16 @@ fn parse(table: &str) -> Result<Entries, CostError> {
 
 /// Cost of `function` by the entry that matches it best.
 fn find(entries: &BTreeMap<String, Time>, function: &str) -> Option<Time> {
+    let mut pattern = function.to_owned();
+    let mut of_beginning = |length| {
+        pattern.truncate(length);
+        pattern.push('*');
+        let cost = entries.get(&pattern);
+        pattern.pop();
+        cost
+    };
     let exact = entries.get(function);
-    let pattern = || entries.iter().filter(|(name, _)| fits(name, function)).max_by_key(|(name, _)| name.len());
-    exact.or_else(|| pattern().map(|(_, cost)| cost)).copied()
+    exact.or_else(|| (0..=function.len()).rev().find_map(&mut of_beginning)).copied()
 }
 
 /// Returns true if the name or pattern of an entry matches `function`.
