@@ -2,7 +2,7 @@
 //!
 //! A [`Level`] says which [areas](Area) are closed to such a process, [`Kernel`] by which means this kernel closes each. [`Sandbox::new`]
 //! refuses a level that the kernel does not reach. [`Sandbox::apply`] restricts a command before it is started: [`files`] with Landlock,
-//! [`calls`] with seccomp, [`limits`] with resource limits, and [`process`] applies them between fork and exec. `docs/sandbox.md` says what
+//! [`calls`] with seccomp, [`limits`] with resource limits, and `process` applies them between fork and exec. `docs/sandbox.md` says what
 //! is not protected.
 
 pub mod calls;
@@ -185,7 +185,7 @@ impl Sandbox {
     /// list of variables and those that were set on the command; descriptors besides the standard streams are closed. These must be pipes or of
     /// its own: what it does to a file that it shares is done to all who share it.
     ///
-    /// As root the process gets a user id of its own, see [`User`].
+    /// As root the process gets a user id of its own.
     ///
     /// # Errors
     /// The kernel refuses the rules.
