@@ -190,3 +190,18 @@ pub fn write_crowd(scratch: &Scratch, robots: usize, program: &str) -> PathBuf {
     }
     scratch.write("crowd.sim", &sim)
 }
+
+/// Returns true, with a printed reason, where the kernel does not reach the full sandbox.
+///
+/// # Panics
+/// If eyesim cannot be run.
+pub fn lacks_sandbox() -> bool {
+    let ran = Scratch::new().eyesim(&["doctor"]);
+    let line =
+        ran.stdout.lines().find(|line| line.contains(" sandbox ")).unwrap_or_else(|| panic!("{ran:#?}")).to_owned();
+    let is_full = line.contains(" full: ");
+    if !is_full {
+        println!("skipped: {line}");
+    }
+    !is_full
+}

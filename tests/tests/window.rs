@@ -425,23 +425,6 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
 }
 
 #[test]
-fn a_restart_says_which_program_it_waits_for() {
-    let endless = "#include <stdio.h>\n#include \"eyebot.h\"\nint main(void) {\n  OSWait(10);\n  \
-                   fclose(fopen(\"started\", \"w\"));\n  for (volatile int i = 0;; i++);\n}\n";
-    let scratch = scene_of(&[("rover.c", endless)]);
-    let served = Served::start(&scratch, &["view", "scene.sim", "--timeout", "5"]);
-    let mut page = served.page();
-    page.until("a run", |page| page.run() == 1);
-    while !scratch.path().join("started").exists() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    assert_eq!(page.ask(Command::Restart { seed: Seed::Same }), None);
-    let is_told = |build: &Build| matches!(build, Build::Ending { waits_for } if waits_for.starts_with("r1 computes"));
-    page.until("what it waits for", |page| page.builds.iter().any(is_told));
-    page.until("the next run", |page| page.run() == 2 && page.builds.last() == Some(&Build::Done));
-}
-
-#[test]
 fn a_page_that_comes_late_gets_the_trails() {
     let scratch = scene_of(&[("rover.c", ROVER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);

@@ -221,7 +221,7 @@ struct Session {
 
 impl Session {
     /// Runs `ready`, and each run that follows it, until the user interrupts.
-    fn run_all(self: &Arc<Self>, mut ready: Ready) -> anyhow::Result<ExitCode> {
+    fn run_all(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
         for number in 1.. {
             let args = self.args.lock().clone();
             let (show, feed) = self.show(&ready, number);
@@ -234,12 +234,6 @@ impl Session {
             let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(event_store), Box::new(trails)];
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
-            let session = Arc::clone(self);
-            running.scheduler().listen_to_computing(move |words| {
-                if session.next.lock().is_some() {
-                    session.window.build(Build::Ending { waits_for: words.to_owned() });
-                }
-            });
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
             let ran = running.finish(|| {});
             // Pending interventions are refused: dropping them answers their commands.
@@ -263,7 +257,6 @@ impl Session {
                 Some((next, args)) => {
                     *self.args.lock() = args;
                     self.files.lock().renew(&next);
-                    self.window.build(Build::Done);
                     ready = next;
                 }
                 None => break,
@@ -381,10 +374,10 @@ impl Session {
                     {
                         // Both under one lock, so that the current run is ended and not the next one.
                         let mut next = session.next.lock();
-                        session.window.build(Build::Ending { waits_for: String::new() });
                         *next = Some((ready, args));
                         session.control.ask(|requests| requests.is_ending = true);
                     }
+                    session.window.build(Build::Done);
                     pending.into_iter().for_each(PendingCommand::accept);
                 }
                 Err(error) => {

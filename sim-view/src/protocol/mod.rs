@@ -73,12 +73,7 @@ pub struct Welcome {
 pub enum Build {
     /// Programs are being built; the run starts afterwards.
     Running,
-    /// All programs are built; the run before ends first.
-    Ending {
-        /// The programs that compute meanwhile, and where: `r1 computes at loop.c:5`. Empty in the first second.
-        waits_for: String,
-    },
-    /// The run with the programs has begun.
+    /// All programs are built.
     Done,
     /// The build failed; the previous run continues unchanged.
     Failed {

@@ -2,7 +2,6 @@
 
 import { element } from "../dom";
 import type { Model } from "../model";
-import type { Build } from "../protocol";
 import { setText } from "./control";
 
 export function buildPanel(model: Model): HTMLElement {
@@ -19,17 +18,6 @@ export function buildPanel(model: Model): HTMLElement {
     panel.dataset["is"] = build.state;
     output.hidden = build.state !== "failed";
     setText(output, build.state === "failed" ? build.output : "");
-    setText(title, titleOf(build));
-  }
-}
-
-function titleOf(build: Build): string {
-  switch (build.state) {
-    case "failed":
-      return "The program was not built; the run before goes on";
-    case "ending":
-      return `The run starts again when this one has ended${build.waits_for === "" ? "" : `: ${build.waits_for}`}`;
-    default:
-      return "Building the program …; then the run starts again";
+    setText(title, build.state === "failed" ? "The program was not built; the run before goes on" : "Building the program …; then the run starts again");
   }
 }

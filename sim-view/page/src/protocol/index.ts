@@ -100,9 +100,7 @@ export type Body = {
   height_m: number, };
 
 /** Progress of building the programs. */
-export type Build = { "state": "running" } | { "state": "ending",
-  /** The programs that compute meanwhile, and where: `r1 computes at loop.c:5`. Empty in the first second. */
-  waits_for: string, } | { "state": "done" } | { "state": "failed",
+export type Build = { "state": "running" } | { "state": "done" } | { "state": "failed",
   /** Output of the compiler. */
   output: string, };
 
