@@ -21,7 +21,7 @@ use glam::DVec2;
 use crate::{
     ObjectId, RobotId,
     contact::{Body, TOUCH, Thing},
-    drive::{HISTORY, Impact, Motion, Passage},
+    drive::{HISTORY, Impact, Motion, Passage, legged::Stance},
     object::{Properties, State},
     parallel::{Pool, Serial},
     pose::{PlacementError, Pose, Pose3, Twist},
@@ -101,7 +101,7 @@ pub struct World {
 /// Published stance of a robot with legs or in the water: its posture at the start of the present slot.
 #[derive(Clone, Debug, PartialEq)]
 struct PublishedStance {
-    lift: f64,
+    stance: Stance,
     /// Pose of each leg part in the robot's frame.
     parts: Vec<Pose3>,
 }
@@ -490,13 +490,18 @@ impl World {
         }
         let stance = motion.stance(now);
         let parts = motion.legs().map(|legs| legs.parts(&stance)).unwrap_or_default();
-        self.stances.insert(motion.id(), PublishedStance { lift: stance.lift, parts });
+        self.stances.insert(motion.id(), PublishedStance { stance, parts });
     }
 
     /// Pose of a robot's body in space at `at`. Its height is that of the published stance at the start of the present
     /// slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
-        Pose3::from_planar(&self.robot_pose(robot, at), self.stances.get(&robot).map_or(0.0, |stances| stances.lift))
+        Pose3::from_planar(&self.robot_pose(robot, at), self.stance(robot).map_or(0.0, |stance| stance.lift))
+    }
+
+    /// Published stance of a robot with legs or in the water, at the start of the present slot; `None` for other robots.
+    pub fn stance(&self, robot: RobotId) -> Option<&Stance> {
+        self.stances.get(&robot).map(|published| &published.stance)
     }
 
     /// Pose in the world at `at` of a part of a robot's legs, with the stance at the start of the present slot. Parts

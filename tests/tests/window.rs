@@ -213,7 +213,7 @@ fn scene_and_snapshots_come_and_go_on() {
     let mut page = served.page();
     page.until("a moving robot", |page| {
         let robots = page.snapshot.iter().flat_map(|snapshot| &snapshot.robots);
-        robots.flat_map(|robot| &robot.legs).any(|leg| leg.v_m_per_s > 0.2)
+        robots.flat_map(|robot| &robot.motion).any(|piece| piece.v_m_per_s > 0.2)
     });
     assert!(page.welcome.as_ref().is_some_and(|welcome| welcome.may_act && welcome.title == "scene"));
     let scene = page.scene.clone().expect("a scene");
@@ -526,4 +526,70 @@ fn a_scene_without_robots_is_shown_too() {
     assert!(scene.robots.is_empty() && scene.parts.len() == 4, "{} parts", scene.parts.len());
     let before = page.t_s();
     page.until("time", |page| page.t_s() > before + 0.1);
+}
+
+/// Product of two quaternions x, y, z, w.
+fn turned([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
+    [
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    ]
+}
+
+/// Heights of the links of `robot` above its frame's origin, at these joint angles, as a page computes them.
+fn link_heights(robot: &sim_view::protocol::Robot, joints_rad: &[f64]) -> Vec<f64> {
+    let mut frames: Vec<([f64; 3], [f64; 4])> = Vec::new();
+    for link in &robot.links {
+        let (at, frame) = link.parent.map_or(([0.0; 3], [0.0, 0.0, 0.0, 1.0]), |parent| frames[parent as usize]);
+        let angle = link.joint.map_or(0.0, |joint| joints_rad[joint as usize]);
+        let ([x, y, z], half) = (link.origin.position_m, 0.5 * angle);
+        let [vx, vy, vz, _] = turned(turned(frame, [x, y, z, 0.0]), [-frame[0], -frame[1], -frame[2], frame[3]]);
+        let [ax, ay, az] = link.axis.map(|part| part * half.sin());
+        let turn = turned(turned(frame, link.origin.rotation), [ax, ay, az, half.cos()]);
+        frames.push(([at[0] + vx, at[1] + vy, at[2] + vz], turn));
+    }
+    frames.iter().map(|([_, _, z], _)| *z).collect()
+}
+
+#[test]
+fn legs_move_in_the_page_and_in_a_replay() {
+    let scratch = Scratch::new();
+    scratch
+        .write("walk.c", "#include \"eyebot.h\"\nint main() { LEGSetSpeed(500, 0, 0); OSWait(1000000); return 0; }\n");
+    let text = "[world]\nfloor_mm = [20000, 4000]\n[[robot]]\ntype = \"%sim%/robis/biped.robi\"\nprogram = \
+                \"walk.c\"\nx_mm = 1000\ny_mm = 2000\napi = 7\n";
+    scratch.write("walk.scene.toml", text);
+    let served = Served::start(&scratch, &["view", "walk.scene.toml"]);
+    let mut page = served.page();
+    page.until("a stride", |page| page.snapshot.as_ref().is_some_and(|snapshot| snapshot.t_s > 3.0));
+    let (scene, snapshot) = (page.scene.clone().expect("a scene"), page.snapshot.clone().expect("a snapshot"));
+    let on_links =
+        scene.parts.iter().filter(|part| matches!(part.place, sim_view::protocol::Place::Link { robot: 1, .. }));
+    assert_eq!(on_links.count(), 6, "thigh, shank and foot of two legs");
+    let (robot, state) = (&scene.robots[0], &snapshot.robots[0]);
+    assert_eq!((robot.links.len(), robot.standing_rad.len(), state.joints_rad.len()), (10, 10, 10));
+    let is_striding =
+        state.joints_rad.iter().zip(&robot.standing_rad).any(|(angle, still)| (angle - still).abs() > 0.1);
+    assert!(is_striding, "{:?}", state.joints_rad);
+    // Of both ankles one is on the ground, as high as in a standing robot, and none is below it.
+    let ankles = |joints: &[f64], lift: f64| {
+        let heights = link_heights(robot, joints);
+        [heights[4] + lift, heights[9] + lift]
+    };
+    let [still, _] = ankles(&robot.standing_rad, 0.0);
+    let walking = ankles(&state.joints_rad, state.lift_m);
+    assert!(still > 0.02 && still < 0.12, "{still}");
+    let lowest = walking[0].min(walking[1]);
+    assert!((lowest - still).abs() < 0.06 && walking.iter().all(|ankle| *ankle < still + 0.4), "{walking:?}, {still}");
+    drop(served);
+
+    scratch.report("walk.scene.toml", &["--until", "2", "--trace", "trace.jsonl"], 0);
+    let served = Served::start(&scratch, &["replay", "trace.jsonl"]);
+    let recording: Recording = serde_json::from_slice(&served.get("/recording.json")).expect("a recording");
+    let postures = &recording.robots[0].postures;
+    assert!(postures.t_s.len() > 10 && postures.t_s.is_sorted(), "{:?}", postures.t_s);
+    assert_eq!(postures.joints_rad.len(), 10 * postures.t_s.len());
+    assert_eq!(postures.lift_m.len(), postures.t_s.len());
 }

@@ -148,6 +148,8 @@ pub struct RobotEnd {
     pub pose: Pose,
     /// Depth of its hull under the surface of the water, m; `None` on dry land.
     pub depth: Option<f64>,
+    /// Angles of the joints of its legs, leg by leg, rad.
+    pub joints: Vec<f64>,
     /// Pose by its odometry.
     pub odometry: Pose,
     /// Length of its path, m.
@@ -524,6 +526,7 @@ impl Scheduler {
                 virtual_time: robot.now,
                 pose: robot.motion.pose(time),
                 depth: robot.motion.depth(time),
+                joints: if robot.motion.legs().is_some() { robot.motion.stance(time).joints } else { Vec::new() },
                 odometry: robot.motion.odometry(time),
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),

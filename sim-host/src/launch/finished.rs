@@ -45,6 +45,7 @@ impl Finished {
             start: spec.start,
             end: end.pose,
             depth: end.depth,
+            joints: end.joints.clone(),
             trails: trail.lines(),
         };
         let robots: Vec<RunRobot> =

@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use plotters::style::RGBColor;
 use sim_core::build;
+use sim_core::drive::legged::Stance;
 use sim_core::math;
 use sim_core::pose::{Pose, Pose3};
 use sim_core::scene::{Mesh, Walls};
@@ -34,6 +35,8 @@ pub struct RobotStyle<'a> {
     pub colour: RGBColor,
     /// Its mesh, if it is to be shown.
     pub mesh: Option<&'a Mesh>,
+    /// Angles of the joints of its legs, leg by leg, in radians; if there are none, it stands.
+    pub joints: &'a [f64],
 }
 
 /// Draws the body with its heading and wheels.
@@ -45,6 +48,7 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &Ro
         draw_mesh(drawing, mesh, pose, Paint::translucent(style.colour, 0.1));
     }
     draw_wheels(drawing, robi, pose);
+    draw_legs(drawing, robi, pose, style);
     let disc = Form::Disc { centre: pose.position, radius, least: MARK };
     drawing.push(Shape::filled(disc, Paint::translucent(style.colour, 0.35)).with_line(edge));
     for collider in &robi.colliders {
@@ -71,6 +75,43 @@ fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         corners.iter().for_each(|corner| drawing.include(*corner));
         drawing.push(Shape::filled(Form::Polygon(corners.to_vec()), Paint::solid(WHEEL)).detail(robi.wheel.diameter));
     }
+}
+
+/// Draws thighs, shanks and feet as they are seen from above.
+fn draw_legs(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &RobotStyle<'_>) {
+    let Some(legs) = build::legs(robi) else { return };
+    let joints = if style.joints.is_empty() { legs.standing_joints() } else { style.joints.to_vec() };
+    let stance = Stance { joints, ..Stance::default() };
+    let mut draw = |outline: Vec<DVec2>| {
+        outline.iter().for_each(|point| drawing.include(*point));
+        let leg = Shape::filled(Form::Polygon(outline), Paint::translucent(WHEEL, 0.45));
+        drawing.push(leg.with_line(Line::solid(WHEEL, 1.0)).detail(robi.diameter));
+    };
+    for limb in legs.limbs(&stance, pose) {
+        draw(stadium(limb.capsule.ends.map(|end| end.truncate()), limb.capsule.radius));
+    }
+    let mut frames = legs.parts(&stance).into_iter();
+    for leg in &legs.legs {
+        let frame = frames.by_ref().take(leg.parts().count()).last();
+        let (Some(foot), Some(frame)) = (leg.foot, frame) else { continue };
+        let corners = [(foot.toe, 2.0), (-foot.heel, 2.0), (-foot.heel, -2.0), (foot.toe, -2.0)];
+        let corner =
+            |(ahead, left): (f64, f64)| frame.transform_point(DVec3::new(ahead, left * legs.radius, -foot.height));
+        draw(corners.map(|place| pose.transform_point(corner(place).truncate())).to_vec());
+    }
+}
+
+/// Outline of all points within `radius` of the line between two ends.
+fn stadium([from, to]: [DVec2; 2], radius: f64) -> Vec<DVec2> {
+    const STEPS: u32 = 8;
+    let way = (to - from).normalize_or(DVec2::X);
+    let half = |end: DVec2, ahead: DVec2| {
+        (0..=STEPS).map(move |step| {
+            let angle = PI * (f64::from(step) / f64::from(STEPS) - 0.5);
+            end + radius * (math::cos(angle) * ahead + math::sin(angle) * ahead.perp())
+        })
+    };
+    half(to, way).chain(half(from, -way)).collect()
 }
 
 /// Draws bumpers and the origins of beams, on top of the body.

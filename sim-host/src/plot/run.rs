@@ -29,6 +29,8 @@ pub struct RunRobot {
     pub end: Pose,
     /// Depth of its hull under the surface of the water at the end, in metres; `None` on dry land.
     pub depth: Option<f64>,
+    /// Angles of the joints of its legs at the end, leg by leg, in radians.
+    pub joints: Vec<f64>,
     /// Its path: one line from the start, and one from each pose at which it was placed.
     pub trails: Vec<Vec<DVec2>>,
 }
@@ -80,7 +82,12 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
         let ring = Form::Disc { centre: robot.start.position, radius, least: 4.0 };
         drawing.push(Shape::outlined(ring, line(index)));
         draw_heading(&mut drawing, &robot.start, radius);
-        draw_body(&mut drawing, &robot.robi, &robot.end, &RobotStyle { colour: colour::robot(index), mesh: None });
+        draw_body(
+            &mut drawing,
+            &robot.robi,
+            &robot.end,
+            &RobotStyle { colour: colour::robot(index), mesh: None, joints: &robot.joints },
+        );
         if robots.len() <= MAX_LABELS {
             let mut label = robot_label(robot.id, &robot.robi, &robot.end);
             if let Some(depth) = robot.depth {

@@ -49,7 +49,7 @@ pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawin
     }
     for (index, robot) in scene.robots.iter().enumerate() {
         let mesh = mesh_reader.robot(&robot.robi);
-        let style = RobotStyle { colour: colour::robot(index), mesh: mesh.as_deref() };
+        let style = RobotStyle { colour: colour::robot(index), mesh: mesh.as_deref(), joints: &[] };
         draw_body(&mut drawing, &robot.robi, &robot.start, &style);
         draw_fittings(&mut drawing, &robot.robi, &robot.start);
         if scene.robots.len() <= MAX_LABELS {
@@ -103,7 +103,7 @@ pub fn draw_robi(robi: &RobiSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     // Beams leave the picture; their lengths are written beside them.
     drawing.include_around(DVec2::ZERO, 1.1 * robi.diameter);
     draw_sensors(&mut drawing, robi, &pose, &Walls::new(Vec::new()));
-    draw_body(&mut drawing, robi, &pose, &RobotStyle { colour: colour::robot(0), mesh: mesh.as_deref() });
+    draw_body(&mut drawing, robi, &pose, &RobotStyle { colour: colour::robot(0), mesh: mesh.as_deref(), joints: &[] });
     draw_fittings(&mut drawing, robi, &pose);
     label_sensors(&mut drawing, robi, &pose);
     drawing.add_legend(body_symbol(0), "body, heading");

@@ -43,6 +43,7 @@ fn drawing(side: f64, count: u32) -> Drawing {
             start: Pose::new(trail[0].x, trail[0].y, quarter),
             end: Pose::new(trail[40].x, trail[40].y, quarter + end),
             depth: None,
+            joints: Vec::new(),
             trails: vec![trail],
         }
     };
@@ -104,6 +105,7 @@ fn up_in_the_world_is_up_in_the_picture() {
         start: Pose::new(0.5, 0.5, 0.0),
         end: Pose::new(0.5, 1.5, 0.0),
         depth: None,
+        joints: Vec::new(),
         trails: vec![vec![DVec2::new(0.5, 0.5), DVec2::new(0.5, 1.5)]],
     };
     let up = svg(&picture("", &square(2.0), std::slice::from_ref(&robot), &[]));
@@ -168,6 +170,7 @@ fn names_are_escaped_and_shortened() {
         start: Pose::new(0.5, 0.5, 0.0),
         end: Pose::new(0.5, 0.5, 0.0),
         depth: None,
+        joints: Vec::new(),
         trails: Vec::new(),
     };
     let robots = [robot(1, "<b>&"), robot(2, "a robot with a very long name that nobody reads to its end")];

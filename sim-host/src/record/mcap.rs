@@ -22,7 +22,7 @@ use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Event, Kind, KindSet, Record, WORLD};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Point, Scene};
+use sim_view::protocol::{Link, Point, Scene};
 
 use super::file::{Proof, RecordFile};
 use super::frame::{Frames, StoredCapture, StoredFrame, StoredScan};
@@ -61,8 +61,10 @@ pub struct Mcap {
     frames: Arc<Frames>,
     /// Transforms of this slot.
     moved: Vec<Value>,
-    /// Heights of the bodies of robots with legs, m.
+    /// Heights of the bodies of robots with legs or in the water, m.
     lifts: BTreeMap<RobotId, f64>,
+    /// Links of the robots with legs.
+    links: BTreeMap<RobotId, Vec<Link>>,
     /// Numbers of the next robot and the next object to be added.
     next: [u32; 2],
     has_news: bool,
@@ -110,6 +112,7 @@ impl Mcap {
             frames,
             moved,
             lifts: BTreeMap::new(),
+            links: BTreeMap::new(),
             next,
             has_news: true,
             proof: None,
@@ -127,6 +130,8 @@ impl Mcap {
         for (robot, pose) in self.scene.robots.iter().zip(robots) {
             let frame = scene::robot_frame(RobotId(robot.id));
             transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::of_pose(pose)));
+            transforms.extend(scene::links(at, RobotId(robot.id), &robot.links, &robot.standing_rad));
+            self.links.insert(RobotId(robot.id), robot.links.clone());
             let mounts = robot.sensors.iter().filter_map(|sensor| Some((&sensor.name, sensor.mount?)));
             transforms
                 .extend(mounts.map(|(name, mount)| scene::transform(at, &frame, &format!("{frame}/{name}"), &mount)));
@@ -252,8 +257,11 @@ impl Mcap {
             Action::AddRobot { kind, x_m, y_m, phi_rad, .. } => {
                 let id = self.next_number(0);
                 self.move_to(at, &scene::robot_frame(RobotId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
-                let model = self.scene.robots.iter().find(|robot| robot.kind == *kind).map(|robot| robot.id);
-                entities.extend(model.and_then(|model| scene::robot(&self.scene, id, model)));
+                if let Some(model) = self.scene.robots.iter().find(|robot| robot.kind == *kind) {
+                    entities.extend(scene::robot(&self.scene, id, model.id));
+                    self.moved.extend(scene::links(at, RobotId(id), &model.links, &model.standing_rad));
+                    self.links.insert(RobotId(id), model.links.clone());
+                }
             }
             Action::AddObject { kind, x_m, y_m, phi_rad } => {
                 let id = self.next_number(1);
@@ -261,7 +269,11 @@ impl Mcap {
                 let model = self.scene.objects.iter().find(|object| object.kind == *kind).map(|object| object.id);
                 entities.extend(model.and_then(|model| scene::object(&self.scene, id, model)));
             }
-            Action::RemoveRobot { robot } => deletions.push(gone(scene::robot_frame(RobotId(*robot)))),
+            Action::RemoveRobot { robot } => {
+                let links = self.links.remove(&RobotId(*robot)).unwrap_or_default();
+                deletions.push(gone(scene::robot_frame(RobotId(*robot))));
+                deletions.extend((0..links.len()).map(|link| gone(scene::link_frame(RobotId(*robot), link))));
+            }
             Action::RemoveObject { object } => deletions.push(gone(scene::object_frame(ObjectId(*object)))),
             Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
                 self.move_to(at, &scene::robot_frame(RobotId(*robot)), &scene::upright(*x_m, *y_m, *phi_rad));
@@ -346,8 +358,11 @@ impl Sink for Mcap {
                 self.move_to(time, &scene::robot_frame(robot), &at);
             }
             // A posture event precedes the pose event of its slot.
-            Event::Posture { lift_m, .. } => {
+            Event::Posture { lift_m, joints_rad } => {
                 self.lifts.insert(robot, lift_m);
+                let links = self.links.get(&robot).map_or(&[][..], |links| links);
+                let joints_rad: Vec<f64> = joints_rad.iter().collect();
+                self.moved.extend(scene::links(time, robot, links, &joints_rad));
             }
             Event::Object { object, x_m, y_m, phi_rad, .. } | Event::ObjectPlaced { object, x_m, y_m, phi_rad, .. } => {
                 self.move_to(time, &scene::object_frame(ObjectId(object)), &scene::upright(x_m, y_m, phi_rad));
@@ -449,6 +464,8 @@ mod tests {
                 program: "maze.c".into(),
                 colour: [0, 0, 255],
                 body: body(),
+                links: vec![],
+                standing_rad: vec![],
                 sensors: vec![protocol::Sensor {
                     name: "PSD_FRONT".into(),
                     kind: protocol::SensorKind::Psd,

@@ -8,7 +8,7 @@ use sim_core::build;
 use sim_core::record::{Action, Kind};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_view::protocol::{DisplayChange, Recording, RobotHistory, Scene, Standing, StandingChange, Track};
+use sim_view::protocol::{DisplayChange, Postures, Recording, RobotHistory, Scene, Standing, StandingChange, Track};
 
 use super::feed::{event_of, is_listed};
 use super::planar;
@@ -26,6 +26,9 @@ const MAX_OF_KIND: u32 = 5_000;
 
 /// Initial least time between two contents of a display, in seconds; doubles when there are more than [`MAX_SHOWN`].
 const DISPLAY_PERIOD: f64 = 0.1;
+
+/// Least time between two postures of a robot, in seconds, within rounding errors.
+const POSTURE_PERIOD: f64 = 0.02 - 1e-9;
 
 /// Most contents kept of a display.
 const MAX_SHOWN: usize = 4_000;
@@ -187,6 +190,7 @@ fn pose_of(fields: &serde_json::Value) -> Option<[f64; 3]> {
 #[derive(Default)]
 struct RobotHistoryBuilder {
     track: TrackBuilder,
+    postures: Postures,
     standings: Vec<StandingChange>,
     display: DisplayHistory,
 }
@@ -209,12 +213,30 @@ impl RobotHistoryBuilder {
                     last.why = fields["text"].as_str().unwrap_or_default().to_owned();
                 }
             }
+            "posture" => self.stand(t_s, fields),
             _ => self.display.take(t_s, kind, fields),
         }
     }
 
+    /// Adds a posture, if the last is old enough.
+    fn stand(&mut self, t_s: f64, fields: &serde_json::Value) {
+        let (Some(lift_m), Some(joints)) = (fields["lift_m"].as_f64(), fields["joints_rad"].as_array()) else { return };
+        let postures = &mut self.postures;
+        if postures.t_s.last().is_some_and(|last| t_s - last < POSTURE_PERIOD) {
+            return;
+        }
+        postures.t_s.push(round(t_s, 1e6));
+        postures.lift_m.push(round(lift_m, 1e4));
+        postures.joints_rad.extend(joints.iter().map(|angle| round(angle.as_f64().unwrap_or_default(), 1e4)));
+    }
+
     fn finish(self) -> RobotHistory {
-        RobotHistory { track: self.track.finish(), standings: self.standings, lcd: self.display.finish() }
+        RobotHistory {
+            track: self.track.finish(),
+            postures: self.postures,
+            standings: self.standings,
+            lcd: self.display.finish(),
+        }
     }
 }
 

@@ -1,11 +1,13 @@
 //! Scene of a run in the page's protocol.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::build;
 use sim_core::camera::{self, Attachment, Label, Scenery};
+use sim_core::pose::Link;
 use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
@@ -65,7 +67,8 @@ impl SceneInput<'_> {
     pub fn scene(&self) -> protocol::Scene {
         let mut surfaces = Surfaces::default();
         let parts = self.scenery.parts().iter().filter(|part| self.has(part.attachment));
-        let parts = parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: place(part) }).collect();
+        let links = self.robots.iter().map(|robot| (robot.id, part_links(&robot.robi))).collect();
+        let parts = parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: place(part, &links) }).collect();
         let ground = self.scenery.ground().map(|ground| ground_of(ground, &mut surfaces));
         let camera::Light { towards, ambient, fill, diffuse, shadows } = *self.scenery.light();
         let camera::Sky { horizon, zenith } = *self.scenery.sky();
@@ -90,9 +93,7 @@ impl SceneInput<'_> {
     fn has(&self, attachment: Attachment) -> bool {
         match attachment {
             Attachment::Fixed(_) => true,
-            // The protocol has no parts that move relative to their body.
-            Attachment::Leg(..) => false,
-            Attachment::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
+            Attachment::Robot(id) | Attachment::Leg(id, _) => self.robots.iter().any(|robot| robot.id == id),
             Attachment::Object(id) => self.objects.iter().any(|object| object.id == id),
         }
     }
@@ -118,9 +119,16 @@ pub fn title(spec: &SceneSpec) -> String {
     known.map(str::to_owned).unwrap_or(name)
 }
 
-fn place(part: &camera::Part) -> protocol::Place {
+/// Index among a robot's links of each part of its legs.
+fn part_links(robi: &RobiSpec) -> Vec<usize> {
+    build::legs(robi).map_or_else(Vec::new, |legs| legs.part_links())
+}
+
+/// Place of a part; `links` has the links of the parts of each robot's legs.
+fn place(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Place {
     match part.attachment {
-        Attachment::Robot(RobotId(robot)) | Attachment::Leg(RobotId(robot), _) => protocol::Place::Robot { robot },
+        Attachment::Robot(RobotId(robot)) => protocol::Place::Robot { robot },
+        Attachment::Leg(id, part) => protocol::Place::Link { robot: id.0, link: links[&id][part] as u32 },
         Attachment::Object(ObjectId(object)) => protocol::Place::Object { object },
         Attachment::Fixed(pose) => {
             let what = match part.label {
@@ -152,6 +160,7 @@ const ROBOT_HEIGHT: f64 = 0.15;
 
 fn robot_of(robot: &RobotInput) -> protocol::Robot {
     let RobotInput { id, robi, program, has_colours, .. } = robot;
+    let legs = build::legs(robi);
     let top = robi.colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
     let size_px = if *has_colours {
         [robi.lcd.width, robi.lcd.height].map(u32::from)
@@ -165,10 +174,18 @@ fn robot_of(robot: &RobotInput) -> protocol::Robot {
         program: program.clone(),
         colour: build::ROBOT_COLOURS[id.index() % build::ROBOT_COLOURS.len()],
         body: Body { radius_m: 0.5 * robi.diameter, height_m: if top > 0.0 { top } else { ROBOT_HEIGHT } },
+        links: legs.iter().flat_map(|legs| legs.links(0, 0)).map(link_of).collect(),
+        standing_rad: legs.map_or_else(Vec::new, |legs| legs.standing_joints()),
         sensors: device::sensors(robi),
         camera: device::camera(robi),
         lcd: Lcd { size_px, has_colours: *has_colours },
     }
+}
+
+fn link_of(link: Link) -> protocol::Link {
+    let Link { parent, origin, axis, joint } = link;
+    let index = |index: usize| index as u32;
+    protocol::Link { parent: parent.map(index), origin: point(&origin), axis: axis.to_array(), joint: joint.map(index) }
 }
 
 fn object_of(object: &ObjectInput) -> protocol::Object {

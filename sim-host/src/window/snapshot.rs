@@ -24,7 +24,9 @@ pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> V
         let mut robot = run.robot(id);
         let (standing, why) = standing(&robot, run.has_program(id));
         let (now_s, is_stalled) = (robot.now.seconds(), robot.motion.is_stalled(at));
-        RobotState { id: id.0, legs: legs(world, id), standing, now_s, why, is_stalled }
+        let (lift_m, joints_rad) =
+            world.stance(id).map(|stance| (stance.lift, stance.joints.clone())).unwrap_or_default();
+        RobotState { id: id.0, motion: motion(world, id), lift_m, joints_rad, standing, now_s, why, is_stalled }
     };
     ids.map(state).collect()
 }
@@ -42,7 +44,7 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
 }
 
 /// Pieces of motion of a robot from the slot's start to its end.
-fn legs(world: &World, id: RobotId) -> Vec<MotionPiece> {
+fn motion(world: &World, id: RobotId) -> Vec<MotionPiece> {
     let end = world.slot_end();
     let piece = |Stretch { start, from, twist, after }: Stretch| MotionPiece {
         t_s: start.seconds(),

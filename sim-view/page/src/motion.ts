@@ -1,4 +1,4 @@
-// Poses of bodies at a time: closed form of their legs, linear interpolation in gaps.
+// Poses of bodies at a time: closed form of their pieces of motion, linear interpolation in gaps.
 
 import type { MotionPiece, Pose, Snapshot } from "./protocol";
 
@@ -6,37 +6,45 @@ import type { MotionPiece, Pose, Snapshot } from "./protocol";
 export interface Motion {
   robot(id: number, t_s: number, out: Pose): boolean;
   object(id: number, t_s: number, out: Pose): boolean;
+  /** Posture of a robot; false for a robot without one. */
+  posture(id: number, t_s: number, out: Posture): boolean;
   snapshot?(snapshot: Snapshot): void;
   restart?(): void;
 }
 
-/** Pose at a time on a leg: constant rates in the body's frame. */
-export function poseOnPiece(leg: MotionPiece, t_s: number, out: Pose): void {
-  const t = Math.min(Math.max(0, t_s - leg.t_s), leg.lasts_s);
-  const turn = leg.omega_rad_per_s * t;
-  // Integrals of cosine and sine of the heading over the leg; series for small turns.
-  const isSmall = Math.abs(turn) < 1e-4;
-  const along = isSmall ? t * (1 - (turn * turn) / 6) : Math.sin(turn) / leg.omega_rad_per_s;
-  const aside = isSmall ? (t * turn) / 2 : (1 - Math.cos(turn)) / leg.omega_rad_per_s;
-  const forward = leg.v_m_per_s * along - leg.left_m_per_s * aside;
-  const left = leg.v_m_per_s * aside + leg.left_m_per_s * along;
-  const cos = Math.cos(leg.from.phi_rad);
-  const sin = Math.sin(leg.from.phi_rad);
-  out.x_m = leg.from.x_m + forward * cos - left * sin;
-  out.y_m = leg.from.y_m + forward * sin + left * cos;
-  out.phi_rad = leg.from.phi_rad + turn;
+/** Height of a robot's frame above the floor's plane, and the angles of its joints. */
+export interface Posture {
+  lift_m: number;
+  joints_rad: number[];
 }
 
-/** Pose at a time on a chain of legs. */
-export function poseOnPieces(legs: readonly MotionPiece[], t_s: number, out: Pose): boolean {
-  let leg = legs[0];
-  if (!leg) return false;
-  for (let i = 1; i < legs.length; i++) {
-    const next = legs[i]!;
+/** Pose at a time on a piece of motion: constant rates in the body's frame. */
+export function poseOnPiece(piece: MotionPiece, t_s: number, out: Pose): void {
+  const t = Math.min(Math.max(0, t_s - piece.t_s), piece.lasts_s);
+  const turn = piece.omega_rad_per_s * t;
+  // Integrals of cosine and sine of the heading over the piece; series for small turns.
+  const isSmall = Math.abs(turn) < 1e-4;
+  const along = isSmall ? t * (1 - (turn * turn) / 6) : Math.sin(turn) / piece.omega_rad_per_s;
+  const aside = isSmall ? (t * turn) / 2 : (1 - Math.cos(turn)) / piece.omega_rad_per_s;
+  const forward = piece.v_m_per_s * along - piece.left_m_per_s * aside;
+  const left = piece.v_m_per_s * aside + piece.left_m_per_s * along;
+  const cos = Math.cos(piece.from.phi_rad);
+  const sin = Math.sin(piece.from.phi_rad);
+  out.x_m = piece.from.x_m + forward * cos - left * sin;
+  out.y_m = piece.from.y_m + forward * sin + left * cos;
+  out.phi_rad = piece.from.phi_rad + turn;
+}
+
+/** Pose at a time on a chain of pieces of motion. */
+export function poseOnPieces(pieces: readonly MotionPiece[], t_s: number, out: Pose): boolean {
+  let piece = pieces[0];
+  if (!piece) return false;
+  for (let i = 1; i < pieces.length; i++) {
+    const next = pieces[i]!;
     if (next.t_s > t_s) break;
-    leg = next;
+    piece = next;
   }
-  poseOnPiece(leg, t_s, out);
+  poseOnPiece(piece, t_s, out);
   return true;
 }
 
@@ -74,14 +82,24 @@ export class SnapshotMotion implements Motion {
     const now = this.latest?.robots[this.robots.get(id) ?? -1];
     if (!this.latest || !now) return false;
     const before = this.previous?.robots[this.robotsBefore.get(id) ?? -1];
-    const first = now.legs[0];
-    if (t_s >= this.latest.t_s || !before || !first || !this.previous) return poseOnPieces(now.legs, t_s, out);
-    if (!poseOnPieces(before.legs, t_s, out)) return false;
-    const last = before.legs[before.legs.length - 1]!;
+    const first = now.motion[0];
+    if (t_s >= this.latest.t_s || !before || !first || !this.previous) return poseOnPieces(now.motion, t_s, out);
+    if (!poseOnPieces(before.motion, t_s, out)) return false;
+    const last = before.motion[before.motion.length - 1]!;
     const known_s = last.t_s + last.lasts_s;
     if (t_s <= known_s) return true;
-    poseOnPieces(now.legs, this.latest.t_s, this.end);
+    poseOnPieces(now.motion, this.latest.t_s, this.end);
     mix(out, this.end, (t_s - known_s) / (this.latest.t_s - known_s));
+    return true;
+  }
+
+  posture(id: number, t_s: number, out: Posture): boolean {
+    const now = this.latest?.robots[this.robots.get(id) ?? -1];
+    if (!this.latest || !now) return false;
+    const before = this.previous?.robots[this.robotsBefore.get(id) ?? -1];
+    const isBetween = this.previous !== null && before !== undefined && t_s < this.latest.t_s;
+    const share = isBetween ? (t_s - this.previous!.t_s) / (this.latest.t_s - this.previous!.t_s) : 1;
+    blend(isBetween ? before : now, now, Math.max(0, share), out);
     return true;
   }
 
@@ -104,4 +122,14 @@ export function mix(out: Pose, to: Pose, share: number): void {
   out.x_m += (to.x_m - out.x_m) * share;
   out.y_m += (to.y_m - out.y_m) * share;
   out.phi_rad += (to.phi_rad - out.phi_rad) * share;
+}
+
+/** Posture that lies a share of the way from one to another. */
+export function blend(from: Posture, to: Posture, share: number, out: Posture): void {
+  out.lift_m = from.lift_m + (to.lift_m - from.lift_m) * share;
+  out.joints_rad.length = to.joints_rad.length;
+  to.joints_rad.forEach((angle, i) => {
+    const start = from.joints_rad[i] ?? angle;
+    out.joints_rad[i] = start + (angle - start) * share;
+  });
 }

@@ -1,11 +1,14 @@
 // Source that replays a recorded run.
 
 import type { Model, Player, Source } from "./model";
-import { type Motion, mix } from "./motion";
-import type { Detail, Pose, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
+import { blend, type Motion, mix, type Posture } from "./motion";
+import type { Detail, Pose, Postures, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
 
 /** Interval at which panels are updated during playback. */
 const TELL_MS = 100;
+
+/** Greatest time between two postures that belong to one motion. */
+const STEP_S = 0.1;
 
 /** Plays a recording into the model as if it were a live run. */
 export class RecordedSource implements Source, Player {
@@ -128,9 +131,11 @@ export class RecordedSource implements Source, Player {
     const from: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
     if (!this.model.motion.robot(id, this.t_s, from)) return [];
     const stood = latest(this.lives.get(id)?.standings ?? [], this.t_s);
-    const leg = { t_s: this.t_s, from, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0 };
+    const posture: Posture = { lift_m: 0, joints_rad: [] };
+    this.model.motion.posture(id, this.t_s, posture);
+    const piece = { t_s: this.t_s, from, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0 };
     const [standing, why] = [stood?.standing ?? "running", stood?.why ?? ""];
-    return [{ id, legs: [leg], standing, now_s: this.t_s, why, is_stalled: false }];
+    return [{ id, motion: [piece], ...posture, standing, now_s: this.t_s, why, is_stalled: false }];
   }
 
   private tellDetail(): void {
@@ -170,6 +175,17 @@ class RecordedMotion implements Motion {
     return this.on(this.lives.get(id)?.track, t_s, out);
   }
 
+  posture(id: number, t_s: number, out: Posture): boolean {
+    const postures = this.lives.get(id)?.postures;
+    if (!postures || postures.t_s.length === 0 || t_s < postures.t_s[0]!) return false;
+    const i = before(postures.t_s, t_s);
+    const [from_s, to_s] = [postures.t_s[i]!, postures.t_s[i + 1] ?? Infinity];
+    // After a longer pause the robot has stood still until shortly before the next posture.
+    const share = Math.max(0, 1 - (to_s - t_s) / Math.min(to_s - from_s, STEP_S));
+    blend(posture(postures, i), posture(postures, to_s < Infinity ? i + 1 : i), share, out);
+    return true;
+  }
+
   object(id: number, t_s: number, out: Pose): boolean {
     return this.on(this.tracks.get(id), t_s, out);
   }
@@ -184,6 +200,11 @@ class RecordedMotion implements Motion {
     mix(out, this.end, (t_s - from_s) / (to_s - from_s));
     return true;
   }
+}
+
+function posture({ lift_m, joints_rad, t_s }: Postures, i: number): Posture {
+  const count = joints_rad.length / t_s.length;
+  return { lift_m: lift_m[i]!, joints_rad: joints_rad.slice(i * count, (i + 1) * count) };
 }
 
 function point(track: Track, i: number, out: Pose): void {

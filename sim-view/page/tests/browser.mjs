@@ -72,7 +72,7 @@ export class Heard {
 
   /** Where a robot is. */
   pose(id) {
-    return this.robot(id)?.legs[0]?.from;
+    return this.robot(id)?.motion[0]?.from;
   }
 
   toString() {

@@ -87,7 +87,7 @@ function snapshot(motions, t_s) {
     rate: 1,
     robots: now.map(({ pose, v_m_per_s, omega_rad_per_s }, i) => ({
       id: i + 1,
-      legs: [{ t_s, from: pose, v_m_per_s, left_m_per_s: 0, omega_rad_per_s, lasts_s: SLOT_S }],
+      motion: [{ t_s, from: pose, v_m_per_s, left_m_per_s: 0, omega_rad_per_s, lasts_s: SLOT_S }], lift_m: 0, joints_rad: [],
       standing: "running",
       now_s: t_s,
       why: "",

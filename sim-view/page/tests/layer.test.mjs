@@ -45,7 +45,7 @@ const at = (t_s, turn = 0) => ({
   rate: 0,
   robots: Array.from({ length: COUNT }, (_, i) => ({
     id: i + 1,
-    legs: [{ t_s, from: { x_m: 0.2 + 0.1 * i, y_m: 1, phi_rad: turn }, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0.05 }],
+    motion: [{ t_s, from: { x_m: 0.2 + 0.1 * i, y_m: 1, phi_rad: turn }, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0.05 }], lift_m: 0, joints_rad: [],
     standing: "running",
     now_s: t_s,
     why: "",

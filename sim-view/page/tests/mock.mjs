@@ -135,6 +135,8 @@ const robot = (id, name, program, colour, has_colours) => ({
   program,
   colour,
   body: { radius_m: 0.1, height_m: 0.12 },
+  links: [],
+  standing_rad: [],
   sensors: SENSORS.map((name) => ({ name, kind: "psd", mount: null, range_m: [0.05, 1], half_angle_rad: 0 })),
   camera: { mount: { position_m: [0.05, 0, 0.1], rotation: [0, 0, 0, 1] }, horizontal_rad: 1, vertical_rad: 0.8 },
   lcd: { size_px: has_colours ? [320, 480] : [128, 64], has_colours },
@@ -168,7 +170,7 @@ const pose = (id, t_s) => ({ x_m: 0.3 * id + 0.1 * Math.cos(t_s), y_m: 0.5 + 0.1
 export function snapshot(t_s = 0, state = { is: "running" }, checks = []) {
   const robotState = (id) => ({
     id,
-    legs: [{ t_s, from: pose(id, t_s), v_m_per_s: 0.1, left_m_per_s: 0, omega_rad_per_s: 1, lasts_s: 0.05 }],
+    motion: [{ t_s, from: pose(id, t_s), v_m_per_s: 0.1, left_m_per_s: 0, omega_rad_per_s: 1, lasts_s: 0.05 }], lift_m: 0, joints_rad: [],
     standing: ["running", "waiting", "no_program"][id - 1],
     now_s: t_s,
     why: id === 2 ? "waits for KEY1" : "",

@@ -34,7 +34,7 @@ async function check({ page, heard, control, close }) {
     await control("timeline").fill(String(t_s));
     await isAt(t_s);
   };
-  const x_mm = () => page.evaluate(() => globalThis.eyesim.model.snapshot.robots[0].legs[0].from.x_m * 1000);
+  const x_mm = () => page.evaluate(() => globalThis.eyesim.model.snapshot.robots[0].motion[0].from.x_m * 1000);
   if ((await control("play").textContent()) === "Pause") await control("play").click();
   await scrub(0);
   const start = await x_mm();

@@ -88,10 +88,10 @@ test("keys by mouse, keyboard and touch reach the program", { skip }, async () =
   await lcd(KEYS, "ready");
   await control("key1").click();
   await lcd(KEYS, "go");
-  await heard.until("it drives", () => heard.robot(KEYS).legs.some(({ v_m_per_s }) => isNear(v_m_per_s, 0.1)));
+  await heard.until("it drives", () => heard.robot(KEYS).motion.some(({ v_m_per_s }) => isNear(v_m_per_s, 0.1)));
   await page.keyboard.press("2");
   await lcd(KEYS, "stop");
-  await heard.until("it stands", () => heard.robot(KEYS).legs.every(({ v_m_per_s }) => v_m_per_s === 0));
+  await heard.until("it stands", () => heard.robot(KEYS).motion.every(({ v_m_per_s }) => v_m_per_s === 0));
   await control("key3").tap();
   await lcd(KEYS, "third");
 });

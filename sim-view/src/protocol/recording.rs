@@ -34,6 +34,8 @@ pub struct Recording {
 pub struct RobotHistory {
     /// Its poses.
     pub track: Track,
+    /// Its postures; empty for a robot that has no legs and is not in the water.
+    pub postures: Postures,
     /// States of its program, in order of time.
     pub standings: Vec<StandingChange>,
     /// Texts on its display, in order of time.
@@ -55,6 +57,18 @@ pub struct Track {
     pub phi_rad: Vec<f64>,
     /// Time of its removal from the world; none if it was not removed.
     pub until_s: Option<f64>,
+}
+
+/// Postures of a robot over time, at most 50 a second.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Postures {
+    /// Times, in order. Before the first the robot stands.
+    pub t_s: Vec<f64>,
+    /// Heights of the robot's frame above the floor's plane, one for each time.
+    pub lift_m: Vec<f64>,
+    /// Angles of all joints at each time, one time after the other.
+    pub joints_rad: Vec<f64>,
 }
 
 /// State of a program from a time on.

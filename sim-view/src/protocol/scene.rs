@@ -97,6 +97,13 @@ pub enum Place {
         /// Its number.
         robot: u32,
     },
+    /// On a link of a robot, in the link's frame.
+    Link {
+        /// Number of the robot.
+        robot: u32,
+        /// Index of the link in [`Robot::links`].
+        link: u32,
+    },
     /// On a movable object, in its frame.
     Object {
         /// Its number.
@@ -190,12 +197,30 @@ pub struct Robot {
     pub colour: [u8; 3],
     /// Its extent.
     pub body: Body,
+    /// The links of its legs, parents before children.
+    pub links: Vec<Link>,
+    /// Angles of its joints while it stands.
+    pub standing_rad: Vec<f64>,
     /// Its sensors.
     pub sensors: Vec<Sensor>,
     /// Its camera.
     pub camera: Option<Camera>,
     /// Its display.
     pub lcd: Lcd,
+}
+
+/// A rigid part of a robot that turns about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Link {
+    /// Index of its parent in [`Robot::links`]; none for the body.
+    pub parent: Option<u32>,
+    /// Pose of its frame in that of its parent at a joint angle of 0.
+    pub origin: Point,
+    /// Axis of its joint through its origin, a unit vector of its frame; angles are right-handed about it.
+    pub axis: [f64; 3],
+    /// Index of the joint's angle in [`RobotState::joints_rad`](super::RobotState::joints_rad); none for a fixed link.
+    pub joint: Option<u32>,
 }
 
 /// Cylinder around a body; its axis passes through the origin of the body's frame.

@@ -80,7 +80,11 @@ pub struct RobotState {
     /// Its number.
     pub id: u32,
     /// Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time.
-    pub legs: Vec<MotionPiece>,
+    pub motion: Vec<MotionPiece>,
+    /// Height of its frame above the floor's plane.
+    pub lift_m: f64,
+    /// Angles of its joints, one for each joint of [`Robot::links`](super::Robot::links).
+    pub joints_rad: Vec<f64>,
     /// State of its program.
     pub standing: Standing,
     /// Its virtual time.

@@ -34,17 +34,21 @@ pub struct Limb {
 }
 
 impl Legs {
-    /// Poses of the thigh, the shank and, if present, the foot of each leg in the robot's frame, which is `stance.lift`
-    /// above the floor.
-    pub fn parts(&self, stance: &Stance) -> Vec<Pose3> {
-        let links = self.links(0, 0);
+    /// Index among the [links](Self::links) of each part, leg by leg: the thigh, the shank and, if present, the foot.
+    pub fn part_links(&self) -> Vec<usize> {
         let mut first = 0;
-        let mut poses = Vec::new();
+        let mut places = Vec::new();
         for leg in &self.legs {
-            poses.extend(leg.parts().map(|(_, place)| link_pose(&links, &stance.joints, first + place)));
+            places.extend(leg.parts().map(|(_, place)| first + place));
             first += leg.link_count();
         }
-        poses
+        places
+    }
+
+    /// Poses of the [parts](Self::part_links) of all legs in the robot's frame, which is `stance.lift` above the floor.
+    pub fn parts(&self, stance: &Stance) -> Vec<Pose3> {
+        let links = self.links(0, 0);
+        self.part_links().into_iter().map(|link| link_pose(&links, &stance.joints, link)).collect()
     }
 
     /// Thighs and shanks, leg by leg, of a robot at `world_from_robot` with this stance.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use sim_core::pose::{Pose, Pose3};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Body, Floor, Mesh, Place, Point, Scene};
+use sim_view::protocol::{Body, Floor, Link, Mesh, Place, Point, Scene};
 
 use super::timestamp;
 use sim_core::math;
@@ -18,6 +18,11 @@ pub(super) const WORLD: &str = "world";
 /// Name of a robot's frame.
 pub(super) fn robot_frame(RobotId(robot): RobotId) -> String {
     format!("robot/{robot}")
+}
+
+/// Name of the frame of a link of a robot.
+pub(super) fn link_frame(robot: RobotId, link: usize) -> String {
+    format!("{}/link/{link}", robot_frame(robot))
 }
 
 /// Name of a movable object's frame.
@@ -35,6 +40,7 @@ pub(crate) fn point(pose: &Pose3) -> Point {
 enum Owner {
     World,
     Robot(u32),
+    Link(u32, u32),
     Object(u32),
 }
 
@@ -43,6 +49,7 @@ impl Owner {
         match place {
             Place::World { .. } => Self::World,
             Place::Robot { robot } => Self::Robot(*robot),
+            Place::Link { robot, link } => Self::Link(*robot, *link),
             Place::Object { object } => Self::Object(*object),
         }
     }
@@ -50,14 +57,14 @@ impl Owner {
 
 /// Entities of the world and of all bodies.
 pub(super) fn all(scene: &Scene) -> Vec<Value> {
-    let robots = scene.robots.iter().map(|robot| robot.id).filter_map(|id| self::robot(scene, id, id));
+    let robots = scene.robots.iter().map(|robot| robot.id).flat_map(|id| self::robot(scene, id, id));
     let objects = scene.objects.iter().map(|object| object.id).filter_map(|id| self::object(scene, id, id));
     std::iter::once(world(scene)).chain(robots).chain(objects).collect()
 }
 
-/// Entity of robot `id`, with the appearance of robot `model` of the scene.
-pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Option<Value> {
-    let robot = scene.robots.iter().find(|robot| robot.id == model)?;
+/// Entities of robot `id`, with the appearance of robot `model` of the scene: its body, and its links that have a shape.
+pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Vec<Value> {
+    let Some(robot) = scene.robots.iter().find(|robot| robot.id == model) else { return Vec::new() };
     let label = json!([{
         "pose": pose(&Point { position_m: [0.0, 0.0, robot.body.height_m + 0.05], rotation: UPRIGHT }),
         "billboard": true,
@@ -67,7 +74,12 @@ pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Option<Value> {
         "text": format!("{} {id}", robot.name),
     }]);
     let triangles = triangles(scene, Owner::Robot(model));
-    Some(entity(&robot_frame(RobotId(id)), triangles, &robot.body, robot.colour, label))
+    let body = entity(&robot_frame(RobotId(id)), triangles, &robot.body, robot.colour, label);
+    let link = |link: usize| {
+        let shape = self::triangles(scene, Owner::Link(model, link as u32));
+        (!shape.is_empty()).then(|| whole(&link_frame(RobotId(id), link), shape, Vec::new(), json!([])))
+    };
+    std::iter::once(body).chain((0..robot.links.len()).filter_map(link)).collect()
 }
 
 /// Entity of movable object `id`, with the appearance of object `model` of the scene.
@@ -185,6 +197,18 @@ pub(super) fn transform(at: Time, parent: &str, child: &str, point: &Point) -> V
         "translation": vector(point.position_m),
         "rotation": quaternion(point.rotation),
     })
+}
+
+/// Transforms of the links of a robot, each in the frame of its parent, at these joint angles.
+pub(super) fn links(at: Time, robot: RobotId, links: &[Link], joints_rad: &[f64]) -> Vec<Value> {
+    let transform = |(index, link): (usize, &Link)| {
+        let parent = link.parent.map_or_else(|| robot_frame(robot), |parent| link_frame(robot, parent as usize));
+        let angle = link.joint.and_then(|joint| joints_rad.get(joint as usize)).copied().unwrap_or(0.0);
+        let turn = DQuat::from_axis_angle(link.axis.into(), angle);
+        let rotation = (DQuat::from_array(link.origin.rotation) * turn).to_array();
+        self::transform(at, &parent, &link_frame(robot, index), &Point { rotation, ..link.origin })
+    };
+    links.iter().enumerate().map(transform).collect()
 }
 
 /// Pose in space of a body in the plane.

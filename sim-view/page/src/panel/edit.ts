@@ -165,5 +165,5 @@ function selectionOf(name: string): Selection | null {
 function poseOf(model: Model, selected: Selection | null): Pose | undefined {
   if (!selected) return undefined;
   if ("object" in selected) return model.snapshot?.objects.find(({ id }) => id === selected.object)?.pose;
-  return model.snapshot?.robots.find(({ id }) => id === selected.robot)?.legs[0]?.from;
+  return model.snapshot?.robots.find(({ id }) => id === selected.robot)?.motion[0]?.from;
 }

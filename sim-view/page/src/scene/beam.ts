@@ -58,8 +58,8 @@ export class Beams {
     if (this.numbers.length < 8 * beams.length) this.numbers = new Float32Array(16 * beams.length);
     this.owners.length = beams.length;
     beams.forEach((beam, i) => {
-      const legs = snapshot?.robots.find((robot) => robot.id === beam.robot)?.legs ?? [];
-      if (!snapshot || !poseOnPieces(legs, snapshot.t_s, this.base)) {
+      const pieces = snapshot?.robots.find((robot) => robot.id === beam.robot)?.motion ?? [];
+      if (!snapshot || !poseOnPieces(pieces, snapshot.t_s, this.base)) {
         this.owners[i] = undefined;
         return;
       }

@@ -1,7 +1,9 @@
 // The moving bodies and their displayed poses.
 
+import * as THREE from "three";
 import type { Model } from "../model";
-import type { Body, Pose } from "../protocol";
+import type { Posture } from "../motion";
+import type { Body, Link, Pose, Robot } from "../protocol";
 
 /** A robot or a movable object on display. */
 export interface Shown {
@@ -12,6 +14,11 @@ export interface Shown {
   readonly colour: readonly [number, number, number];
   /** Displayed pose. */
   readonly pose: Pose;
+  /** Displayed posture; that of a standing robot before the run says more. */
+  readonly posture: Posture;
+  /** The links of its legs, parents before children, and the displayed pose of each in the world. */
+  readonly links: readonly Link[];
+  readonly frames: readonly THREE.Matrix4[];
   /** Pose to which the user drags it, until the run has placed it there; null if it is not dragged. */
   held: Pose | null;
   /** The body is in the world. */
@@ -28,6 +35,7 @@ export class Bodies {
   private readonly byRobot = new Map<number, Shown>();
   private readonly byObject = new Map<number, Shown>();
   private readonly pose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+  private readonly posture: Posture = { lift_m: 0, joints_rad: [] };
 
   constructor(private readonly model: Model) {}
 
@@ -49,7 +57,7 @@ export class Bodies {
   /** Creates the bodies of the model's scene. */
   rebuild(): void {
     const scene = this.model.scene;
-    this.robots = (scene?.robots ?? []).map((robot) => shown("robot", robot.id, robot.body, robot.colour));
+    this.robots = (scene?.robots ?? []).map((robot) => shown("robot", robot.id, robot.body, robot.colour, robot));
     this.objects = (scene?.objects ?? []).map((object) => shown("object", object.id, object.body, [200, 200, 200]));
     this.all = [...this.robots, ...this.objects];
     this.byRobot.clear();
@@ -82,13 +90,58 @@ export class Bodies {
         pose.x_m = to.x_m;
         pose.y_m = to.y_m;
         pose.phi_rad = to.phi_rad;
+        placeLinks(body);
+      }
+      if (body.what === "robot" && motion.posture(body.id, t_s, this.posture) && takePosture(body, this.posture)) {
+        hasMoved = true;
+        placeLinks(body);
       }
     }
     return hasMoved;
   }
 }
 
-function shown(what: Shown["what"], id: number, extent: Body, [r, g, b]: [number, number, number]): Shown {
-  const pose = { x_m: 0, y_m: 0, phi_rad: 0 };
-  return { what, id, extent, colour: [r / 255, g / 255, b / 255], pose, held: null, isThere: false, isStalled: false };
+/** Displays a posture; returns false if it is displayed already. */
+function takePosture({ posture }: Shown, to: Posture): boolean {
+  const { joints_rad } = posture;
+  if (posture.lift_m === to.lift_m && joints_rad.every((angle, i) => angle === to.joints_rad[i])) return false;
+  posture.lift_m = to.lift_m;
+  for (let i = 0; i < joints_rad.length; i++) joints_rad[i] = to.joints_rad[i] ?? joints_rad[i]!;
+  return true;
+}
+
+const base = new THREE.Matrix4();
+const turned = new THREE.Matrix4();
+const place = new THREE.Vector3();
+const turn = new THREE.Quaternion();
+const bend = new THREE.Quaternion();
+const axis = new THREE.Vector3();
+const UNIT = new THREE.Vector3(1, 1, 1);
+
+/** Computes the poses of a body's links from its pose and posture. */
+function placeLinks({ links, frames, pose, posture }: Shown): void {
+  if (links.length === 0) return;
+  base.makeRotationZ(pose.phi_rad).setPosition(pose.x_m, pose.y_m, posture.lift_m);
+  links.forEach(({ parent, origin, axis: about, joint }, i) => {
+    bend.setFromAxisAngle(axis.set(...about), joint === null ? 0 : (posture.joints_rad[joint] ?? 0));
+    turned.compose(place.set(...origin.position_m), turn.set(...origin.rotation).multiply(bend), UNIT);
+    frames[i]!.multiplyMatrices(parent === null ? base : frames[parent]!, turned);
+  });
+}
+
+function shown(what: Shown["what"], id: number, extent: Body, [r, g, b]: [number, number, number], robot?: Robot): Shown {
+  const links = robot?.links ?? [];
+  return {
+    what,
+    id,
+    extent,
+    colour: [r / 255, g / 255, b / 255],
+    pose: { x_m: 0, y_m: 0, phi_rad: 0 },
+    posture: { lift_m: 0, joints_rad: [...(robot?.standing_rad ?? [])] },
+    links,
+    frames: links.map(() => new THREE.Matrix4()),
+    held: null,
+    isThere: false,
+    isStalled: false,
+  };
 }

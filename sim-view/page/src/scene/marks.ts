@@ -102,7 +102,8 @@ export class Marks {
         const body = robots[i]!;
         const isSeen = body.isThere && body !== hidden;
         const { height_m, radius_m } = body.extent;
-        this.sprites.put(i, body.pose.x_m, body.pose.y_m, height_m + 0.5 * radius_m, isSeen ? (body === selected ? 1.25 : 1) : 0);
+        const z = body.posture.lift_m + height_m + 0.5 * radius_m;
+        this.sprites.put(i, body.pose.x_m, body.pose.y_m, z, isSeen ? (body === selected ? 1.25 : 1) : 0);
       }
       this.sprites.end(width_px, height_px);
     }

@@ -1,14 +1,15 @@
 // The scene that cameras see: world, floor, sky, light and the bodies' meshes, in the simulator's colours and light.
 
 import * as THREE from "three";
-import type { Place, Scene } from "../protocol";
+import type { Scene } from "../protocol";
 import type { Bodies, Shown } from "./bodies";
 import { GeometryMerger } from "./surface";
 
-/** An instanced mesh, and the bodies that have it. */
+/** An instanced mesh, and the bodies that have it, on the link of this index or, if it is null, on the body itself. */
 interface InstanceGroup {
   mesh: THREE.InstancedMesh;
   bodies: Shown[];
+  link: number | null;
 }
 
 const WHITE = new THREE.Color(1, 1, 1);
@@ -56,9 +57,9 @@ export class World {
 
   /** Moves the meshes to the poses of their bodies. */
   update(): void {
-    for (const { mesh, bodies } of this.instanceGroups) {
+    for (const { mesh, bodies, link } of this.instanceGroups) {
       const numbers = mesh.instanceMatrix.array;
-      for (let i = 0; i < bodies.length; i++) write(numbers, 16 * i, bodies[i]!, bodies[i] !== this.hidden);
+      for (let i = 0; i < bodies.length; i++) write(numbers, 16 * i, bodies[i]!, bodies[i] !== this.hidden, link);
       mesh.instanceMatrix.needsUpdate = true;
     }
   }
@@ -175,18 +176,26 @@ export class World {
 
   /** Bodies of equal appearance are drawn in one call. */
   private addBodies(): void {
-    const looks = new Map<string, number[]>();
-    for (const body of this.bodies.all) looks.set(`${body.what} ${body.id}`, []);
-    for (const part of this.scene.parts) looks.get(placeKey(part.place))?.push(part.mesh);
-    const alike = new Map<string, { meshes: number[]; bodies: Shown[] }>();
-    for (const body of this.bodies.all) {
-      const meshes = looks.get(`${body.what} ${body.id}`) ?? [];
-      const key = `${body.what} ${meshes.join(" ")}`;
+    const looks = new Map<string, { body: Shown; link: number | null; meshes: number[] }>();
+    for (const part of this.scene.parts) {
+      const { place } = part;
+      if (place.on === "world") continue;
+      const body = place.on === "object" ? this.bodies.object(place.object) : this.bodies.robot(place.robot);
+      const link = place.on === "link" ? place.link : null;
+      if (!body) continue;
+      const key = `${body.what} ${body.id} ${link}`;
+      const found = looks.get(key);
+      if (found) found.meshes.push(part.mesh);
+      else looks.set(key, { body, link, meshes: [part.mesh] });
+    }
+    const alike = new Map<string, { meshes: number[]; bodies: Shown[]; link: number | null }>();
+    for (const { body, link, meshes } of looks.values()) {
+      const key = `${body.what} ${link} ${meshes.join(" ")}`;
       const found = alike.get(key);
       if (found) found.bodies.push(body);
-      else alike.set(key, { meshes, bodies: [body] });
+      else alike.set(key, { meshes, bodies: [body], link });
     }
-    for (const { meshes, bodies } of alike.values()) {
+    for (const { meshes, bodies, link } of alike.values()) {
       const merger = new GeometryMerger();
       for (const mesh of meshes) if (this.scene.meshes[mesh]) merger.add(this.scene.meshes[mesh], IDENTITY);
       const gathered = merger.finish();
@@ -200,7 +209,7 @@ export class World {
       mesh.frustumCulled = false;
       mesh.castShadow = mesh.receiveShadow = true;
       this.disposables.push(gathered.geometry);
-      this.instanceGroups.push({ mesh, bodies });
+      this.instanceGroups.push({ mesh, bodies, link });
       (bodies[0]?.what === "robot" ? this.robots : this.objects).add(mesh);
     }
   }
@@ -231,13 +240,11 @@ export class World {
   }
 }
 
-function placeKey(place: Place): string {
-  if (place.on === "robot") return `robot ${place.robot}`;
-  return place.on === "object" ? `object ${place.object}` : "world";
-}
-
-/** Writes the matrix of a body's frame; it has scale 0 if the body is not in the world or not visible. */
-export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisible = true): void {
+/** Writes the matrix of the frame of a body or one of its links; it has scale 0 if the body is not in the world or not visible. */
+export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisible = true, link: number | null = null): void {
+  const frame = link === null ? undefined : body.frames[link];
+  if (frame && body.isThere && isVisible) return void frame.toArray(numbers as unknown as number[], at);
+  if (frame) return void numbers.fill(0, at, at + 15);
   const size = body.isThere && isVisible ? 1 : 0;
   const cos = size * Math.cos(body.pose.phi_rad);
   const sin = size * Math.sin(body.pose.phi_rad);
@@ -248,6 +255,7 @@ export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisi
   numbers[at + 10] = size;
   numbers[at + 12] = body.pose.x_m;
   numbers[at + 13] = body.pose.y_m;
+  numbers[at + 14] = body.posture.lift_m;
   numbers[at + 15] = 1;
 }
 
