@@ -1,4 +1,4 @@
-//! Runs the scenes of three papers with `eyesim` and compares the papers' claims with our results.
+//! Runs the scenes of four papers with `eyesim` and compares the papers' claims with our results.
 //!
 //! One module a paper. Each runs its scenes ([`run`]), reads their traces ([`trace`]) and makes a page of figures, tables and
 //! claims ([`page`]); [`doc`] writes the tables into a page of the docs, or compares them with it. Robot programs do not depend on
@@ -6,6 +6,7 @@
 
 pub mod alduro;
 pub mod doc;
+pub mod eyesim;
 pub mod france;
 pub mod page;
 pub mod run;

@@ -8,7 +8,7 @@ use clap::{Parser, ValueEnum};
 use papers::doc::Doc;
 use papers::page::Page;
 use papers::run::Job;
-use papers::{alduro, france, wu};
+use papers::{alduro, eyesim, france, wu};
 
 /// The host's heap is not libc's, which a faulting robot program may leave locked or broken.
 #[global_allocator]
@@ -48,6 +48,8 @@ const EXIT_CODES: &str = "Exit codes: 0 every claim that must hold does, 1 one d
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Choice {
+    /// Koestler and Bräunl: the simulator's own paper
+    Eyesim,
     /// France et al. 1999: proximity sensors on a walking robot
     France,
     /// Gois and Hiller: walks of ALDURO by a map from sonar
@@ -66,7 +68,8 @@ type Reproduce = fn(&Job, Option<usize>) -> anyhow::Result<Page>;
 
 impl Choice {
     fn papers(self) -> Vec<(&'static str, Reproduce)> {
-        let all: [(Self, &str, Reproduce); 5] = [
+        let all: [(Self, &str, Reproduce); 6] = [
+            (Self::Eyesim, "eyesim", |job, _| eyesim::run(job)),
             (Self::France, "france", |job, _| france::run(job)),
             (Self::Alduro, "alduro", alduro::run),
             (Self::Fusion, "fusion", alduro::fusion),
