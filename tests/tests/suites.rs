@@ -342,7 +342,7 @@ fn a_case_that_hangs_tells_its_instant_and_the_line_to_see_a_failure_has_the_che
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml").replace("pass_rate", "# pass_rate");
     scratch.write("0.suite.toml", &format!("{suite}\n[limits]\nslot_processor_s = 0.2\n"));
-    scratch.write("square.c", "#include \"eyebot.h\"\nint main(void) { OSWait(2020); for (;;) ; }\n");
+    scratch.write("square.c", "#include \"eyebot.h\"\nint main(void) { OSWait(203); for (;;) ; }\n");
     let ran = test(&scratch, &["0.suite.toml", "-k", "none and seed=1", "--report", "r.json"], 1);
     let row = &rows(&scratch, "r.json")[0];
     assert_eq!((&row["at_s"], &row["outcome"]), (&serde_json::json!(2.0), &serde_json::json!("failed")), "{row:#}");

@@ -354,9 +354,9 @@ fn attackers(add: Add<'_>, place: &Path) {
     );
     file(
         "gigabyte",
-        "static char b[1 << 20]; memset(b, 'x', sizeof b); for (int i = 0; i < 1024; i++) if (write(1, b, sizeof b) < 0) break;",
+        "static char b[1 << 20]; memset(b, 'x', sizeof b); for (int i = 0; i < 65536; i++) if (write(1, b, sizeof b) < 0) break;",
         "failed",
-        FAILS,
+        "time",
     );
     file(
         "judge",
@@ -377,7 +377,8 @@ fn attackers(add: Add<'_>, place: &Path) {
     );
     file(
         "other-page",
-        "for (int p = getppid() - 50; p < getppid() + 200; p++) { if (p == getpid()) continue; for (int f = 3; f < 20; f++) {\n\
+        "for (int p = getppid() - 50; p < getppid() + 200; p++) { snprintf(name, sizeof name, \"/proc/self/task/%d\", p);\n\
+         if (!access(name, F_OK)) continue; for (int f = 3; f < 20; f++) {\n\
          snprintf(name, sizeof name, \"/proc/%d/fd/%d\", p, f); CLOSED(open(name, O_RDWR)); } }",
         "failed",
         FAILS,
@@ -417,6 +418,6 @@ fn attackers(add: Add<'_>, place: &Path) {
     let main = "int main(void) { return 0; }\n";
     text("includes-hidden", format!("#include \"{}/lab/hidden.h\"\n{main}", place.display()), "hidden.h");
     text("includes-passwd", format!("#include \"/etc/passwd\"\n{main}"), "passwd");
-    text("incbin", format!("__asm__(\".incbin \\\"/etc/passwd\\\"\");\n{main}"), "passwd");
-    text("incbin-shadow", format!("__asm__(\".incbin \\\"/etc/shadow\\\"\");\n{main}"), "shadow");
+    text("incbin", format!("__asm__(\".incbin \\\"/etc/passwd\\\"\");\n{main}"), "does not compile");
+    text("incbin-shadow", format!("__asm__(\".incbin \\\"/etc/shadow\\\"\");\n{main}"), "does not compile");
 }
