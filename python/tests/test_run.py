@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -137,3 +138,16 @@ def test_robots_in_processes_are_started_from_the_interpreter(tmp_path, request)
     runs = [eyesim.run(scene, exec=place) for place in ("fiber", "process")]
     assert runs[0].digest == runs[1].digest
     assert runs[1].report["robots"][0]["outcome"] == "finished"
+
+
+def test_programs_of_strangers_run_in_a_sandbox(program, tmp_path):
+    if " full: " not in command("doctor").stdout:
+        pytest.skip("the kernel does not reach the full sandbox")
+    (tmp_path / "a.scene.toml").write_text(SQUARE)
+    (tmp_path / "a.c").write_text('#include "eyebot.h"\nint main(void) { VWStraight(400, 200); VWWait(); return 0; }\n')
+    for robot in [program, *([tmp_path / "a.c"] if shutil.which("cc") else [])]:
+        words = ["--program", f"1={robot}", "--sandbox", "--report", tmp_path / "report.json"]
+        ran = command("run", tmp_path / "a.scene.toml", *words, PATH=os.environ["PATH"])
+        assert ran.returncode == 0, ran.stderr
+        report = json.loads((tmp_path / "report.json").read_text())
+        assert report["sandbox"]["level"] == "full" and report["robots"][0]["outcome"] == "finished"

@@ -35,6 +35,17 @@ pub trait CallContext: Sized {
         let _ = record;
     }
 
+    /// Carries out a call to function `index` of the list with number `table` if the host forbids this function; returns true if
+    /// so, and the call then fails as documented, without any effect.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program must end.
+    #[inline]
+    fn forbid(&self, table: u32, index: usize) -> Result<bool, Stop> {
+        let _ = (table, index);
+        Ok(false)
+    }
+
     /// Reports a call to a function that the host does not implement, and which fails as documented.
     fn unavailable(&self, name: &'static str) {
         let _ = name;
@@ -158,7 +169,7 @@ pub(crate) fn log<H: CallContext, R: Copy + Return>(
 /// ```
 ///
 /// `number` identifies the list in messages of programs in other processes.
-/// The value after `=` is the documented failure, which the trait's default method returns.
+/// The value after `=` is the documented failure, which the trait's default method and a forbidden function return.
 macro_rules! function_table {
     (
         $(#[$table_attribute:meta])*
@@ -336,6 +347,9 @@ macro_rules! function_table {
                     $($parameter: &mut <$kind as Param>::Held,)*
                 ) -> Result<$result, $crate::abi::Stop> {
                     let outcome = $crate::table::guarded(host, stringify!($name), || {
+                        if host.forbid($Call::TABLE, $Call::$name.index())? {
+                            return Ok($failure);
+                        }
                         host.$name($(<$kind as Param>::view($parameter)),*)
                     });
                     if host.is_logging() {

@@ -71,6 +71,7 @@ codes! {
     FileNameMissing = "file-name-missing": "a file name is missing or empty",
     FileUnreadable = "file-unreadable": "a file is there but cannot be read",
     FolderEmpty = "folder-empty": "a folder without a file that eyesim reads",
+    ForbidFunction = "forbid-function": "`forbid` names a function that there is not",
     LegDrive = "leg-drive": "legs on a robot that drives on wheels, or none on one that is to walk",
     LegGait = "leg-gait": "a gait that does not fit the legs",
     LegReach = "leg-reach": "a leg that cannot stand with its hip at the height given",

@@ -34,6 +34,8 @@ pub struct SuiteSpec {
     pub scene: Option<PathRef>,
     /// Programs of robots, as options `--program` of the command line.
     pub programs: Vec<PathRef>,
+    /// Functions of RoBIOS that fail for all programs, besides those of the scene.
+    pub forbid: Vec<PathRef>,
     /// Files of a submission that become programs of robots.
     pub submit: Vec<SubmitSpec>,
     /// End of each case.
@@ -63,6 +65,7 @@ impl Default for SuiteSpec {
             folder: String::new(),
             scene: None,
             programs: Vec::new(),
+            forbid: Vec::new(),
             submit: Vec::new(),
             until: None,
             linger: Time::ZERO,

@@ -12,7 +12,7 @@ use sim_format::{
 
 /// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
 /// robots, a program, a conversion or the functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 18] = [
+const WITHOUT_EXAMPLE: [Code; 19] = [
     Code::CheckFunction,
     Code::CheckProgram,
     Code::ConvertKind,
@@ -24,6 +24,7 @@ const WITHOUT_EXAMPLE: [Code; 18] = [
     Code::FileMore,
     Code::FileUnreadable,
     Code::FolderEmpty,
+    Code::ForbidFunction,
     Code::MeshSize,
     Code::ProgramGeneration,
     Code::ProgramMissing,

@@ -1,6 +1,7 @@
 //! Helpers for the black-box tests: the real binary, a fresh folder, output and files of a run.
 
 pub mod radio;
+pub mod stranger;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -4,14 +4,17 @@
 mod class;
 
 use std::collections::BTreeMap;
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::Command;
 
 use class::{Case, class, honest, program, zip_of};
 use serde_json::Value;
+use tests::stranger::{chown_all, listing, processes_in, users};
 use tests::{Ran, Scratch, eyesim_path};
 
-/// Environment variable that has all submissions graded in three orders.
+/// Environment variable that has all submissions graded in three orders and each alone, as root also as an ordinary user.
 const ALL: &str = "EYESIM_GRADE";
 
 /// Folder `lab/` with a suite: drive 900 mm ahead and touch nothing.
@@ -24,7 +27,7 @@ fn lab() -> Scratch {
     );
     scratch.write(
         "lab/lab.suite.toml",
-        "[suite]\nscene = \"lab.scene.toml\"\nsubmit = { 1 = [\"*.c\", \"*.cpp\", \"*.so\"] }\nuntil_s = 20\n\n[matrix]\n\
+        "[suite]\nscene = \"lab.scene.toml\"\nsubmit = { 1 = [\"*.c\", \"*.cpp\", \"*.so\"] }\nuntil_s = 20\nforbid = [\"SIM*\"]\n\n[matrix]\n\
          noise = \"mild\"\nseed = 1\n\n[limits]\nslot_processor_s = 0.4\noutput_mb = 0.1\n\n\
          [[check]]\nname = \"goal\"\nkind = \"reach\"\nat_mm = [1400, 500]\nwithin_mm = 60\npoints = 3\n\n\
          [[check]]\nname = \"no contact\"\nkind = \"contacts\"\nmax = 0\n",
@@ -122,21 +125,71 @@ fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, V
     grades.into_values().map(of_row).collect()
 }
 
+/// A place where a class is graded: the lab, somebody's home, a cache, a temporary folder; all of one user.
+struct Office {
+    scratch: Scratch,
+    user: Option<u32>,
+}
+
+impl Office {
+    fn new(user: Option<u32>) -> Self {
+        let scratch = lab();
+        std::fs::set_permissions(scratch.path(), std::fs::Permissions::from_mode(0o755)).expect("a mode");
+        scratch.write("lab/hidden.h", "#error \"the seeds of the examination\"\n");
+        scratch.write("home/diary.txt", "dear diary");
+        for folder in ["home/photos", "cache", "tmp"] {
+            std::fs::create_dir_all(scratch.path().join(folder)).expect("a folder");
+        }
+        std::fs::copy(eyesim_path(), scratch.path().join("eyesim")).expect("a copy of the binary");
+        Self { scratch, user }
+    }
+
+    /// Runs `eyesim grade` as the user, with limits around it in case the sandbox has a hole, and expects success.
+    fn grade(&self, args: &[&str]) -> Ran {
+        let path = self.scratch.path();
+        let script = "ulimit -c 0; ulimit -t 3000; ulimit -f 2000000; exec timeout -k 5 3000 \"$@\"";
+        let mut command = Command::new("sh");
+        command.args(["-c", script, "sh"]).arg(path.join("eyesim")).args(["grade", "lab/lab.suite.toml"]).args(args);
+        command.current_dir(path).env("HOME", path.join("home")).env("EYESIM_CACHE", path.join("cache"));
+        command.env("TMPDIR", path.join("tmp")).env("EYESIM_SECRET", "the seeds").env("LD_PRELOAD", "");
+        if let Some(user) = self.user {
+            chown_all(path, user);
+            command.uid(user).gid(user);
+        }
+        let kept = || ["home", "lab", "in"].map(|folder| listing(&path.join(folder)));
+        let before = kept();
+        let ran = Ran::from(command.output().expect("a shell"));
+        assert_eq!(ran.code, Some(0), "{args:?}: {ran:#?}");
+        assert_eq!(kept(), before, "nothing outside of the scratch folders is touched");
+        let left: Vec<_> = std::fs::read_dir(path.join("tmp")).expect("a folder").collect();
+        assert!(left.is_empty(), "{left:?}");
+        assert_eq!(processes_in(path), Vec::<String>::new(), "nothing is left running");
+        ran
+    }
+}
+
 #[test]
 fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
     if tests::lacks_sandbox() {
         return;
     }
-    let scratch = lab();
-    let cases = class();
+    let is_all = std::env::var_os(ALL).is_some();
+    for user in users().into_iter().take(if is_all { 2 } else { 1 }) {
+        grade_class(&Office::new(user), is_all);
+    }
+}
+
+/// Grades the class, again, in other orders, on one worker and two, and submissions alone: all of them if `is_all`, else some.
+fn grade_class(office: &Office, is_all: bool) {
+    let scratch = &office.scratch;
+    let cases = class(&scratch.path().canonicalize().expect("a path"));
     let all: Vec<&Case> = cases.iter().collect();
-    assert!(all.len() >= 80, "{}", all.len());
-    write_class(&scratch, "in", &all, &|index| index);
-    let before = listing(&scratch.path().join("lab"));
-    let ran = grade(&scratch, &["--submissions", "in", "-o", "out", "-j", "2"]);
+    assert!(all.len() >= 100, "{}", all.len());
+    write_class(scratch, "in", &all, &|index| index);
+    let ran = office.grade(&["--submissions", "in", "-o", "out", "-j", "2"]);
     assert!(ran.stdout.contains(&format!("{} submissions: ", all.len())), "{}", ran.stdout);
     assert!(!ran.stdout.contains('\u{1b}') && !ran.stderr.contains('\u{1b}'), "{ran:#?}");
-    let found = verdicts(&scratch, "out");
+    let found = verdicts(scratch, "out");
     let mut wrong = Vec::new();
     for case in &cases {
         let name: String = case.name.chars().flat_map(char::escape_default).collect();
@@ -153,46 +206,33 @@ fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert_eq!(found.len(), cases.len());
-    assert_eq!(listing(&scratch.path().join("lab")), before);
     pages_are_harmless(&scratch.path().join("out"));
     // The second time nothing is built or run.
-    let again = grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    let again = office.grade(&["--submissions", "in", "-o", "out"]);
     assert!(again.stdout.starts_with(&format!("{0} of {0} submissions are unchanged", all.len())), "{}", again.stdout);
-    assert_eq!(verdicts(&scratch, "out"), found);
-    // Other orders, other numbers of workers, alone.
-    let is_all = std::env::var_os(ALL).is_some();
+    assert_eq!(verdicts(scratch, "out"), found);
     let some: Vec<&Case> = cases.iter().step_by(if is_all { 1 } else { 7 }).collect();
     let count = some.len();
     let orders: [(&str, &dyn Fn(usize) -> usize); 2] =
         [("1", &|index| count - 1 - index), ("2", &|index| index * 37 % count.next_multiple_of(37).max(1) + index)];
     for (jobs, order) in &orders[..if is_all { 2 } else { 1 }] {
         let (folder, output) = (format!("in{jobs}"), format!("out{jobs}"));
-        write_class(&scratch, &folder, &some, order);
-        grade(&scratch, &["--submissions", &folder, "-o", &output, "-j", jobs]);
-        for (name, verdict) in verdicts(&scratch, &output) {
+        write_class(scratch, &folder, &some, order);
+        office.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
+        for (name, verdict) in verdicts(scratch, &output) {
             assert_eq!(found.get(&name), Some(&verdict), "{name}");
         }
+        println!("{count} submissions as {:?} on {jobs} workers: the same rows", office.user);
     }
+    let entries = std::fs::read_dir(scratch.path().join("in")).expect("a folder").flatten();
+    let names: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     for index in (0..cases.len()).step_by(if is_all { 1 } else { 17 }) {
-        let entry = std::fs::read_dir(scratch.path().join("in")).expect("a folder").flatten();
-        let mut names: Vec<_> = entry.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
         let Some(name) = names.iter().find(|name| name.starts_with(&format!("{index:03} "))) else { panic!("{index}") };
-        grade(&scratch, &["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
+        office.grade(&["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
         let alone = result(&scratch.path().join("alone"), &format!("{index:03} "));
         let known = found.values().filter(|(_, results)| *results == alone).count();
         assert!(known > 0, "{name}: {alone:#}");
     }
-}
-
-/// Names and contents of the files of a folder.
-fn listing(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = std::fs::read_dir(folder).expect("a folder").flatten();
-    let mut files: Vec<_> = entries
-        .map(|entry| (entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).expect("a file")))
-        .collect();
-    files.sort();
-    files
 }
 
 /// No page has a tag or an escape sequence of a student.
@@ -203,6 +243,7 @@ fn pages_are_harmless(output: &Path) {
     }
     for page in pages {
         let text = std::fs::read_to_string(&page).expect("a page");
+        assert!(!text.contains("the seeds") && !text.contains("root:x:0"), "{}", page.display());
         assert!(
             !text.contains("<script") && !text.contains("<b>bold") && !text.contains('\u{1b}'),
             "{}",
@@ -258,6 +299,57 @@ fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
     // Similarity checkers read a folder for each student.
     assert!(scratch.path().join("out/sources/Ana_María/solve.c").is_file());
     assert!(scratch.read("out/junit.xml").contains("testsuite"));
+}
+
+#[test]
+fn replays_have_the_files_that_options_name() {
+    if tests::lacks_sandbox() {
+        return;
+    }
+    let scratch = lab();
+    let suite = scratch
+        .read("lab/lab.suite.toml")
+        .replace("noise = \"mild\"", "noise = [\"one.noise.toml\", \"two.noise.toml\"]");
+    scratch.write("lab/lab.suite.toml", &suite.replace("until_s = 20", "until_s = 20\nstdin = \"words.txt\""));
+    scratch.write("lab/one.noise.toml", "base = \"mild\"\n");
+    scratch.write("lab/two.noise.toml", "base = \"harsh\"\n");
+    scratch.write("lab/words.txt", "400\n");
+    let way = "int way = 0; if (scanf(\"%d\", &way) == 1) VWStraight(way, 200); VWWait();";
+    scratch.write("in/ana.c", &String::from_utf8(program(way)).expect("a text"));
+    grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    let page = scratch.read("out/students/ana/index.html");
+    let rows = scratch.read("out/rows.csv");
+    let folder = Scratch::new();
+    std::fs::copy(scratch.path().join("out/students/ana/replay.zip"), folder.path().join("replay.zip"))
+        .expect("a copy");
+    for noise in ["one.noise.toml", "two.noise.toml"] {
+        let words =
+            page.split("eyesim view replay.zip ").skip(1).map(|rest| rest.split(" --at").next().expect("words"));
+        let words = words.map(|words| words.split('<').next().expect("words").trim());
+        let words = words.into_iter().find(|words| words.contains(noise)).unwrap_or_else(|| panic!("{noise}: {page}"));
+        assert!(words.contains("--stdin=words.txt") && words.contains("--forbid"), "{words}");
+        let line = format!("exec \"$EYESIM\" run replay.zip --report r.json {}", words.replace("&#39;", "'"));
+        let ran =
+            Command::new("sh").args(["-c", &line]).env("EYESIM", eyesim_path()).current_dir(folder.path()).output();
+        let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap_or_else(|_| panic!("{ran:?}"));
+        assert!(rows.contains(report["digest"].as_str().expect("a digest")), "{rows}\n{report:#}");
+    }
+}
+
+#[test]
+fn forbidden_calls_are_named_to_students() {
+    if tests::lacks_sandbox() {
+        return;
+    }
+    let scratch = lab();
+    let way = "SIMSetRobot(0, 1400, 500, 0, 0); SIMSetRobot(0, 1400, 500, 0, 0); VWStraight(900, 200); VWWait();";
+    scratch.write("in/ana.c", &String::from_utf8(program(way)).expect("a text"));
+    grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    let told = "r1 `SIMSetRobot` 2 times";
+    assert!(scratch.read("out/students/ana/index.html").contains(told));
+    let results = result(&scratch.path().join("out/students/ana"), "");
+    assert!(results["output"].as_str().expect("a text").contains(told), "{results:#}");
+    assert_eq!(results["score"], 4.0, "that alone costs nothing");
 }
 
 #[test]

@@ -1,25 +1,16 @@
 //! Programs of strangers in a sandbox: what is closed to them, as this user and, for root, as an ordinary one; the same digests with and
 //! without; nothing touched, nothing left.
 
-use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::process::CommandExt as _;
-use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
+use tests::stranger::{chown_all, listing, processes_in, users};
 use tests::{Ran, Scratch, write_crowd, write_scene};
 
 const PROBE: &str = include_str!("sandbox/probe.c");
 const FUZZ: &str = include_str!("sandbox/fuzz.c");
-
-/// An ordinary user without files.
-const NOBODY: u32 = 65534;
-
-/// Users as which the tests run: this one and, if it is root, an ordinary one.
-fn users() -> Vec<Option<u32>> {
-    // SAFETY: geteuid takes no arguments and always succeeds.
-    if unsafe { libc::geteuid() } == 0 { vec![None, Some(NOBODY)] } else { vec![None] }
-}
 
 /// Runs `eyesim` as a user, with a cache in the scratch folder, and limits of its own in case the sandbox has none.
 fn run_as(scratch: &Scratch, user: Option<u32>, args: &[&str]) -> Ran {
@@ -44,13 +35,6 @@ fn eyesim(scratch: &Scratch) -> std::path::PathBuf {
     copy
 }
 
-fn chown_all(path: &Path, user: u32) {
-    std::os::unix::fs::lchown(path, Some(user), Some(user)).expect("root gives files away");
-    if path.is_dir() && !path.is_symlink() {
-        std::fs::read_dir(path).expect("a folder").for_each(|entry| chown_all(&entry.expect("an entry").path(), user));
-    }
-}
-
 /// Folders for a run in `run`, with its programs in `programs`, a victim's folder and the places that eyesim writes to.
 fn folders() -> Scratch {
     let scratch = Scratch::new();
@@ -71,20 +55,6 @@ fn folders() -> Scratch {
     scratch
 }
 
-/// Every file below `path` with what a program could change of it, except what eyesim itself writes.
-fn listing(path: &Path, lines: &mut Vec<String>) {
-    let file = path.symlink_metadata().expect("a file");
-    let content = if file.is_file() { std::fs::read(path).expect("a file") } else { Vec::new() };
-    let times = (file.mtime(), file.mtime_nsec());
-    lines.push(format!("{} {:o} {} {times:?} {content:?}", path.display(), file.mode(), file.uid()));
-    if file.is_dir() {
-        let mut entries: Vec<_> =
-            std::fs::read_dir(path).expect("a folder").map(|entry| entry.expect("one").path()).collect();
-        entries.sort();
-        entries.iter().for_each(|entry| listing(entry, lines));
-    }
-}
-
 /// Runs the scene with `bad` as the program of robot 2 in a sandbox, as `user`; checks that the others have reached their goals, that
 /// nothing of the run's folder and the victim's was touched and that no process is left. Gives the report and what was said.
 fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (Value, Ran) {
@@ -92,12 +62,7 @@ fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (V
     if let Some(user) = user {
         chown_all(scratch.path(), user);
     }
-    let list = || {
-        let mut lines = Vec::new();
-        listing(&scratch.path().join("victim"), &mut lines);
-        listing(&scratch.path().join("run"), &mut lines);
-        lines
-    };
+    let list = || ["victim", "run"].map(|folder| listing(&scratch.path().join(folder)));
     let before = list();
     let report = scratch.path().join("tmp/report.json");
     let report = report.to_str().expect("a path in UTF-8");
@@ -113,19 +78,6 @@ fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (V
     assert!(left.is_empty(), "{left:?}");
     assert_eq!(processes_in(scratch.path()), Vec::<String>::new(), "nothing is left running");
     (report, ran)
-}
-
-/// Processes whose binary, working folder or mapped files lie in `folder`.
-fn processes_in(folder: &Path) -> Vec<String> {
-    let folder = folder.to_string_lossy();
-    let processes = std::fs::read_dir("/proc").expect("/proc").flatten().map(|entry| entry.path());
-    let is_of_folder = |process: &std::path::PathBuf| {
-        let link = |name: &str| {
-            std::fs::read_link(process.join(name)).is_ok_and(|path| path.to_string_lossy().contains(&*folder))
-        };
-        process.join("stat").exists() && (link("exe") || link("cwd"))
-    };
-    processes.filter(is_of_folder).map(|process| process.display().to_string()).collect()
 }
 
 #[test]

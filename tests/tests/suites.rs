@@ -319,3 +319,41 @@ fn scenes_and_suites_name_each_others_commands() {
     let ran = scratch.eyesim(&["test", "room.scene.toml"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("is a scene: `eyesim run room.scene.toml` runs it"), "{ran:#?}");
 }
+
+#[test]
+fn options_that_fit_no_robot_end_the_command_before_any_case() {
+    let scratch = of_page();
+    for (args, said) in [
+        (&["0.suite.toml", "--program", "2=square.c"][..], "there is no robot 2: the scene has robot 1 alone"),
+        (&["0.suite.toml", "--program", "maze=square.c"], "no robot has a program or a type `maze`"),
+    ] {
+        let ran = test(&scratch, args, 2);
+        assert!(ran.stderr.contains(said) && !ran.stdout.contains("collected"), "{ran:#?}");
+    }
+    let scene = scratch.read("room.scene.toml").replace("program = \"square.c\"\n", "");
+    scratch.write("room.scene.toml", &scene);
+    let ran = test(&scratch, &["0.suite.toml"], 2);
+    assert!(ran.stderr.contains("no robot of `room.scene.toml` has a program"), "{ran:#?}");
+    test(&scratch, &["0.suite.toml", "--program", "1=square.c"], 0);
+}
+
+#[test]
+fn a_case_that_hangs_tells_its_instant_and_the_line_to_see_a_failure_has_the_checks() {
+    let scratch = of_page();
+    let suite = scratch.read("0.suite.toml").replace("pass_rate", "# pass_rate");
+    scratch.write("0.suite.toml", &format!("{suite}\n[limits]\nslot_processor_s = 0.2\n"));
+    scratch.write("square.c", "#include \"eyebot.h\"\nint main(void) { OSWait(203); for (;;) ; }\n");
+    let ran = test(&scratch, &["0.suite.toml", "-k", "none and seed=1", "--report", "r.json"], 1);
+    let row = &rows(&scratch, "r.json")[0];
+    assert_eq!((&row["at_s"], &row["outcome"]), (&serde_json::json!(2.0), &serde_json::json!("failed")), "{row:#}");
+    assert!(ran.stdout.contains("--checks=0.suite.toml") && ran.stdout.contains("--at 1.0"), "{ran:#?}");
+
+    scratch.write("square.c", "#include \"eyebot.h\"\nint main(void) { VWStraight(100, 200); VWWait(); return 0; }\n");
+    test(&scratch, &["0.suite.toml", "-k", "none and seed=1", "--report", "r.json"], 1);
+    let row = &rows(&scratch, "r.json")[0];
+    let words: Vec<&str> = row["words"].as_array().expect("words").iter().filter_map(Value::as_str).collect();
+    let report = scratch.report(words[0], &words[1..], 1);
+    assert_eq!((&report["digest"], &report["checks"]), (&row["digest"], &row["checks"]));
+    let ran = scratch.eyesim(&["run", "room.scene.toml", "--checks", "nowhere.suite.toml"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("--checks `nowhere.suite.toml`"), "{ran:#?}");
+}

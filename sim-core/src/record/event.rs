@@ -544,6 +544,11 @@ events! {
         /// Result; empty for none.
         result: &'a str,
     }
+    /// The program calls a function that the scene forbids: the call fails without any effect.
+    Forbidden = "forbidden" {
+        /// Name of the function.
+        function: &'a str,
+    }
 }
 
 impl Kind {

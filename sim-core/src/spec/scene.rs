@@ -257,6 +257,8 @@ pub struct RunSpec {
     pub until: Option<Time>,
     /// Virtual time that calls take.
     pub costs: Option<CostsRef>,
+    /// Functions of RoBIOS that fail for all programs: names, in which `*` stands for any letters.
+    pub forbid: Vec<PathRef>,
     /// Generation of the RoBIOS API for which the robots' programs are written: 6 or 7.
     pub api: Option<u32>,
     /// EyeSim whose conventions the scene and its programs follow.

@@ -9,6 +9,7 @@ use toml::de::DeValue;
 use super::device::by_name;
 use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
 use super::noise::NOISE;
+use super::suite::REFERENCES;
 use super::world::WorldTable;
 use super::{Definitions, Form, Keys, definition, print};
 use crate::Span;
@@ -66,6 +67,11 @@ impl Form for RunSpec {
         keys.key("until_s", "Simulated seconds at which the run ends; 600 if left out.").maybe(UNTIL, &mut self.until);
         keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
             .maybe(COSTS, &mut self.costs);
+        keys.key(
+            "forbid",
+            "Functions of RoBIOS that fail for all programs: names, in which `*` stands for any letters.",
+        )
+        .list(REFERENCES, &mut self.forbid);
         keys.key(
             "api",
             "Generation of the RoBIOS API that programs are written for, 6 or 7; that of the functions they call if left \

@@ -43,7 +43,9 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
         "programs",
         "Programs of robots in place of the scene's: `1=solve.c`, or `solve.c` for those without one.",
     )
-    .list(PROGRAMS, &mut suite.programs);
+    .list(REFERENCES, &mut suite.programs);
+    keys.key("forbid", "Functions of RoBIOS that fail for all programs, besides those of the scene: names, in which `*` stands for any letters.")
+        .list(REFERENCES, &mut suite.forbid);
     keys.key(
         "submit",
         "Files of a submission that become programs in `eyesim grade`: `{ 1 = [\"*.c\", \"*.cpp\"] }` for robot 1.",
@@ -119,17 +121,17 @@ pub(super) const TEXTS: Custom<Vec<String>> = Custom {
     describe: |_| list_of(json!({ "type": "string" })),
 };
 
-/// Array of options `--program`.
-const PROGRAMS: Custom<Vec<PathRef>> = Custom {
+/// Array of texts with their places in the file; a single one counts as an array.
+pub(super) const REFERENCES: Custom<Vec<PathRef>> = Custom {
     read: |At { reader, section, key }| {
         let value = section.get(key)?;
-        let program = |item: &Spanned<DeValue<'_>>| {
+        let reference = |item: &Spanned<DeValue<'_>>| {
             let text = reader.plain_text(key, item)?;
             Some(PathRef { text, span: reader.span(item.span()) })
         };
-        Some(items(value).iter().filter_map(program).collect())
+        Some(items(value).iter().filter_map(reference).collect())
     },
-    print: |programs| Value::Array(programs.iter().map(|program| program.text.as_str().into()).collect()),
+    print: |references| Value::Array(references.iter().map(|reference| reference.text.as_str().into()).collect()),
     describe: TEXTS.describe,
 };
 

@@ -97,6 +97,7 @@ impl Printer<'_> {
             (run.slot.is_some(), "the length of a slot"),
             (run.until.is_some(), "the end of the run"),
             (run.costs.is_some(), "the cost table"),
+            (!run.forbid.is_empty(), "the forbidden functions"),
             (run.api.is_some(), "the generation of the API"),
             (is_of_2018(sim) && !has_types, "the dialect"),
             (sim.world.as_ref().is_some_and(|line| line.cell.is_some()), "the size of the maze's cells"),

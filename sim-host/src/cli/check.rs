@@ -16,7 +16,8 @@ use super::diagnostic::{self, Colour, Format, Screen};
 use super::run::{parse_dialect, parse_maze_cell};
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_functions, wrong_checks,
+    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_forbidden,
+    unknown_functions, wrong_checks,
 };
 use crate::program::Generation;
 use crate::program::language::Language;
@@ -58,7 +59,7 @@ pub struct CheckArgs {
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
     let (names, empty) = expand(&args.files, &mut files);
-    let find = finder(search_path(&files)?, args.api);
+    let find = finder(search_path(&files)?, args.api, None);
     let overrides = Overrides { dialect: args.dialect, maze_cell: args.maze_cell, ..Overrides::default() };
     let mut checked = check(&names, overrides, &files, &*find);
     checked.diagnostics.extend(empty);
@@ -157,6 +158,7 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
 /// A suite and the scene of its first case.
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
     let LoadedSuite { suite, mut loaded } = load_suite(name, files);
+    loaded.diagnostics.extend(unknown_forbidden(&suite.file, &suite.forbid));
     let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
     loaded.diagnostics.extend(wrong_checks(&scene));
     loaded
@@ -179,6 +181,7 @@ fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
         loaded.diagnostics.extend(unknown_functions(table));
     }
+    loaded.diagnostics.extend(unknown_forbidden(&loaded.scene.file, &loaded.scene.run.forbid));
     loaded.diagnostics.extend(wrong_checks(&loaded.scene));
     loaded
 }

@@ -324,10 +324,13 @@ impl Replays {
     fn of(&mut self, grader: &Grader, student: &Student, scene: &Path) -> anyhow::Result<Option<Vec<u8>>> {
         let Some(choice) = grader.choice(&student.submission) else { return Ok(None) };
         if !self.0.contains_key(scene) {
-            let case = grader.cases().iter().find(|case| case.scene == scene).context("a scene without cases")?;
-            let mut files = Collected::default();
-            files.add_scene(grader.own_scene(case)?)?;
-            let pack = files.into_pack(scene)?;
+            let (mut files, mut options) = (Collected::default(), BTreeMap::new());
+            // Variants have noise profiles and worlds of their own.
+            for (_, case) in grader.variants_of_suite().into_iter().filter(|(_, case)| case.scene == scene) {
+                files.add_scene(grader.own_scene(case)?)?;
+                options.extend(grader.option_files(case));
+            }
+            let pack = files.into_pack(scene, &options)?;
             pack::check_alone(&pack)?;
             self.0.insert(scene.to_owned(), pack);
         }
@@ -349,7 +352,7 @@ fn suite_pack(grader: &Grader, path: &Path) -> anyhow::Result<Pack> {
     for (_, case) in grader.variants_of_suite() {
         files.add_scene(grader.own_scene(case)?)?;
     }
-    let pack = files.into_pack(path)?;
+    let pack = files.into_pack(path, &BTreeMap::new())?;
     pack::check_alone(&pack)?;
     Ok(pack)
 }

@@ -57,7 +57,7 @@ pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     });
     connection.initialize_finish(id, result).context("an editor goes on with `initialized`")?;
     let files = DiskFiles::of_environment();
-    let find_program = finder(search_path(&files)?, None);
+    let find_program = finder(search_path(&files)?, None, None);
     let mut server = Server { documents: Documents::new(files, encoding), find_program, told: BTreeSet::new() };
     let is_shut_down = server.serve(&connection)?;
     drop(connection);

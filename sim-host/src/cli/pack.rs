@@ -69,7 +69,7 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
         files.add_program(Path::new(program.program()))?;
     }
     let root = files.root();
-    let mut pack = files.into_pack(&args.file)?;
+    let mut pack = files.into_pack(&args.file, &BTreeMap::new())?;
     pack.manifest.seed = args.seed;
     for program in &args.programs {
         let path = slashed(normal(Path::new(program.program()))?.strip_prefix(&root)?);
@@ -165,13 +165,17 @@ impl Collected {
         Ok(())
     }
 
-    /// The archive of these files, in which `main` is the scene or suite.
-    pub(super) fn into_pack(self, main: &Path) -> anyhow::Result<Pack> {
+    /// The archive of these files, in which `main` is the scene or suite; `options` are files among them that options name, by these names.
+    pub(super) fn into_pack(self, main: &Path, options: &BTreeMap<String, PathBuf>) -> anyhow::Result<Pack> {
         let root = self.root();
         let mut manifest = Manifest::new(slashed(normal(main)?.strip_prefix(&root)?));
         let home = DiskFiles::of_environment();
         let home = home.home().and_then(|home| normal(Path::new(home)).ok());
         manifest.home = home.and_then(|home| Some(slashed(home.strip_prefix(&root).ok()?)));
+        let option = |(given, path): (&String, &PathBuf)| {
+            anyhow::Ok((given.clone(), slashed(normal(path)?.strip_prefix(&root)?)))
+        };
+        manifest.options = options.iter().map(option).collect::<anyhow::Result<_>>()?;
         let contents = self.0.into_iter().map(|(path, bytes)| anyhow::Ok((slashed(path.strip_prefix(&root)?), bytes)));
         Ok(Pack { manifest, files: contents.collect::<anyhow::Result<_>>()? })
     }
@@ -301,5 +305,11 @@ pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked
     args.is_of_archive = true;
     args.seed = args.seed.or(unpacked.manifest().seed);
     args.programs = programs(&unpacked, &args.programs)?;
+    if let Some(noise) = args.noise.as_deref().and_then(|given| unpacked.option(given)) {
+        args.noise = Some(slashed(&noise));
+    }
+    if let Some(stdin) = args.stdin.as_deref().and_then(|given| unpacked.option(&slashed(given))) {
+        args.stdin = Some(stdin);
+    }
     Ok(Some(unpacked))
 }

@@ -4,6 +4,7 @@ mod console;
 #[cfg(feature = "window")]
 mod recording;
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::io::Write as _;
 use std::num::NonZeroUsize;
@@ -138,6 +139,12 @@ pub struct RunArgs {
     /// Virtual time that RoBIOS calls take, as TOML, in place of the scene's
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
+    /// Functions of RoBIOS that fail for all programs, besides those that the scene forbids: `SIM*,OSExecute`
+    #[arg(long, value_name = "FUNCTIONS")]
+    pub forbid: Vec<String>,
+    /// Suite whose checks judge the run, besides those of the scene
+    #[arg(long, value_name = "SUITE")]
+    pub checks: Option<PathBuf>,
     /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
@@ -231,6 +238,8 @@ impl RunArgs {
             stdin: self.stdin.clone(),
             arguments: self.args.clone(),
             costs: self.costs.clone(),
+            forbid: self.forbid.clone(),
+            checks: self.checks.clone(),
             noise: self.noise.clone(),
             contact: self.contact,
             allow_execute: self.allow_execute,
@@ -356,8 +365,13 @@ pub fn explain(finished: &Finished) {
         End::Interrupted => say("interrupted"),
         _ => {}
     }
-    /// Most failed robots listed.
+    /// Most robots listed.
     const MAX_LISTED: usize = 20;
+    let forbidden = report.robots.iter().filter(|robot| !robot.forbidden_calls.is_empty());
+    for robot in forbidden.take(MAX_LISTED) {
+        let calls = forbidden_calls(&robot.forbidden_calls);
+        say(format_args!("r{} (`{}`) called forbidden functions: {calls}", robot.id, robot.program));
+    }
     let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
     for robot in failed.iter().take(MAX_LISTED) {
         let reason = robot.reason.as_deref().unwrap_or("no reason given");
@@ -367,6 +381,15 @@ pub fn explain(finished: &Finished) {
     if failed.len() > MAX_LISTED {
         say(format_args!("... and {} more: see --report", failed.len() - MAX_LISTED));
     }
+}
+
+/// Forbidden functions with the numbers of their calls: `SIMGetRobot` once, `SIMSetRobot` 3 times.
+pub fn forbidden_calls(calls: &BTreeMap<String, u64>) -> String {
+    let of_function = |(name, count): (&String, &u64)| match count {
+        1 => format!("`{name}` once"),
+        count => format!("`{name}` {count} times"),
+    };
+    calls.iter().map(of_function).collect::<Vec<_>>().join(", ")
 }
 
 /// The command that shows in the window what led to the earliest failure of a check: the words of this run without its files of output, and the

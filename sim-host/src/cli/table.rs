@@ -337,6 +337,7 @@ mod tests {
             contacts: 0,
             contact_times_s: Vec::new(),
             metrics: Default::default(),
+            forbidden_calls: Default::default(),
             left_floor_s: None,
             footfalls: None,
             touches: None,

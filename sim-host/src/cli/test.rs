@@ -160,7 +160,9 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         };
         suite.sandbox = args.sandbox.clone();
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
-        let cases = suite.cases().map_err(anyhow::Error::msg).with_context(|| format!("`{}`", path.display()))?;
+        let in_suite = || format!("`{}`", path.display());
+        let cases = suite.cases().map_err(anyhow::Error::msg).with_context(in_suite)?;
+        suite.check_options(&cases).map_err(anyhow::Error::msg).with_context(in_suite)?;
         runs.push(SuiteRun { suite, cases, selected: Vec::new(), results: BTreeMap::new(), variants: Vec::new() });
     }
     let read = runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone()));

@@ -14,6 +14,7 @@ use super::signal::FlowBlock;
 use crate::program::site::Site;
 use crate::robios::call::Call;
 use crate::robios::flow::Flow;
+use crate::robios::forbidden::Forbidden;
 use crate::robios::robot::Robot;
 
 /// Flow of a robot in its run, independent of the executor.
@@ -41,6 +42,11 @@ impl Flow for RobotFlow {
     #[inline]
     fn cost(&self, call: Call) -> Time {
         self.run.cost(call)
+    }
+
+    #[inline]
+    fn forbidden(&self) -> &Forbidden {
+        self.run.forbidden()
     }
 
     #[inline]

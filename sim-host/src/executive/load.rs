@@ -12,9 +12,9 @@ use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, Place, RobotProgram};
 use super::{damage, fiber};
-use crate::host;
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
 use crate::program::prepare::{Code, Prepared};
+use crate::program::python::restricted_host;
 use crate::program::scene::Programs;
 
 /// Memory mappings for each robot's thread: its stack with the guards below and above, its alternate stack, and the kernel's
@@ -204,7 +204,10 @@ impl Loading {
                 let library = loader.library(program, &robot.arguments)?;
                 let start = || {
                     let mut command = Child::command(&format!("{} {}", robot.id, program.name), &library)?;
-                    let folders = host::words()?.iter().map(PathBuf::from).chain([library.clone()]).collect();
+                    let folders = match loader.is_restricting() {
+                        true => restricted_host(&mut command)?.into_iter().chain([library.clone()]).collect(),
+                        false => Vec::new(),
+                    };
                     let scratch = loader.restrict(&mut command, program, folders)?;
                     Child::start(command, scratch)
                 };

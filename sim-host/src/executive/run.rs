@@ -27,6 +27,7 @@ use crate::program::site::Site;
 use crate::robios::call::Call;
 use crate::robios::caller::Caller;
 use crate::robios::cost::Costs;
+use crate::robios::forbidden::Forbidden;
 use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
@@ -46,6 +47,7 @@ pub struct Run {
     /// Robots whose processes broke, and how; the run goes on without them.
     pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
+    forbidden: Forbidden,
     notifier: Arc<Notifier>,
     interrupt: Interrupt,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
@@ -137,6 +139,7 @@ impl Run {
             executor: parts.executor,
             broken_processes: Mutex::default(),
             costs: parts.costs,
+            forbidden: parts.forbidden,
             notifier,
             interrupt: parts.interrupt,
             is_stopping: AtomicBool::new(false),
@@ -263,6 +266,12 @@ impl Run {
     #[inline]
     pub(crate) fn cost(&self, call: Call) -> Time {
         self.costs.of(call)
+    }
+
+    /// Functions that the scene forbids.
+    #[inline]
+    pub(super) fn forbidden(&self) -> &Forbidden {
+        &self.forbidden
     }
 
     /// Returns true if the calls of the robot of `member` are recorded.

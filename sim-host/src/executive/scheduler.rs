@@ -25,6 +25,7 @@ use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
 use crate::record::Sinks;
 use crate::robios::cost::Costs;
+use crate::robios::forbidden::Forbidden;
 use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
 
@@ -93,6 +94,8 @@ pub struct RunParts {
     pub executor: Box<dyn Executor>,
     /// Virtual time that each call costs.
     pub costs: Costs,
+    /// Functions that programs must not call.
+    pub forbidden: Forbidden,
     /// Collects the events.
     pub recorder: Recorder,
     /// Sinks of the record.

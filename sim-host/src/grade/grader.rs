@@ -167,6 +167,18 @@ impl Grader {
         Ok(scene)
     }
 
+    /// Files that the options of a case name, by these names in the words of its results.
+    pub fn option_files(&self, case: &Case) -> BTreeMap<String, PathBuf> {
+        let Options { noise, stdin, .. } = &case.options;
+        let noise = noise.as_ref().map(PathBuf::from).filter(|path| path.is_file());
+        let named = |path: PathBuf| {
+            let mut name = slashed(&path);
+            Places::of_suite(&self.suite.spec.folder).fix(&mut name);
+            (name, path)
+        };
+        noise.into_iter().chain(stdin.clone()).map(named).collect()
+    }
+
     /// The variants of the suite, each with its first case.
     pub fn variants_of_suite(&self) -> Vec<(&str, &Case)> {
         let mut seen = BTreeSet::new();

@@ -3,16 +3,17 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use sim_core::spec::{CheckKind, CostTable, RobotSpec, SceneSpec};
+use sim_core::spec::{CheckKind, CostTable, PathRef, RobotSpec, SceneSpec};
 use sim_format::{Code, Diagnostic, Files as _, Severity};
 
 use crate::check::script;
 use crate::files::DiskFiles;
 use crate::program::find::{ProgramSource, SearchPath, find_program};
 use crate::program::generation::{ChoiceReason, choose};
+use crate::program::sandbox::Sandbox;
 use crate::program::scene::wanted_of;
 use crate::program::{Generation, GenerationHint};
-use crate::robios::cost;
+use crate::robios::{cost, forbidden};
 
 /// Checks that a robot's program can be found and that its generation can be chosen; otherwise returns the code of the failed check
 /// and a message.
@@ -28,8 +29,8 @@ pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
 }
 
 /// A search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that replaces the
-/// scene's.
-pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'static>> {
+/// scene's, `sandbox` that in which programs are built.
+pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandbox>) -> Box<FindProgram<'static>> {
     Box::new(move |scene, robot| {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
         let Some(program) = &robot.program else { return Ok(()) };
@@ -38,7 +39,10 @@ pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'s
         let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
         let said = wanted_of(robot);
         let wanted = GenerationHint { api: api.or(said.api), ..said };
-        choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
+        let folders = sandbox.as_ref().map(|sandbox| sandbox.source_folders(&files));
+        choose(&files, wanted, folders.as_deref())
+            .map(drop)
+            .map_err(|error| (Code::ProgramGeneration, error.to_string()))
     })
 }
 
@@ -47,7 +51,7 @@ pub fn told_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec
     let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
     let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
     let ProgramSource::Sources { files, .. } = found.source else { return None };
-    let choice = choose(&files, wanted_of(robot)).ok()?;
+    let choice = choose(&files, wanted_of(robot), None).ok()?;
     matches!(choice.why, ChoiceReason::Said | ChoiceReason::Calls(_)).then(|| choice.generation.number())
 }
 
@@ -81,6 +85,23 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
         expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
         suggestion: cost::most_similar(&entry.generation, &entry.function).map(|name| format!("write `{name}`")),
     })
+}
+
+/// Diagnostics for the patterns of `forbid` in `file` that fit no RoBIOS function.
+pub fn unknown_forbidden(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
+    let of_pattern = |pattern: &PathRef| {
+        let diagnostic = |(name, meant): (String, Option<String>)| Diagnostic {
+            severity: Severity::Error,
+            code: Code::ForbidFunction,
+            file: file.to_owned(),
+            span: pattern.span,
+            message: format!("there is no function `{name}`"),
+            expected: "a function of RoBIOS, or a pattern of names such as `SIM*`".to_owned(),
+            suggestion: meant.map(|name| format!("did you mean `{name}`?")),
+        };
+        forbidden::mistakes(&pattern.text).into_iter().map(diagnostic).collect::<Vec<_>>()
+    };
+    forbid.iter().flat_map(of_pattern).collect()
 }
 
 /// Diagnostics for the checks of a scene that count calls of no RoBIOS function, or whose program cannot be started.

@@ -100,6 +100,7 @@ pub(super) fn report(
         contacts: u64::from(end.contacts),
         contact_times_s: notes.of(spec.id).contact_times.clone(),
         metrics: notes.of(spec.id).metrics.clone(),
+        forbidden_calls: notes.of(spec.id).forbidden_calls.clone(),
         left_floor_s: end.left_floor.map(Time::seconds),
         footfalls: end.steps.map(|[footfalls, _]| footfalls),
         touches: end.steps.map(|[_, touches]| touches),

@@ -74,9 +74,28 @@ pub enum OptionError {
         /// The scene.
         scene: String,
     },
+    /// A function that is to be forbidden is unknown.
+    #[error(
+        "--forbid: there is no function `{pattern}`{}",
+        meant.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
+    )]
+    UnknownFunction {
+        /// Name or pattern.
+        pattern: String,
+        /// Name or pattern that was probably meant.
+        meant: Option<String>,
+    },
     /// The text for standard input cannot be read.
     #[error("--stdin `{file}`: {error}")]
     Stdin {
+        /// The option's value.
+        file: String,
+        /// The reason.
+        error: std::io::Error,
+    },
+    /// The suite whose checks are to judge the run cannot be read.
+    #[error("--checks `{file}`: {error}")]
+    Checks {
         /// The option's value.
         file: String,
         /// The reason.

@@ -60,10 +60,14 @@ pub struct Options {
     pub arguments: Vec<String>,
     /// File with the costs of RoBIOS calls, in place of the scene's.
     pub costs: Option<PathBuf>,
+    /// Functions that fail for all programs, besides those of the scene: names, in which `*` stands for any letters.
+    pub forbid: Vec<String>,
     /// Noise profile of all robots, in place of the scene's: a preset's name or a file.
     pub noise: Option<String>,
     /// Motion of robots that are pushed against walls, in place of the scene's.
     pub contact: Option<ContactKind>,
+    /// Suite whose checks judge the run, besides those of the scene.
+    pub checks: Option<PathBuf>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
     /// The programs of checks may run: the scene is the user's own, not that of an archive; default: true.
@@ -122,6 +126,8 @@ impl Default for Options {
             stdin: None,
             arguments: Vec::new(),
             costs: None,
+            forbid: Vec::new(),
+            checks: None,
             noise: None,
             contact: None,
             allow_execute: false,

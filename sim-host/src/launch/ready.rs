@@ -158,6 +158,7 @@ impl Ready {
             programs,
             spawner,
             costs: settings.costs.clone(),
+            forbidden: settings.forbidden.clone(),
             recorder: Recorder::new(settings.seed, settings.slot, sinks.interest()),
             sinks,
             interrupt: interrupt.clone(),
@@ -211,6 +212,8 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     options.stdin.iter().for_each(|path| add("stdin", &slashed(path)));
     options.arguments.iter().for_each(|arguments| add("args", arguments));
     options.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
+    options.forbid.iter().for_each(|functions| add("forbid", functions));
+    options.checks.iter().for_each(|suite| add("checks", &slashed(suite)));
     options.noise.iter().for_each(|noise| add("noise", noise));
     options.contact.iter().for_each(|contact| add("contact", &contact.word()));
     if options.exec == Exec::Process && options.sandbox.is_none() {

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use sim_core::spec::{CostsRef, Dialect, RobotSpec, SceneSpec};
-use sim_format::suite::is_suite;
+use sim_format::suite::{check_of_suite, is_suite, read_suite};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
 use super::built::BuiltScene;
 use super::ready::Ready;
 use super::settings::{Settings, assign_noise};
 use super::{Error, OptionError, Options, Rejected, check};
-use crate::files::{DiskFiles, read_regular};
+use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::find::SearchPath;
 use crate::program::scene::{Programs, wanted_of};
 use crate::program::{Builder, Cache, GenerationHint, Kits, Tools};
@@ -60,7 +60,11 @@ impl Scene {
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
         }
+        loaded.diagnostics.extend(check::unknown_forbidden(&loaded.scene.file, &loaded.scene.run.forbid));
         loaded.diagnostics.extend(check::wrong_checks(&loaded.scene));
+        if let Some(path) = &options.checks {
+            add_checks(&mut loaded, path)?;
+        }
         Ok(Self { options, files, loaded })
     }
 
@@ -156,7 +160,8 @@ impl Scene {
         let search = check::search_path(&self.files).map_err(folder("working folder"))?;
         let search = SearchPath { embedded: self.options.embedded.clone(), ..search };
         let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
-        let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
+        let finder = check::finder(search.clone(), options.api, options.sandbox.clone());
+        let missing = check::missing_programs(&scene, Severity::Error, &*finder);
         if !missing.is_empty() {
             return Err(reject(missing, inputs));
         }
@@ -185,6 +190,23 @@ impl Scene {
         let scene = Arc::new(scene);
         (Arc::clone(&scene), LazyScenery::new(scene, self.files, diagnostics, inputs))
     }
+}
+
+/// Adds the checks of the suite at `path` to those of the scene.
+///
+/// # Errors
+/// The suite cannot be read.
+fn add_checks(loaded: &mut Loaded, path: &Path) -> Result<(), OptionError> {
+    let file = slashed(path);
+    let bytes = read_regular(path).map_err(|error| OptionError::Checks { file: file.clone(), error })?;
+    let (suite, diagnostics) = read_suite(&file, &decode(&bytes).0);
+    loaded.diagnostics.extend(diagnostics);
+    loaded.diagnostics.extend(check_of_suite(&suite, &loaded.scene));
+    let own = SceneSpec { file: file.clone(), checks: suite.checks, ..SceneSpec::default() };
+    loaded.diagnostics.extend(check::wrong_checks(&own));
+    loaded.scene.checks.extend(own.checks);
+    loaded.inputs.push(InputFile { path: file, bytes });
+    Ok(())
 }
 
 /// A path that is not that of a scene.

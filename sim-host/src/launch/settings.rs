@@ -16,6 +16,7 @@ use crate::program::Generation;
 use crate::program::scene::program_of_command_line;
 use crate::program::words::split_words;
 use crate::robios::cost::Costs;
+use crate::robios::forbidden::{self, Forbidden};
 use crate::robios::input::Source;
 use crate::robios::key::{Press, parse_script};
 
@@ -38,6 +39,8 @@ pub struct Settings {
     pub costs: Costs,
     /// File with the costs, if the options name one.
     pub costs_input: Option<InputFile>,
+    /// Functions that programs must not call.
+    pub forbidden: Forbidden,
     /// Standard input of the programs.
     pub stdin: Source,
     /// File of that text, if it is one.
@@ -64,6 +67,11 @@ impl Settings {
             Some(path) => read_costs(path)?,
             None => (costs_of(scene)?, None),
         };
+        if let Some((pattern, meant)) = options.forbid.iter().flat_map(|text| forbidden::mistakes(text)).next() {
+            return Err(OptionError::UnknownFunction { pattern, meant });
+        }
+        let of_scene = scene.run.forbid.iter().map(|pattern| pattern.text.as_str());
+        let forbidden = Forbidden::new(of_scene.chain(options.forbid.iter().map(String::as_str)));
         let (stdin, stdin_input) = options.stdin.as_deref().map(read_stdin).transpose()?.unzip();
         let run = &scene.run;
         let until = options.until.or(run.until);
@@ -75,6 +83,7 @@ impl Settings {
             keys,
             costs,
             costs_input,
+            forbidden,
             stdin: stdin.unwrap_or_default(),
             stdin_input: stdin_input.flatten(),
         })

@@ -42,6 +42,9 @@ pub struct Manifest {
     /// Programs in place of those of the scene: the beginning of the option `--program`, such as `1=`, and the path of a file or a folder,
     /// or several paths with commas between them.
     pub programs: Vec<(String, String)>,
+    /// Files that options of a run name: the value of `--noise` or `--stdin`, and the path of the file in the archive.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub options: BTreeMap<String, String>,
 }
 
 /// An archive: its manifest, and its files by their paths with slashes.
@@ -107,7 +110,8 @@ impl Manifest {
     /// The manifest of this version of eyesim for the scene or suite `main`.
     pub fn new(main: String) -> Self {
         let eyesim_version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { schema: SCHEMA, eyesim_version, main, home: None, seed: None, programs: Vec::new() }
+        let options = BTreeMap::new();
+        Self { schema: SCHEMA, eyesim_version, main, home: None, seed: None, programs: Vec::new(), options }
     }
 }
 
@@ -185,6 +189,9 @@ impl Pack {
         if let Some(missing) = named.find(|path| !is_there(path) && !path.split(',').all(is_there)) {
             return Err(PackError::Missing(missing.clone()));
         }
+        if let Some(missing) = manifest.options.values().find(|path| !files.contains_key(*path)) {
+            return Err(PackError::Missing(missing.clone()));
+        }
         manifest.home.as_deref().filter(|home| !home.is_empty()).map_or(Ok(()), check_path)?;
         // A file in place of a folder would be found only when the files are written.
         for path in files.keys() {
@@ -223,6 +230,11 @@ impl Unpacked {
     /// Place of a file of the archive.
     pub fn place(&self, path: &str) -> PathBuf {
         self.folder.path().join(path)
+    }
+
+    /// Place of the file of the archive for which an option names `given`, if it is one.
+    pub fn option(&self, given: &str) -> Option<PathBuf> {
+        self.manifest.options.get(given).map(|path| self.place(path))
     }
 
     /// The scene or suite.

@@ -261,7 +261,7 @@ impl Builder {
         out: &Path,
         flags: &[String],
     ) -> Result<(GenerationChoice, String, String), BuildError> {
-        let choice = choose(sources, wanted)?;
+        let choice = choose(sources, wanted, None)?;
         let mut extra_flags = self.extra_flags()?;
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
@@ -279,7 +279,12 @@ impl Builder {
         files: &[PathBuf],
         wanted: GenerationHint,
     ) -> Result<BuiltProgram, BuildError> {
-        try_both_generations(choose(files, wanted)?, |choice| self.build_for(source, files, choice))
+        let folders = self.sandbox.as_ref().map(|sandbox| sandbox.source_folders(files));
+        if let Some(folders) = &folders {
+            check_own(files, folders)?;
+        }
+        let choice = choose(files, wanted, folders.as_deref())?;
+        try_both_generations(choice, |choice| self.build_for(source, files, choice))
     }
 
     fn build_for(
@@ -290,9 +295,6 @@ impl Builder {
     ) -> Result<BuiltProgram, BuildError> {
         let generation = choice.generation;
         let sources = absolute(files)?;
-        if let Some(sandbox) = &self.sandbox {
-            check_own(files, &sources, sandbox.root.as_deref())?;
-        }
         let extra_flags = self.extra_flags()?;
         let built = |entry: super::cache::CacheEntry, compiled| BuiltProgram {
             library: entry.library,
@@ -476,13 +478,10 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
     sources.iter().map(canonical).collect()
 }
 
-/// Checks that no source leads out of the folder that names the first one, nor out of `root`.
-fn check_own(named: &[PathBuf], sources: &[PathBuf], root: Option<&Path>) -> Result<(), BuildError> {
-    let folder = named.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    let own = fs::canonicalize(folder).map_err(|error| BuildError::Source { path: folder.to_owned(), error })?;
-    let is_own = |source: &PathBuf| source.starts_with(&own) || root.is_some_and(|root| source.starts_with(root));
-    match named.iter().zip(sources).find(|(_, source)| !is_own(source)) {
+/// Checks that no source leads out of `folders`.
+fn check_own(sources: &[PathBuf], folders: &[PathBuf]) -> Result<(), BuildError> {
+    let is_own = |source: &Path| folders.iter().any(|folder| source.starts_with(folder));
+    match sources.iter().zip(absolute(sources)?).find(|(_, source)| !is_own(source)) {
         Some((path, _)) => Err(BuildError::Outside { path: path.clone() }),
         None => Ok(()),
     }

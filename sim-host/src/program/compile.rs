@@ -10,12 +10,13 @@ use std::sync::{LazyLock, OnceLock};
 use robios_sys::c;
 
 use super::cache::Cache;
-use super::command::{COMMAND_TIMEOUT, build_output, build_timeout};
+use super::command::{COMMAND_TIMEOUT, CommandLimits, TIMEOUT_VARIABLE, build_timeout, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
+use super::sandbox::scratch::Quota;
 use super::sandbox::{Grant, Role, Sandbox};
 
 /// Source texts that are part of every C program: the headers that it may include, and the shim that is linked to it.
@@ -448,7 +449,8 @@ impl<'a> Compilation<'a> {
             reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
             sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;
         }
-        compiled.call(command)
+        let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.of_builds.scratch));
+        compiled.call(command, quota.as_ref())
     }
 
     /// A call of `compiler` with the path of the headers.
@@ -508,11 +510,18 @@ impl Compiled {
         self.commands.push('\n');
     }
 
-    /// Runs `command`; returns its output, as `Err` if it failed.
-    fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
-        let output = match build_output(command, build_timeout(COMMAND_TIMEOUT)) {
+    /// Runs `command`, whose files may take as much room as `quota` says; returns its output, as `Err` if it failed.
+    fn call(&mut self, command: &mut Command, quota: Option<&Quota>) -> io::Result<Result<String, String>> {
+        let is_over = || quota.is_some_and(|quota| quota.is_due() && quota.excess().is_some());
+        let limits = CommandLimits { is_cancelled: &is_over, ..CommandLimits::of_time(build_timeout(COMMAND_TIMEOUT)) };
+        let output = output_within(command, &limits);
+        if let Some(excess) = quota.and_then(Quota::excess) {
+            return Ok(Err(format!("the compiler was stopped: {excess}")));
+        }
+        let output = match output {
             Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-                return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));
+                let question = "does an `#include` name a pipe or a device?";
+                return Ok(Err(format!("the compiler hangs: {error} (see {TIMEOUT_VARIABLE}; {question})")));
             }
             output => output?,
         };

@@ -269,12 +269,18 @@ pub enum GenerationError {
 /// The functions called take precedence over the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse,
 /// and with the wrong header such a program does not compile. Source: our choice.
 ///
+/// With `folders`, only files in these folders, which have no links in their paths, are looked at.
+///
 /// # Errors
 /// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A source that
 /// cannot be read is reported by the compilation.
-pub fn choose(sources: &[PathBuf], wanted: GenerationHint) -> Result<GenerationChoice, GenerationError> {
+pub fn choose(
+    sources: &[PathBuf],
+    wanted: GenerationHint,
+    folders: Option<&[PathBuf]>,
+) -> Result<GenerationChoice, GenerationError> {
     let choice = |generation, why| Ok(GenerationChoice { generation, why });
-    let Names { calls, constants } = names_in_files(sources)?;
+    let Names { calls, constants } = names_in_files(sources, folders)?;
     if let Some(generation) = wanted.api {
         return choice(generation, ChoiceReason::Said);
     }
@@ -320,16 +326,22 @@ struct Names {
     constants: BTreeSet<String>,
 }
 
-/// The names in `sources` and the headers beside them.
+/// The names in `sources` and the headers beside them, of which those outside of `folders` are left out.
 ///
 /// # Errors
 /// [`GenerationError::Include`].
-fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
+fn names_in_files(sources: &[PathBuf], folders: Option<&[PathBuf]>) -> Result<Names, GenerationError> {
+    let is_outside = |path: &PathBuf| {
+        let is_in = |folders: &[PathBuf]| {
+            path.canonicalize().is_ok_and(|path| folders.iter().any(|folder| path.starts_with(folder)))
+        };
+        folders.is_some_and(|folders| !is_in(folders))
+    };
     let mut waiting: Vec<PathBuf> = sources.to_vec();
     let mut seen = BTreeSet::new();
     let (mut names, mut own) = (Names { calls: BTreeSet::new(), constants: BTreeSet::new() }, BTreeSet::new());
     while let Some(path) = waiting.pop() {
-        if !seen.insert(path.clone()) {
+        if !seen.insert(path.clone()) || is_outside(&path) {
             continue;
         }
         let Ok(bytes) = read_regular(&path) else { continue };
@@ -344,7 +356,7 @@ fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
         if of_robios.iter().any(|name| file_name(name) == CPP_HEADER) {
             names.constants.insert(CPP_HEADER.to_owned());
         }
-        for path in includes.into_iter().map(|name| folder.join(name)) {
+        for path in includes.into_iter().map(|name| folder.join(name)).filter(|path| !is_outside(path)) {
             match path.metadata() {
                 Ok(metadata) if metadata.is_file() => waiting.extend(Some(path).filter(|path| !is_of_robios(path))),
                 Ok(metadata) if !metadata.is_dir() => return Err(GenerationError::Include(path)),
@@ -390,7 +402,7 @@ mod tests {
             .map(|(name, _)| folder.path().join(name))
             .filter(|path| path.extension() != Some("h".as_ref()))
             .collect();
-        let choice = choose(&sources, wanted).map_err(|error| error.to_string())?;
+        let choice = choose(&sources, wanted, None).map_err(|error| error.to_string())?;
         Ok(choice.to_string())
     }
 
@@ -409,6 +421,26 @@ mod tests {
             "RoBIOS-7 (VWCurve, VWDone, VWTurn, ...)"
         );
         assert_eq!(of_text("f(){ SIMGetPose(&x, &y, &p); }"), "RoBIOS-7 (SIMGetPose)");
+    }
+
+    #[test]
+    fn files_outside_of_the_folders_are_not_looked_at() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path().canonicalize().expect("its path");
+        std::fs::create_dir(folder.join("own")).expect("a folder");
+        std::fs::write(folder.join("secret.c"), "f() { VWStraight(1, 2); }").expect("a file");
+        std::os::unix::fs::symlink("../secret.c", folder.join("own/link.h")).expect("a link");
+        std::os::unix::fs::symlink("../secret.c", folder.join("own/source.c")).expect("a link");
+        let text = format!(
+            "#include \"../secret.c\"\n#include \"link.h\"\n#include \"{}/secret.c\"\nint main() {{}}\n",
+            folder.display()
+        );
+        std::fs::write(folder.join("own/a.c"), text).expect("a file");
+        let sources = ["own/a.c", "own/source.c"].map(|name| folder.join(name));
+        let why = |folders| choose(&sources, GenerationHint::default(), folders).expect("one generation").why;
+        assert_eq!(why(None), ChoiceReason::Calls(vec!["VWStraight".to_owned()]));
+        assert_eq!(why(Some(&[folder.join("own")])), ChoiceReason::None);
+        assert_eq!(why(Some(&[folder.clone()])), why(None));
     }
 
     #[test]

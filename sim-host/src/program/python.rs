@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, build_output};
@@ -22,11 +23,68 @@ pub struct Python {
 }
 
 /// Interpreter and folders of an installation of Python.
+#[derive(Clone, Debug)]
 struct PythonHome {
+    /// The interpreter itself, behind any launcher.
     executable: PathBuf,
     /// Folder of modules that the user has installed without root.
     user: PathBuf,
+    /// Folders that the interpreter reads: its installation, and the modules that it finds.
     folders: Vec<PathBuf>,
+}
+
+impl PythonHome {
+    /// Asks an interpreter.
+    ///
+    /// # Errors
+    /// It does not start, or does not answer.
+    fn of(interpreter: &Path) -> io::Result<Self> {
+        // The modules are loaded before any file of the working folder could take their place.
+        const QUESTION: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
+        let mut command = Command::new(interpreter);
+        let answer = build_output(command.args(["-c", QUESTION]), COMMAND_TIMEOUT)?;
+        let said = String::from_utf8_lossy(&answer.stdout);
+        let mut lines = said.lines().map(PathBuf::from);
+        let (Some(executable), Some(prefix), Some(base), Some(user)) =
+            (lines.next(), lines.next(), lines.next(), lines.next())
+        else {
+            return Err(io::Error::other(format!("`{}` does not tell its folders", interpreter.display())));
+        };
+        let mut folders: Vec<PathBuf> = lines.filter(|path| path.is_absolute()).collect();
+        let real = std::fs::canonicalize(&executable)?;
+        folders.extend(tool_folders(&executable).into_iter().chain(tool_folders(&real)));
+        folders.extend([prefix, base].iter().flat_map(|prefix| tool_folders(&prefix.join("bin/python3"))));
+        Ok(Self { executable, user, folders })
+    }
+
+    /// Lets `command` find the user's modules without the user's environment.
+    fn keep_modules(&self, command: &mut Command) {
+        if !self.user.as_os_str().is_empty() {
+            command.env("PYTHONUSERBASE", &self.user);
+        }
+    }
+}
+
+/// Files and folders that the [host](host) reads when `command` starts it again without the user's environment, in which the command then finds
+/// its modules.
+///
+/// # Errors
+/// The host is unknown, or is an interpreter that does not answer.
+pub fn restricted_host(command: &mut Command) -> io::Result<Vec<PathBuf>> {
+    /// An interpreter is asked once in a process.
+    static HOME: OnceLock<PythonHome> = OnceLock::new();
+    let Some(python) = host::current().and_then(|host| host.python.as_deref()) else {
+        return Ok(vec![std::env::current_exe()?]);
+    };
+    let home = match HOME.get() {
+        Some(home) => home,
+        None => {
+            let asked = PythonHome::of(python)?;
+            HOME.get_or_init(|| asked)
+        }
+    };
+    home.keep_modules(command);
+    Ok(home.folders.clone())
 }
 
 /// Reasons why Python programs cannot be run.
@@ -87,41 +145,16 @@ impl Python {
         if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
     }
 
-    /// The interpreter itself, behind any launcher, and the folders that it reads: its installation, the module `eye` and the modules that it finds.
-    ///
-    /// # Errors
-    /// It does not start, or does not answer.
-    fn home(&self) -> io::Result<PythonHome> {
-        // The modules are loaded before any file of the working folder could take their place.
-        const QUESTION: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
-        let mut command = Command::new(&self.interpreter);
-        let answer = build_output(command.args(["-c", QUESTION]), COMMAND_TIMEOUT)?;
-        let said = String::from_utf8_lossy(&answer.stdout);
-        let mut lines = said.lines().map(PathBuf::from);
-        let (Some(executable), Some(prefix), Some(base), Some(user)) =
-            (lines.next(), lines.next(), lines.next(), lines.next())
-        else {
-            return Err(io::Error::other(format!("`{}` does not tell its folders", self.interpreter.display())));
-        };
-        let mut folders: Vec<PathBuf> = lines.filter(|path| path.is_absolute()).collect();
-        let real = std::fs::canonicalize(&executable)?;
-        folders.extend(tool_folders(&executable).into_iter().chain(tool_folders(&real)));
-        folders.extend([prefix, base].iter().flat_map(|prefix| tool_folders(&prefix.join("bin/python3"))));
-        folders.push(self.eye.clone());
-        Ok(PythonHome { executable, user, folders })
-    }
-
     /// As [`Self::command`], for a process without the user's environment; also gives the folders that the interpreter reads.
     ///
     /// # Errors
     /// The interpreter does not start, or does not answer.
     pub fn restricted_command(&self, program: &Path) -> io::Result<(Command, Vec<PathBuf>)> {
-        let PythonHome { executable, user, folders } = self.home()?;
-        let mut command = Self { interpreter: executable, eye: self.eye.clone() }.command(program);
-        if !user.as_os_str().is_empty() {
-            command.env("PYTHONUSERBASE", user);
-        }
-        Ok((command, folders))
+        let mut home = PythonHome::of(&self.interpreter)?;
+        let mut command = Self { interpreter: home.executable.clone(), eye: self.eye.clone() }.command(program);
+        home.keep_modules(&mut command);
+        home.folders.push(self.eye.clone());
+        Ok((command, home.folders))
     }
 
     /// The interpreter.

@@ -17,6 +17,7 @@ use super::image::{ImageError, ProgramImage};
 use super::language::Language;
 use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
 use super::prepare::{Code, Prepared, prepare};
+use super::sandbox::{Level, Sandbox};
 use super::symbols::warnings_about;
 
 /// A shim whose `run` calls `main` and returns its result.
@@ -179,6 +180,19 @@ fn a_plain_program_builds_and_runs_with_its_arguments() {
     };
     assert_eq!(run(&bench.loaded_with(&["args.c"], &["--kp", "0.5"])), 42);
     assert_eq!(run(&bench.loaded(&["args.c"])), 1);
+}
+
+#[test]
+fn a_build_whose_files_exceed_the_quota_is_told() {
+    let Some(bench) = Bench::with(&[("big.c", "char big[8 << 20] = { 1 };\nint main(void) { return 0; }\n")]) else {
+        return;
+    };
+    let Ok(mut sandbox) = Sandbox::new(Level::Limits) else { return };
+    bench.builder().with_sandbox(Some(sandbox.clone())).build(&bench.sources(&["big.c"])).expect("within the quota");
+    bench.write("big.c", "char big[8 << 20] = { 2 };\nint main(void) { return 0; }\n");
+    sandbox.of_builds.scratch = 4 << 20;
+    let error = bench.builder().with_sandbox(Some(sandbox)).build(&bench.sources(&["big.c"])).expect_err("too much");
+    assert!(error.to_string().contains("its files exceed the limits of its sandbox: 4 MiB"), "{error}");
 }
 
 #[test]

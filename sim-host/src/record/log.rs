@@ -3,7 +3,7 @@
 //! Output of programs and hints are always shown, RoBIOS calls on request (`-v`).
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::io::{self, Write};
 
 use sim_core::RobotId;
@@ -70,6 +70,12 @@ impl Pattern {
             }
         }
         pattern[p..].iter().all(|letter| *letter == b'*')
+    }
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
     }
 }
 

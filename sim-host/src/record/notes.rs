@@ -1,4 +1,4 @@
-//! Contacts and metrics of a run, collected for its report.
+//! Contacts, metrics and forbidden calls of a run, collected for its report.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,8 @@ const MAX_REMARKS: usize = 20;
 /// Beginning of a line by which a program tells a metric.
 const METRIC: &str = "METRIC ";
 
-/// Sink that collects the instants of contacts, and the metrics that programs print: lines `METRIC name=value`.
+/// Sink that collects the instants of contacts, calls of forbidden functions, and the metrics that programs print: lines `METRIC
+/// name=value`.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,
@@ -35,12 +36,15 @@ pub struct RobotNotes {
     pub contact_times: Vec<f64>,
     /// Last value of each metric.
     pub metrics: BTreeMap<String, f64>,
+    /// Numbers of calls of forbidden functions, by name.
+    pub forbidden_calls: BTreeMap<String, u64>,
 }
 
 impl Notes {
     /// The notes of a robot.
     pub fn of(&self, robot: RobotId) -> &RobotNotes {
-        static NONE: RobotNotes = RobotNotes { contact_times: Vec::new(), metrics: BTreeMap::new() };
+        static NONE: RobotNotes =
+            RobotNotes { contact_times: Vec::new(), metrics: BTreeMap::new(), forbidden_calls: BTreeMap::new() };
         self.robots.get(&robot).unwrap_or(&NONE)
     }
 
@@ -76,7 +80,7 @@ fn parse(text: &str) -> Result<(&str, f64), String> {
 
 impl Sink for Notes {
     fn interest(&self) -> KindSet {
-        KindSet::of(&[Kind::Contact, Kind::Stdout])
+        KindSet::of(&[Kind::Contact, Kind::Stdout, Kind::Forbidden])
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
@@ -86,6 +90,10 @@ impl Sink for Notes {
                 if times.len() < MAX_CONTACT_TIMES {
                     times.push(at_s);
                 }
+            }
+            Event::Forbidden { function } => {
+                let calls = &mut self.robots.entry(record.robot).or_default().forbidden_calls;
+                *calls.entry(function.to_owned()).or_default() += 1;
             }
             Event::Stdout { text } => text.lines().for_each(|line| self.take_line(record.robot, line)),
             _ => {}

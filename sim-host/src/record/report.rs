@@ -173,6 +173,8 @@ pub struct RobotReport {
     pub contact_times_s: Vec<f64>,
     /// Last values of the metrics that its program printed, by name: the program's own word, by which no check judges.
     pub metrics: BTreeMap<String, f64>,
+    /// Numbers of its calls of forbidden functions, by name.
+    pub forbidden_calls: BTreeMap<String, u64>,
     /// Time at which its centre first left the floor, s; none if it did not.
     pub left_floor_s: Option<f64>,
     /// Number of footfalls; none for a robot without legs.
@@ -300,6 +302,7 @@ mod tests {
             contacts: 2,
             contact_times_s: vec![1.25, 2.0],
             metrics: BTreeMap::new(),
+            forbidden_calls: BTreeMap::new(),
             left_floor_s: None,
             footfalls: Some(7),
             touches: None,

@@ -33,6 +33,15 @@ impl Call {
         }
     }
 
+    /// The RoBIOS function `index` of the list with number `table`; `None` for a service.
+    pub fn of_table(table: u32, index: usize) -> Option<Self> {
+        match table {
+            Robios6Call::TABLE => Robios6Call::ALL.get(index).map(|call| (*call).into()),
+            Robios7Call::TABLE => Robios7Call::ALL.get(index).map(|call| (*call).into()),
+            _ => None,
+        }
+    }
+
     /// The RoBIOS function with this number.
     pub fn of_robios_number(number: u16) -> Option<Self> {
         let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());

@@ -319,6 +319,16 @@ impl<F: Flow> Caller<F> {
         result
     }
 
+    /// Carries out a call of a forbidden function: it costs its time, fails and is recorded. Returns false for any other function.
+    ///
+    /// # Errors
+    /// [`Stop`] if the program must end.
+    #[cold]
+    fn forbid_function(&self, table: u32, index: usize) -> Result<bool, Stop> {
+        let call = Call::of_table(table, index).filter(|call| self.flow.forbidden().contains(*call));
+        call.map(|call| self.call(call, |robot, _| robot.record_forbidden(call))).transpose().map(|done| done.is_some())
+    }
+
     /// Ends the program, whose stack has no room for the host's work.
     #[cold]
     fn overflow(&self, call: Call) -> Stop {
@@ -419,6 +429,11 @@ impl<F: Flow> CallContext for Caller<F> {
             let event = Event::Call { function: record.name, arguments: &arguments, result: &result };
             robot.state.journal.record(robot.state.now, &event);
         });
+    }
+
+    #[inline]
+    fn forbid(&self, table: u32, index: usize) -> Result<bool, Stop> {
+        if self.flow.forbidden().is_empty() { Ok(false) } else { self.forbid_function(table, index) }
     }
 
     fn unavailable(&self, name: &'static str) {

@@ -7,6 +7,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::call::Call;
+use super::forbidden::Forbidden;
 use super::robot::Robot;
 use crate::program::site::Site;
 
@@ -24,6 +25,9 @@ pub trait Flow: Send + Sync + 'static {
 
     /// Virtual time that `call` takes.
     fn cost(&self, call: Call) -> Time;
+
+    /// Functions that the scene forbids.
+    fn forbidden(&self) -> &Forbidden;
 
     /// Start of the present slot.
     fn slot_start(&self) -> Time;

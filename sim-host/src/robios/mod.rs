@@ -21,6 +21,7 @@ pub mod cost;
 mod display;
 mod display7;
 pub mod flow;
+pub mod forbidden;
 pub mod ground_truth;
 pub mod handle;
 mod hdt;
@@ -74,6 +75,7 @@ use std::sync::Arc;
 use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
+use sim_core::record::Event;
 use sim_core::spec::{Dialect, RobiSpec};
 use sim_core::world::World;
 
@@ -219,6 +221,15 @@ impl Robot {
             self.hint(&text);
         }
         self.failed(call, 0);
+    }
+
+    /// Records a call of a forbidden function, which has no other effect.
+    fn record_forbidden(&mut self, call: Call) {
+        if self.robios.hints.is_first_failure(call) {
+            self.hint(&format!("`{}` is forbidden here: it fails without any effect", call.name()));
+        }
+        self.failed(call, 0);
+        self.record(Event::Forbidden { function: call.name() });
     }
 
     /// Answer of a call for a device that the robot does not have.

@@ -221,7 +221,10 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
         None => Loader::new().map_err(Failure::of)?,
     };
     let ready = built.load_with(session.loader.insert(loader))?;
-    let words = ready.words();
+    let mut words = ready.words();
+    if !suite.spec.checks.is_empty() {
+        words.push(format!("--checks={}", suite.spec.file));
+    }
     let scene = Arc::clone(ready.scene());
     let starts: Vec<_> = scene.robots.iter().map(|robot| robot.start).collect();
     let objects: Vec<_> = build::movable(&scene).map(|object| object.pose).collect();
@@ -292,7 +295,14 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     // How far a program got that was stopped for its processor time depends on the machine.
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
     let at = failed_check.and_then(|check| check.at_s);
-    let at = at.or(failed_robot.filter(|_| !is_timed_out).map(|robot| robot.virtual_time_s));
+    let at = at.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
+        // A program that hangs does so within a slot, at an instant that may depend on the machine.
+        Outcome::Timeout => {
+            let time = Time((robot.virtual_time_s * 1e6).round() as i64);
+            Time(time.0 / settings.slot.0 * settings.slot.0).seconds()
+        }
+        _ => robot.virtual_time_s,
+    }));
     // The poses of robots are those of the end, not of the instant of a check.
     let of_robot = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
     let place = match failed_check {
@@ -306,6 +316,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         outcome: robot.outcome,
         reason: robot.reason.clone(),
         metrics: robot.metrics.clone(),
+        forbidden_calls: robot.forbidden_calls.clone(),
     });
     Row {
         outcome,
@@ -326,7 +337,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
 
 /// Hash of everything that determines the row of a case.
 fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
-    let Options { seed, slot, until, linger, keys, arguments, noise, settings, programs, .. } = &case.options;
+    let Options { seed, slot, until, linger, keys, arguments, noise, settings, programs, forbid, .. } = &case.options;
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {
         hasher.update(&(text.len() as u64).to_le_bytes());
@@ -336,6 +347,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
     settings.iter().for_each(|setting| add(setting.to_string()));
     programs.iter().for_each(|program| add(program.to_string()));
+    forbid.iter().for_each(|functions| add(format!("forbid {functions}")));
     add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
     inputs.iter().for_each(|input| add(input.sha256.clone()));
     hasher.finalize().to_hex()[..32].to_owned()

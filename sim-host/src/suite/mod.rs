@@ -17,6 +17,7 @@ pub use prepare::Preparation;
 pub use row::{CaseResult, ROW_SCHEMA, Row, RowOutcome, RowRobot, Trace};
 pub use select::{Selection, SelectionError};
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use sim_core::spec::SceneSpec;
@@ -27,7 +28,7 @@ use sim_format::{Diagnostic, InputFile};
 use crate::executive::program::Exec;
 use crate::files::{DiskFiles, slashed};
 use crate::launch::settings::ProgramOption;
-use crate::launch::{Options, check};
+use crate::launch::{Error, Options, Scene, check};
 use crate::program::sandbox::Sandbox;
 
 /// A suite that has been read.
@@ -55,6 +56,7 @@ impl Suite {
         let mut files = DiskFiles::of_environment();
         let LoadedSuite { suite: spec, mut loaded } = load_suite(&files.name(path), &files);
         let own = SceneSpec { file: spec.file.clone(), checks: spec.checks.clone(), ..SceneSpec::default() };
+        loaded.diagnostics.extend(check::unknown_forbidden(&spec.file, &spec.forbid));
         loaded.diagnostics.extend(check::wrong_checks(&own));
         let axes = spec.matrix.axes();
         let checks_text = print_suite(&SuiteSpec { checks: spec.checks.clone(), ..SuiteSpec::default() });
@@ -122,6 +124,29 @@ impl Suite {
         Ok(self.spec.matrix.cases().into_iter().map(case).collect())
     }
 
+    /// Checks that the options of `cases` fit their scenes, and that a robot has a program; each scene is read once.
+    ///
+    /// # Errors
+    /// The first mistake, in words. Mistakes in a scene itself are left to its cases.
+    pub fn check_options(&self, cases: &[Case]) -> Result<(), String> {
+        let mut seen = BTreeSet::new();
+        for case in cases.iter().filter(|case| seen.insert(&case.scene)) {
+            let mut scene = match Scene::open(&case.scene, case.options.clone()) {
+                Ok(scene) if !scene.is_rejected() => scene,
+                Err(error @ Error::Option(_)) => return Err(error.to_string()),
+                _ => continue,
+            };
+            scene.settings().map_err(|error| error.to_string())?;
+            if scene.spec().robots.iter().all(|robot| robot.program.is_none()) {
+                return Err(format!(
+                    "no robot of `{}` has a program: `programs = [\"1=FILE\"]` in `[suite]`, or `--program 1=FILE`, gives it one",
+                    slashed(&case.scene)
+                ));
+            }
+        }
+        Ok(())
+    }
+
     fn settings_of(&self, indices: &[usize]) -> Vec<(String, String)> {
         let setting = |(axis, &index): (&Axis, &usize)| (axis.name.clone(), axis.label(index).to_owned());
         self.axes.iter().zip(indices).map(setting).collect()
@@ -156,6 +181,7 @@ impl Suite {
             sandbox: self.sandbox.clone(),
             timeout: spec.limits.slot_processor,
             programs: programs.to_vec(),
+            forbid: spec.forbid.iter().map(|functions| functions.text.clone()).collect(),
             keys: spec.keys.clone(),
             arguments: spec.arguments(&self.axes, indices),
             stdin: spec.stdin.as_ref().map(|file| PathBuf::from(in_folder(&file.text))),

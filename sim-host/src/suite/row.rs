@@ -85,6 +85,9 @@ pub struct RowRobot {
     pub reason: Option<String>,
     /// Last values of the metrics that its program printed, by name: for tables and plots, never for marks.
     pub metrics: BTreeMap<String, f64>,
+    /// Numbers of its calls of forbidden functions, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub forbidden_calls: BTreeMap<String, u64>,
 }
 
 /// Path of a robot, m: corners within a few millimetres.

@@ -105,8 +105,9 @@ pub fn gz(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().expect("an archive")
 }
 
-/// The submissions.
-pub fn class() -> Vec<Case> {
+/// The submissions, which are graded below `place`: there lie `home` with a `diary.txt`, `lab` with the suite and a `hidden.h`, `in` with the
+/// submissions and `out` with the results.
+pub fn class(place: &Path) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |name: &str, form: Form, verdict: &'static str, message: &'static str| {
         cases.push(Case { name: name.to_owned(), form, expected: (verdict, message) });
@@ -116,6 +117,7 @@ pub fn class() -> Vec<Case> {
     not_built(&mut add);
     broken(&mut add);
     liars(&mut add);
+    attackers(&mut add, place);
     for speed in 0..24 {
         add(&format!("honest-{speed}"), Form::Folder(vec![("solve.c", honest(150 + 5 * speed))]), "passed", "");
     }
@@ -270,6 +272,7 @@ fn liars(add: Add<'_>) {
         "failed",
         "goal",
     );
+    file("lie-sets-robot", "SIMSetRobot(0, 1400, 500, 0, 0); OSWait(1000);", "failed", "goal");
     file("lie-prints-verdict", "puts(\"PASSED 4 of 4 points\");", "failed", "goal");
     let scene =
         b"[world]\nfloor_mm = [9000, 9000]\n[[robot]]\ntype = \"S4\"\nprogram = \"solve.c\"\nx_mm = 1400\ny_mm = 500\n"
@@ -287,4 +290,134 @@ fn liars(add: Add<'_>) {
         b"#include \"eyebot.h\"\n__attribute__((constructor)) static void early(void) { VWStraight(900, 200); }\n\
                   int main(void) { return 0; }\n";
     add("lie-constructor", Form::File(".c", early.to_vec()), "passed", "");
+}
+
+/// A program that tries what must be closed to it: `CLOSED(attempt)` ends it with 40 where the attempt succeeds; it ends with 7 if none does.
+fn attack(body: &str, place: &Path) -> Vec<u8> {
+    let text = format!(
+        "#define _GNU_SOURCE\n#include \"eyebot.h\"\n#include <errno.h>\n#include <fcntl.h>\n#include <pthread.h>\n#include <signal.h>\n\
+         #include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n#include <sys/mman.h>\n#include <sys/ptrace.h>\n\
+         #include <sys/socket.h>\n#include <sys/stat.h>\n#include <sys/syscall.h>\n#include <sys/uio.h>\n#include <time.h>\n\
+         #include <unistd.h>\n\
+         #define PLACE \"{}/\"\n\
+         #define CLOSED(attempt) do {{ if ((attempt) >= 0) exit(40); }} while (0)\n\
+         extern char **environ;\n\
+         static void *idle(void *x) {{ for (;;) pause(); return x; }}\n\
+         static double now(void) {{ struct timespec t; syscall(SYS_clock_gettime, 1, &t); return t.tv_sec + t.tv_nsec / 1e9; }}\n\
+         int main(void) {{\nchar name[4096];\n(void)name; (void)idle; (void)now;\n{body}\nexit(7);\n}}\n",
+        place.display()
+    );
+    text.into_bytes()
+}
+
+/// Programs that attack the machine, the judge, its files or other submissions. Counts are bounded, so that a hole hurts no machine.
+fn attackers(add: Add<'_>, place: &Path) {
+    const FAILS: &str = "exit code 7";
+    let mut file = |name: &str, body: &str, verdict, message| {
+        add(&format!("attack-{name}"), Form::File(".c", attack(body, place)), verdict, message);
+    };
+    file(
+        "fork-bomb",
+        "for (int i = 0; i < 500; i++) { int p = fork(); if (p < 0) exit(7); if (!p) for (;;) pause(); }\nexit(40);",
+        "failed",
+        FAILS,
+    );
+    // Where limits on processes bind it, the threads fail; elsewhere the simulator counts them.
+    file(
+        "thread-bomb",
+        "for (int i = 0; i < 2000; i++) { pthread_t t; if (pthread_create(&t, 0, idle, 0)) break; }\nfor (;;) pause();",
+        "failed",
+        "",
+    );
+    file(
+        "memory-bomb",
+        "for (int i = 0; i < 200; i++) { char *p = malloc(64 << 20); if (!p) exit(7); *p = 1; }\nexit(40);",
+        "failed",
+        FAILS,
+    );
+    file("stop", "raise(SIGSTOP); VWStraight(900, 200); VWWait();", "failed", "stopped its own process");
+    file("signals-parent", "CLOSED(kill(getppid(), SIGTERM)); CLOSED(kill(getppid(), SIGSTOP));", "failed", FAILS);
+    file(
+        "deletes-home",
+        "CLOSED(unlink(PLACE \"home/diary.txt\")); CLOSED(rmdir(PLACE \"home/photos\")); CLOSED(rename(PLACE \"home\", PLACE \"gone\"));\n\
+         CLOSED(truncate(PLACE \"home/diary.txt\", 0)); CLOSED(open(PLACE \"home\", O_RDONLY | O_DIRECTORY));\n\
+         snprintf(name, sizeof name, \"%s/diary.txt\", getenv(\"HOME\")); CLOSED(open(name, O_RDWR));",
+        "failed",
+        FAILS,
+    );
+    file(
+        "network",
+        "for (int family = 0; family < 48; family++) { CLOSED(socket(family, SOCK_STREAM, 0)); CLOSED(socket(family, SOCK_DGRAM, 0)); }\n\
+         int pair[2]; CLOSED(socketpair(AF_UNIX, SOCK_STREAM, 0, pair));",
+        "failed",
+        FAILS,
+    );
+    file(
+        "gigabyte",
+        "static char b[1 << 20]; memset(b, 'x', sizeof b); for (int i = 0; i < 65536; i++) if (write(1, b, sizeof b) < 0) break;",
+        "failed",
+        "time",
+    );
+    file(
+        "judge",
+        "CLOSED(open(PLACE \"lab/lab.suite.toml\", O_RDWR)); CLOSED(open(PLACE \"lab/lab.scene.toml\", O_RDONLY));\n\
+         CLOSED(open(PLACE \"lab/hidden.h\", O_RDONLY)); CLOSED(open(PLACE \"out/grades.csv\", O_WRONLY | O_CREAT, 0600));\n\
+         CLOSED(open(PLACE \"out/graded/forged.json\", O_WRONLY | O_CREAT, 0600)); CLOSED(open(PLACE \"in\", O_RDONLY));\n\
+         snprintf(name, sizeof name, \"/proc/%d/mem\", getppid()); CLOSED(open(name, O_RDWR));\n\
+         for (int f = 0; f < 64; f++) { snprintf(name, sizeof name, \"/proc/%d/fd/%d\", getppid(), f); CLOSED(open(name, O_RDWR)); }",
+        "failed",
+        FAILS,
+    );
+    file(
+        "own-page",
+        "OSWait(10); for (int f = 3; f < 9; f++) { unsigned *p = mmap(0, 4096, 3, MAP_SHARED, f, 0); if (p != MAP_FAILED) {\n\
+         p[3] = 0xffffff; p[4] = 0xffffffff; p[2] = 1; for (;;); } }",
+        "failed",
+        "makes no sense",
+    );
+    file(
+        "other-page",
+        "for (int p = getppid() - 50; p < getppid() + 200; p++) { snprintf(name, sizeof name, \"/proc/self/task/%d\", p);\n\
+         if (!access(name, F_OK)) continue; for (int f = 3; f < 20; f++) {\n\
+         snprintf(name, sizeof name, \"/proc/%d/fd/%d\", p, f); CLOSED(open(name, O_RDWR)); } }",
+        "failed",
+        FAILS,
+    );
+    file(
+        "ptrace",
+        "long word; struct iovec own = { &word, 8 }, other = { environ, 8 };\n\
+         CLOSED(ptrace(PTRACE_ATTACH, getppid(), 0, 0)); CLOSED(ptrace(PTRACE_SEIZE, getppid(), 0, 0)); CLOSED(ptrace(PTRACE_TRACEME, 0, 0, 0));\n\
+         CLOSED(syscall(SYS_process_vm_readv, getppid(), &own, 1, &other, 1, 0)); CLOSED(syscall(SYS_pidfd_open, getppid(), 0));",
+        "failed",
+        FAILS,
+    );
+    file(
+        "shell",
+        "setenv(\"LD_PRELOAD\", \"/tmp/x.so\", 1); execl(\"/bin/sh\", \"sh\", \"-c\", \"echo x > \" PLACE \"home/diary.txt; rm -rf \" PLACE \"home\", NULL);",
+        "failed",
+        "",
+    );
+    // Honest drives of programs that look for signs of a grading.
+    file(
+        "environment",
+        "if (getenv(\"LD_PRELOAD\")) exit(41);\n\
+         for (char **e = environ; *e; e++) if (strstr(*e, \"SECRET\") || strstr(*e, \"GRADE\")) exit(42);\n\
+         if (time(0) > 1700000000) exit(43);\nVWStraight(900, 200); VWWait(); exit(0);",
+        "passed",
+        "",
+    );
+    file(
+        "clock",
+        "double begin = now(); OSWait(15000); if (now() - begin < 14) exit(7); VWStraight(900, 900); VWWait();",
+        "failed",
+        FAILS,
+    );
+    let mut text = |name: &str, text: String, message| {
+        add(&format!("attack-{name}"), Form::File(".c", text.into_bytes()), "error", message);
+    };
+    let main = "int main(void) { return 0; }\n";
+    text("includes-hidden", format!("#include \"{}/lab/hidden.h\"\n{main}", place.display()), "hidden.h");
+    text("includes-passwd", format!("#include \"/etc/passwd\"\n{main}"), "passwd");
+    text("incbin", format!("__asm__(\".incbin \\\"/etc/passwd\\\"\");\n{main}"), "does not compile");
+    text("incbin-shadow", format!("__asm__(\".incbin \\\"/etc/shadow\\\"\");\n{main}"), "does not compile");
 }

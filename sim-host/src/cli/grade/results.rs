@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::Student;
-use super::student::{View, points_of_check};
+use super::student::{View, forbidden_of, points_of_check};
 use crate::record::log::is_terminal_control;
 use crate::suite::{CaseResult, RowOutcome};
 
@@ -34,6 +34,10 @@ pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>
     }
     let mut output = format!("{} of {} cases passed\n", student.passed(), student.graded.results.len());
     student.graded.problem.iter().for_each(|problem| _ = writeln!(output, "{problem}"));
+    let forbidden = forbidden_of(&view.results);
+    if !forbidden.is_empty() {
+        _ = writeln!(output, "forbidden functions called, in all cases together: {forbidden}");
+    }
     student.graded.notes.iter().for_each(|note| _ = writeln!(output, "{note}"));
     let document = json!({
         "score": rounded(student.points()),

@@ -1,9 +1,11 @@
 //! What a student may see of a result, and the student's page.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use super::Student;
+use crate::cli::run::forbidden_calls;
 use crate::cli::test::page::{FOOT, Sheet, escaped, failure, head, heat_map};
 use crate::cli::test::screen::{number, percent};
 use crate::grade::Grader;
@@ -52,8 +54,11 @@ impl View {
                 if known.is_none() {
                     view.replays.push((name.clone(), case.scene.clone()));
                 }
-                let is_of_archive = |word: &String| word.starts_with("--program=") || word.starts_with("--exec=");
-                result.row.words.retain(|word| !is_of_archive(word));
+                // The archive has the program, but not the suite.
+                let is_left_out = |word: &String| {
+                    ["--program=", "--exec=", "--checks="].iter().any(|option| word.starts_with(option))
+                };
+                result.row.words.retain(|word| !is_left_out(word));
                 result.row.words[0] = name;
             }
         }
@@ -93,6 +98,10 @@ pub(super) fn page(grader: &Grader, student: &Student, view: &View) -> String {
             _ = writeln!(html, "<p>Program of robot {}: {}</p>", escaped(robots), files.join(", "));
         }
     }
+    let forbidden = forbidden_of(&view.results);
+    if !forbidden.is_empty() {
+        _ = writeln!(html, "<p>Forbidden functions called, in all cases together: {}</p>", escaped(&forbidden));
+    }
     if !student.graded.notes.is_empty() {
         html.push_str("<p>Files that were left out:</p>\n<ul>\n");
         student.graded.notes.iter().for_each(|note| _ = writeln!(html, "<li>{}</li>", escaped(note)));
@@ -114,6 +123,18 @@ pub(super) fn page(grader: &Grader, student: &Student, view: &View) -> String {
     }
     html.push_str(FOOT);
     html
+}
+
+/// Calls of forbidden functions in all results together, in words; empty if there are none.
+pub(super) fn forbidden_of(results: &[CaseResult]) -> String {
+    let mut of_robots: BTreeMap<u32, BTreeMap<String, u64>> = BTreeMap::new();
+    for robot in results.iter().flat_map(|result| &result.row.robots) {
+        for (name, count) in &robot.forbidden_calls {
+            *of_robots.entry(robot.id).or_default().entry(name.clone()).or_default() += count;
+        }
+    }
+    let words: Vec<String> = of_robots.iter().map(|(id, calls)| format!("r{id} {}", forbidden_calls(calls))).collect();
+    words.join("; ")
 }
 
 /// Name of the suite without its folder and extension.

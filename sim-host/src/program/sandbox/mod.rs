@@ -175,6 +175,13 @@ impl Sandbox {
         self.level
     }
 
+    /// Folders from which a program with these sources is built, without links: that of the first source, and the [root](Self::root).
+    pub fn source_folders(&self, sources: &[PathBuf]) -> Vec<PathBuf> {
+        let folder = sources.first().and_then(|path| path.parent());
+        let folder = folder.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        folder.into_iter().chain(self.root.as_deref()).filter_map(|folder| folder.canonicalize().ok()).collect()
+    }
+
     /// Its record in a report.
     pub fn report(&self) -> SandboxReport {
         let means = |area: Area| Some((area.word().to_owned(), self.kernel.means(area).ok()?));

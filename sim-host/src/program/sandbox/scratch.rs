@@ -1,4 +1,4 @@
-//! Scratch folders: the only place that a restricted program writes to, watched with the program's other limits.
+//! Scratch folders: the only place that a restricted process writes to, watched with the program's other limits.
 
 use std::fs;
 use std::io;
@@ -23,12 +23,45 @@ const DEPTH: usize = 32;
 /// The scratch folder of a restricted program; removed when dropped.
 #[derive(Debug)]
 pub struct Scratch {
-    folder: PathBuf,
+    quota: Quota,
     /// The folder around it, which no program may write to.
     _outer: RunFolder,
     limits: Limits,
+}
+
+/// Limit on the files in a scratch folder.
+#[derive(Debug)]
+pub struct Quota {
+    folder: PathBuf,
+    /// Bytes of all files together.
+    most: u64,
     /// Time of the last check.
     checked: Mutex<Instant>,
+}
+
+impl Quota {
+    /// At most `most` bytes in `folder`.
+    pub fn new(folder: PathBuf, most: u64) -> Self {
+        Self { folder, most, checked: Mutex::new(Instant::now()) }
+    }
+
+    /// Returns true if a check is due: the last one was not a moment ago.
+    pub fn is_due(&self) -> bool {
+        let mut checked = self.checked.lock();
+        let is_due = checked.elapsed() >= INTERVAL;
+        if is_due {
+            *checked = Instant::now();
+        }
+        is_due
+    }
+
+    /// The limit in words, if the folder exceeds it.
+    pub fn excess(&self) -> Option<String> {
+        (!fits(&self.folder, self.most)).then(|| {
+            let most = self.most >> 20;
+            format!("its files exceed the limits of its sandbox: {most} MiB, and {DEPTH} folders within each other")
+        })
+    }
 }
 
 impl Scratch {
@@ -40,39 +73,30 @@ impl Scratch {
         let outer = RunFolder::new()?;
         let folder = outer.path().join("scratch");
         fs::create_dir(&folder)?;
-        Ok(Self { folder, _outer: outer, limits, checked: Mutex::new(Instant::now()) })
+        Ok(Self { quota: Quota::new(folder, limits.scratch), _outer: outer, limits })
     }
 
     /// The folder.
     pub fn folder(&self) -> &Path {
-        &self.folder
+        &self.quota.folder
     }
 
     /// The limit that the process `pid` of the program exceeds, in words, if it was not checked a moment ago.
     pub fn excess(&self, pid: i32) -> Option<String> {
-        {
-            let mut checked = self.checked.lock();
-            if checked.elapsed() < INTERVAL {
-                return None;
-            }
-            *checked = Instant::now();
+        if !self.quota.is_due() {
+            return None;
         }
         if threads_of(pid) > self.limits.processes {
             return Some(format!("it started more than {} threads, the limit of its sandbox", self.limits.processes));
         }
-        (!fits(&self.folder, self.limits.scratch)).then(|| {
-            format!(
-                "its files exceed the limits of its sandbox: {} MiB, and {DEPTH} folders within each other",
-                self.limits.scratch >> 20
-            )
-        })
+        self.quota.excess()
     }
 }
 
 impl Drop for Scratch {
     fn drop(&mut self) {
         // What is left is removed with the run folder, or at the start of a later run.
-        let _ = remove(&self.folder);
+        let _ = remove(self.folder());
     }
 }
 

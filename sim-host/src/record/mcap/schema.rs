@@ -74,7 +74,7 @@ impl Content {
             | Joint | Link | BodyHeight => Self::Reading,
             DriveSpeed | DriveStraight | DriveTurn | DriveCurve | SetOdometry | ControlStarted | ControlStopped
             | Motor | Servo | Output | LcdText | LcdClear | LcdGraphics | LcdMenu | Tone | Beep | Sample
-            | SerialSent | TimerAttached | TimerDetached | Gait | LegSpeed | StepHeight | LegCorrection => {
+            | SerialSent | TimerAttached | TimerDetached | Gait | LegSpeed | StepHeight | LegCorrection | Forbidden => {
                 Self::Command
             }
             Contact | Touch => Self::Contact,
