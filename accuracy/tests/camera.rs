@@ -17,7 +17,7 @@ use sim_core::pose::Pose3;
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
-use sim_format::{FileError, Files, MeshReader, load_maze, load_scene, load_world};
+use sim_format::{FileError, Files, MeshReader, load_scene, load_world};
 
 /// Number of views of each sample world.
 const VIEWS: usize = 100;
@@ -65,7 +65,7 @@ fn scenes() -> Vec<(String, SceneSpec)> {
         let loaded = match Path::new(&name).extension()?.to_str()? {
             "sim" | "toml" => load_scene(&path, &disk),
             "wld" | "world" => load_world(&path, &disk),
-            "maz" => load_maze(&path, &disk),
+            "maz" => load_world(&path, &disk),
             _ => return None,
         };
         assert!(!loaded.has_errors(), "{name}: {:?}", loaded.diagnostics);

@@ -28,7 +28,7 @@ impl Target {
     }
 }
 
-/// All targets. An input is a file of the reader's kind, for `load_scene` and `mesh` an [`archive`] of several, for `turn` a list of
+/// All targets. An input is a file of the reader's kind, for `load_scene`, `mesh` and `map` an [`archive`] of several, for `turn` a list of
 /// messages.
 pub const TARGETS: &[Target] = &[
     Target::new("world", reader::world),
@@ -45,6 +45,11 @@ pub const TARGETS: &[Target] = &[
     Target::new("suite", reader::suite),
     Target::new("pack", reader::pack),
     Target::new("turn", turn::turn),
+    Target::new("map", reader::map),
+    Target::new("netpbm", reader::netpbm),
+    Target::new("contest", reader::contest),
+    Target::new("sdf", reader::sdf),
+    Target::new("scenarios", reader::scenarios),
 ];
 
 /// Checks `input` with the target named `target`.

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use sim_core::build::MeshSource;
 use sim_core::spec::{ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
+use sim_format::map::read_scenarios;
 use sim_format::suite::{MAX_CASES, SuiteSpec, read_suite};
-use sim_format::{Diagnostic, MeshReader};
+use sim_format::{Diagnostic, MemoryFiles, MeshReader};
 use sim_host::pack::Pack;
 
 use crate::archive::Archive;
@@ -128,6 +129,54 @@ pub fn mesh(input: &[u8]) {
         spec::mesh(&mesh);
     }
     diagnostics(&archive, &reader.finish().0);
+}
+
+/// A map with its image: the first file of the archive is a `map.yaml` or a map of MovingAI.
+pub fn map(input: &[u8]) {
+    let archive = Archive::new(input);
+    let loaded = sim_format::load_world(archive.first(), &archive);
+    spec::finite(&loaded.scene.world);
+    diagnostics(&archive, &loaded.diagnostics);
+}
+
+/// The image of a map.
+pub fn netpbm(input: &[u8]) {
+    alone("a.pgm", input);
+}
+
+/// A maze in one of the forms of contests.
+pub fn contest(input: &[u8]) {
+    alone("a.txt", input);
+}
+
+/// A world of Gazebo.
+pub fn sdf(input: &[u8]) {
+    alone("a.sdf", input);
+}
+
+/// A file of a world alone. Walls of mazes and of Gazebo have places in the text, those of images none.
+fn alone(name: &str, input: &[u8]) {
+    let files = MemoryFiles::from_iter([(name, input)]);
+    let loaded = sim_format::load_world(name, &files);
+    let (content, _) = sim_format::decode(input);
+    let lines = Lines::new(&content);
+    for diagnostic in &loaded.diagnostics {
+        text::words(diagnostic);
+        lines.check(diagnostic.span, diagnostic);
+    }
+    spec::world(&loaded.scene.world, &lines);
+}
+
+/// Scenarios of MovingAI: start and goal lie on the map.
+pub fn scenarios(input: &[u8]) {
+    let (content, _) = sim_format::decode(input);
+    let (scenarios, diagnostics) = read_scenarios("a.scen", &content);
+    text::check(&content, &diagnostics);
+    for scenario in scenarios {
+        let [width, height] = scenario.size;
+        assert!([scenario.start, scenario.goal].iter().all(|[x, y]| *x < width && *y < height), "{scenario:?}");
+        assert!(scenario.length.is_finite(), "{scenario:?}");
+    }
 }
 
 /// Checks the diagnostics of the files of an archive.

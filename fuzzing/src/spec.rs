@@ -394,7 +394,7 @@ fn inside(span: Span, lines: &Lines<'_>, what: &impl Debug) {
 }
 
 /// Panics if any number in `spec` is infinite or NaN; searches the `Debug` output outside of string literals.
-fn finite(spec: &impl Debug) {
+pub fn finite(spec: &impl Debug) {
     let mut search = Search { word: [0; 3], is_text: false, is_escaped: false, is_found: false };
     write!(search, "{spec:?}").expect("the search takes everything");
     assert!(!search.is_found, "a number is not finite: {spec:#?}");

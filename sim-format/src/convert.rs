@@ -2,27 +2,37 @@
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::load::{Files, Loaded, load_drawn};
+use super::load::{Files, Loaded, Loader, load_drawn};
+use super::map::{self, Cell, DEFAULT_RESOLUTION, Grid, WorldFormat, load_scenarios};
 use super::print::{self, Printed};
 use super::spec::{
-    CheckKind, Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm, SceneSpec, SimSpec,
-    StartRef, TypeRef, WorldKind, WorldLine,
+    CheckKind, DEFAULT_CELL, Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm,
+    SceneSpec, SimSpec, StartRef, StartSpec, TypeRef, WorldKind, WorldLine, WorldSpec,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
 
+use super::suite::SUITE_EXTENSION;
 use super::{
-    Overrides, Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim,
-    scene,
+    CellRules, Overrides, Span, decode, load_object, load_robi, load_scene, load_world_with, path, read_scene,
+    read_sim, scene,
 };
+use sim_core::unit;
 
 /// A file that a conversion writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
     /// Path of the file.
     pub path: String,
-    /// Content of the file.
-    pub text: String,
+    /// Content of the file: text, but for the images of maps.
+    pub bytes: Vec<u8>,
+}
+
+impl Output {
+    /// The content as text; other bytes than UTF-8 are replaced.
+    pub fn text(&self) -> String {
+        decode(&self.bytes).0
+    }
 }
 
 /// Result of a conversion.
@@ -34,6 +44,19 @@ pub struct Converted {
     pub diagnostics: Vec<Diagnostic>,
     /// The source and all files that it refers to.
     pub inputs: Vec<super::InputFile>,
+    /// What was understood of maps and mazes of other programs, a line each.
+    pub notes: Vec<String>,
+}
+
+/// Values that a conversion takes from its caller.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConvertOptions {
+    /// Seed with which random values of a scene are drawn, in place of its own.
+    pub seed: Option<u64>,
+    /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, in place of what the file says.
+    pub maze_cell: Option<f64>,
+    /// Side of the cells of a map that is made from walls, in metres.
+    pub map_cell: Option<f64>,
 }
 
 /// Robot or movable object in a running world.
@@ -66,7 +89,10 @@ pub fn print_current_scene(
     if loaded.has_errors() {
         return Err(loaded.diagnostics);
     }
-    let mut sim = Conversion { from, to: from, files, lost: Sink::new(from), outputs: Vec::new() }.source();
+    let mut sim = {
+        let options = ConvertOptions::default();
+        Conversion { from, to: from, files, options, lost: Sink::new(from), outputs: Vec::new() }.source()
+    };
     settle_named(&mut sim, &loaded.scene);
     if sim.world.is_none() && sim.inline.world.is_none() {
         sim.inline.world = Some(loaded.scene.world.clone());
@@ -129,6 +155,12 @@ enum FileFormat {
     Maze,
     Robi,
     Object,
+    /// A world of another program, which is only read.
+    Foreign,
+    /// An occupancy grid of ROS or its image.
+    Map,
+    /// Scenarios of MovingAI, which are only read.
+    Scenarios,
 }
 
 impl FileFormat {
@@ -140,6 +172,9 @@ impl FileFormat {
             "maz" | "maze" => FileFormat::Maze,
             "robi" => FileFormat::Robi,
             "esobj" => FileFormat::Object,
+            "yaml" | "yml" | "pgm" | "pbm" => FileFormat::Map,
+            "map" | "world" | "sdf" | "num" | "txt" => FileFormat::Foreign,
+            "scen" => FileFormat::Scenarios,
             _ => return None,
         })
     }
@@ -150,7 +185,7 @@ impl FileFormat {
 /// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
 /// files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
-    convert_with(from, to, None, files, &|_, _| None)
+    convert_with(from, to, ConvertOptions::default(), files, &|_, _| None)
 }
 
 /// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program leaves no doubt of it.
@@ -159,34 +194,40 @@ pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a
 /// Converts as [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect
 /// of the sim file, which decides only where a program does not.
 ///
-/// Random values and places of a scene are drawn: with `seed`, which the result states, else with the seed of the scene.
+/// Random values and places of a scene are drawn: with the seed of the `options`, which the result states, else with that of the scene.
 pub fn convert_with(
     from: &str,
     to: &str,
-    seed: Option<u64>,
+    options: ConvertOptions,
     files: &dyn Files,
     told: &ToldGeneration<'_>,
 ) -> Converted {
     let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
         let name = if FileFormat::of(from).is_none() { from } else { to };
-        let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi or .esObj";
+        let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi, .esObj, .yaml, .pgm or .pbm, or a source in .map, .scen, .world, .num or .txt";
         return Converted::refused(Code::FileKind, name, "the name does not say which kind of file this is", expected);
     };
-    let mut conversion = Conversion { from, to, files, lost: Sink::new(from), outputs: Vec::new() };
+    let mut conversion = Conversion { from, to, files, options, lost: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
-        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => {
-            conversion.scene(target, seed, told)
+        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target, told),
+        (_, FileFormat::Foreign | FileFormat::Scenarios) => {
+            let message = format!("files like `{to}` are read, but not written");
+            let expected = "a target in .wld, .maz, .toml, .yaml, .pgm or .pbm";
+            return Converted::refused(Code::ConvertKind, to, &message, expected);
         }
-        (FileFormat::World | FileFormat::Maze, FileFormat::World | FileFormat::Maze | FileFormat::Scene) => {
-            conversion.world(source, target)
-        }
+        (FileFormat::Scenarios, FileFormat::Scene) => conversion.scenarios(),
+        (FileFormat::Sim, FileFormat::Map) => conversion.map_of_scene(),
+        (FileFormat::Scene, FileFormat::Map) if conversion.is_scene() => conversion.map_of_scene(),
+        (
+            FileFormat::World | FileFormat::Maze | FileFormat::Foreign | FileFormat::Map,
+            FileFormat::World | FileFormat::Maze | FileFormat::Scene | FileFormat::Map,
+        ) => conversion.world(target),
         (FileFormat::Robi, FileFormat::Robi | FileFormat::Scene) => conversion.robi(target),
         (FileFormat::Object, FileFormat::Object | FileFormat::Scene) => conversion.object(target),
         (FileFormat::Scene, _) => conversion.part_of_scene(target),
         _ => {
             let message = format!("`{from}` cannot become `{to}`: they hold different things");
-            let expected =
-                "scenes to scenes (.sim, .scene.toml), worlds to worlds, types to types, each to and from .toml";
+            let expected = "scenes to scenes (.sim, .scene.toml) and maps, worlds and maps to worlds and maps, types to types, scenarios to .suite.toml";
             return Converted::refused(Code::ConvertKind, from, &message, expected);
         }
     };
@@ -194,7 +235,7 @@ pub fn convert_with(
     let mut diagnostics = loaded.diagnostics;
     diagnostics.extend(lost.finish());
     let outputs = if super::has_errors(&diagnostics) { Vec::new() } else { outputs };
-    Converted { outputs, diagnostics, inputs: loaded.inputs }
+    Converted { outputs, diagnostics, inputs: loaded.inputs, notes: loaded.notes }
 }
 
 impl Converted {
@@ -209,13 +250,15 @@ struct Conversion<'a> {
     from: &'a str,
     to: &'a str,
     files: &'a dyn Files,
+    options: ConvertOptions,
     /// Warnings about properties that the target cannot represent.
     lost: Sink,
     outputs: Vec<Output>,
 }
 
 impl Conversion<'_> {
-    fn scene(&mut self, target: FileFormat, seed: Option<u64>, told: &ToldGeneration<'_>) -> Loaded {
+    fn scene(&mut self, target: FileFormat, told: &ToldGeneration<'_>) -> Loaded {
+        let seed = self.options.seed;
         let (loaded, mut sim) = load_drawn(self.from, Overrides { seed, ..Overrides::default() }, self.files);
         if loaded.has_errors() {
             return loaded;
@@ -290,20 +333,139 @@ impl Conversion<'_> {
             let message = format!("`{path}` has no place for {what}");
             self.lost.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
         }
-        self.outputs.push(Output { path, text: printed.text });
+        self.outputs.push(Output { path, bytes: printed.text.into_bytes() });
     }
 
-    fn world(&mut self, source: FileFormat, target: FileFormat) -> Loaded {
-        let load = if source == FileFormat::Maze { load_maze } else { load_world };
-        let loaded = load(self.from, self.files);
+    /// Rules for the size of the cells of the source.
+    fn rules(&self) -> CellRules {
+        CellRules { dialect: None, cell: self.options.maze_cell }
+    }
+
+    fn world(&mut self, target: FileFormat) -> Loaded {
+        if target == FileFormat::Map
+            && let Some((grid, loaded)) = self.grid()
+        {
+            // From grid to grid nothing is guessed.
+            grid.iter().for_each(|grid| self.write_grid(grid));
+            return loaded;
+        }
+        let loaded = load_world_with(self.from, self.rules(), self.files);
         let mut world = loaded.scene.world.clone();
         world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
-        self.write_world(&world, target);
+        if target == FileFormat::Maze && self.grid().is_some() {
+            let expected = "a target in .wld, .toml, .yaml, .pgm or .pbm";
+            self.lost.error(Code::ConvertMaze, Span::default(), "a map of occupied cells is no maze", expected);
+        } else if !loaded.has_errors() {
+            self.write_world(&world, target);
+        }
         loaded
     }
 
-    fn write_world(&mut self, world: &super::WorldSpec, target: FileFormat) {
+    /// The grid of a source that is one; `None` if it is not.
+    fn grid(&self) -> Option<(Option<Grid>, Loaded)> {
+        let bytes = self.files.read(self.from).ok()?;
+        let format = WorldFormat::of(self.from, &bytes, WorldKind::World);
+        if !matches!(format, WorldFormat::RosMap | WorldFormat::Image | WorldFormat::MovingAi) {
+            return None;
+        }
+        let mut loader = Loader::new(self.files);
+        let grid = map::read_grid(&mut loader, self.from, bytes, format, self.rules());
+        Some((grid, loader.finish(SceneSpec::default())))
+    }
+
+    /// Returns true if the source is a whole scene, not only a part of one.
+    fn is_scene(&self) -> bool {
+        self.files.read(self.from).is_ok_and(|bytes| scene::is_scene(self.from, &decode(&bytes).0))
+    }
+
+    /// The map of a scene: free is what its robots can reach.
+    fn map_of_scene(&mut self) -> Loaded {
+        let overrides =
+            Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
+        let loaded = load_drawn(self.from, overrides, self.files).0;
+        if !loaded.has_errors() {
+            let mut world = loaded.scene.world.clone();
+            let starts =
+                loaded.scene.robots.iter().map(|robot| StartSpec { pose: robot.start, ..StartSpec::default() });
+            world.starts.extend(starts);
+            if !loaded.scene.objects.is_empty() {
+                let message = format!("a map has no place for {} objects", loaded.scene.objects.len());
+                self.lost.warn(
+                    Code::ConvertLost,
+                    Span::default(),
+                    message,
+                    "a form that holds it, such as .scene.toml",
+                );
+            }
+            self.write_map(&world);
+        }
+        loaded
+    }
+
+    /// Writes the map of a world of walls.
+    fn write_map(&mut self, world: &WorldSpec) {
+        let cell = self.options.map_cell.unwrap_or(DEFAULT_RESOLUTION);
+        let Some(grid) = Grid::of_world(world, cell) else {
+            let message = format!("a map with cells of {} mm has too many cells", unit::mm_from_metres(cell));
+            self.lost.error(Code::MapSize, Span::default(), message, "at most 67,108,864 cells: `--map-cell MM`");
+            return;
+        };
+        self.write_grid(&grid);
+    }
+
+    /// Writes a grid as a `map.yaml` with its image, or as an image alone.
+    fn write_grid(&mut self, grid: &Grid) {
+        let extension = path::extension(self.to);
+        let is_bitmap = extension == "pbm";
+        let image = map::image_file(grid, is_bitmap);
+        if matches!(extension.as_str(), "yaml" | "yml") {
+            let name = format!("{}.pgm", path::stem(self.to));
+            let text = map::map_yaml(grid, &name);
+            self.outputs.push(Output { path: self.to.to_owned(), bytes: text.into_bytes() });
+            self.outputs.push(Output { path: path::join(path::folder_of(self.to), &name), bytes: image });
+            return;
+        }
+        let is_moved = grid.origin != Pose::default();
+        let unknown = grid.count(Cell::Unknown);
+        let said = [
+            (is_moved, "the origin of the map".to_owned()),
+            (is_bitmap && unknown > 0, format!("{unknown} unknown cells, which are black as occupied ones")),
+        ];
+        let lost = said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what).collect();
+        self.write(self.to.to_owned(), Printed { text: String::new(), lost });
+        if let Some(output) = self.outputs.last_mut() {
+            output.bytes = image;
+        }
+    }
+
+    /// Writes a suite whose cases are the scenarios of one map, and its scene.
+    fn scenarios(&mut self) -> Loaded {
+        let (scenarios, loaded) = load_scenarios(self.from, self.files);
+        if !self.to.to_lowercase().ends_with(SUITE_EXTENSION) {
+            let expected = "a target that ends in .suite.toml";
+            self.lost.error(Code::ConvertKind, Span::default(), "scenarios become a suite", expected);
+            return loaded;
+        }
+        let Some(first) = scenarios.first().filter(|_| !loaded.has_errors()) else { return loaded };
+        if let Some(other) = scenarios.iter().find(|scenario| scenario.map != first.map) {
+            let message = format!("the scenarios are of several maps, `{}` and `{}`", first.map, other.map);
+            self.lost.error(Code::ConvertKind, other.span, message, "scenarios of one map");
+            return loaded;
+        }
+        let Some(map) = loaded.inputs.get(1).map(|input| input.path.as_str()) else { return loaded };
+        let map = path::relative(path::folder_of(self.to), map);
+        let cell = self.options.maze_cell.unwrap_or(DEFAULT_CELL);
+        let stem = self.to[..self.to.len() - SUITE_EXTENSION.len()].to_owned();
+        let scene = format!("{stem}.scene.toml");
+        let [scene_text, suite] = map::suite_of_scenarios(&scenarios, &map, path::file_name(&scene), cell);
+        self.outputs.push(Output { path: self.to.to_owned(), bytes: suite.into_bytes() });
+        self.outputs.push(Output { path: scene, bytes: scene_text.into_bytes() });
+        loaded
+    }
+
+    fn write_world(&mut self, world: &WorldSpec, target: FileFormat) {
         let printed = match target {
+            FileFormat::Map => return self.write_map(world),
             FileFormat::World => print::print_world(world),
             FileFormat::Maze => match print::print_maze(world) {
                 Ok(text) => Printed { text, lost: print::beside_maze(world) },
@@ -379,7 +541,7 @@ impl Conversion<'_> {
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
         self.rewrite(&mut sim);
         match (target, sim.inline.robot_types.as_slice(), sim.inline.object_types.as_slice()) {
-            (FileFormat::World | FileFormat::Maze, ..) if sim.inline.world.is_some() => {
+            (FileFormat::World | FileFormat::Maze | FileFormat::Map, ..) if sim.inline.world.is_some() => {
                 let world = sim.inline.world.clone().unwrap_or_default();
                 self.write_world(&world, target);
             }

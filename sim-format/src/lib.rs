@@ -20,6 +20,7 @@ mod faults;
 mod form;
 mod line;
 mod load;
+pub mod map;
 mod maze;
 mod mesh;
 mod noise;
@@ -40,12 +41,14 @@ mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
-pub use convert::{Converted, LiveEntity, Output, ToldGeneration, convert, convert_with, print_current_scene};
+pub use convert::{
+    ConvertOptions, Converted, LiveEntity, Output, ToldGeneration, convert, convert_with, print_current_scene,
+};
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_maze, load_maze_with,
-    load_noise, load_object, load_robi, load_scene, load_scene_with, load_world,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_noise, load_object,
+    load_robi, load_scene, load_scene_with, load_world, load_world_with,
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
@@ -57,6 +60,7 @@ pub use sim::read_sim;
 pub use world::read_world;
 
 use sim_core::spec::{self, *};
+use sim_core::unit;
 
 /// First words of the lines of each classic format, by the extension of its files.
 pub const KEYWORDS: [(&str, &[&str]); 4] =

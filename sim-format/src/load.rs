@@ -14,8 +14,8 @@ use super::spec::{
     SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    CellRules, MeshReader, NoiseRef, Span, builtin, checks, clearance, faults, line, path, place, read_companion,
-    read_costs, read_esobj, read_maze_with, read_noise, read_robi, read_sim, read_world, unknown_sensors,
+    CellRules, MeshReader, NoiseRef, Span, builtin, checks, clearance, faults, line, map, path, place, read_companion,
+    read_costs, read_esobj, read_noise, read_robi, read_sim, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -110,6 +110,8 @@ pub struct Loaded {
     pub diagnostics: Vec<Diagnostic>,
     /// Files that were read, in that order, each once.
     pub inputs: Vec<InputFile>,
+    /// What was understood of maps and mazes of other programs, a line each.
+    pub notes: Vec<String>,
 }
 
 impl Loaded {
@@ -257,28 +259,17 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     (loader.finish(scene), own, placed.may_retry)
 }
 
-/// Reads a world file alone; the scene has no robots.
+/// Reads a world file of any kind alone; the scene has no robots.
 pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
-    load_alone(path, files, read_world)
+    load_world_with(path, CellRules::default(), files)
 }
 
-/// Reads a maze file alone; the scene has no robots.
-pub fn load_maze(path: &str, files: &dyn Files) -> Loaded {
-    load_maze_with(path, CellRules::default(), files)
-}
-
-/// Reads a maze file alone, with these rules for the size of its cells; the scene has no robots.
-pub fn load_maze_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
-    load_alone(path, files, |file, text| read_maze_with(file, text, rules))
-}
-
-fn load_alone(path: &str, files: &dyn Files, read: impl Fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) -> Loaded {
+/// Reads a world file of any kind alone, with these rules for the size of its cells; the scene has no robots.
+pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
-    if let Some(text) = loader.root(path) {
-        let (world, diagnostics) = read(path, &text);
-        loader.diagnostics.extend(diagnostics);
-        scene.world = world;
+    if let Some(bytes) = loader.root_bytes(path) {
+        scene.world = map::read_world_file(&mut loader, path, bytes, WorldKind::World, rules);
     }
     loader.finish(scene)
 }
@@ -321,6 +312,7 @@ pub(super) struct Loader<'a> {
     pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) inputs: Vec<InputFile>,
+    pub(super) notes: Vec<String>,
     robots: TypeCache<RobiSpec>,
     objects: TypeCache<ObjectType>,
 }
@@ -342,17 +334,22 @@ impl<T> Default for TypeCache<T> {
 impl<'a> Loader<'a> {
     pub(super) fn new(files: &'a dyn Files) -> Self {
         let (robots, objects) = (TypeCache::default(), TypeCache::default());
-        Self { files, diagnostics: Vec::new(), inputs: Vec::new(), robots, objects }
+        Self { files, diagnostics: Vec::new(), inputs: Vec::new(), notes: Vec::new(), robots, objects }
     }
 
-    fn finish(self, scene: SceneSpec) -> Loaded {
-        Loaded { scene, diagnostics: self.diagnostics, inputs: self.inputs }
+    pub(super) fn finish(self, scene: SceneSpec) -> Loaded {
+        Loaded { scene, diagnostics: self.diagnostics, inputs: self.inputs, notes: self.notes }
     }
 
     /// Reads the file that the user named.
-    fn root(&mut self, path: &str) -> Option<String> {
+    pub(super) fn root(&mut self, path: &str) -> Option<String> {
+        self.root_bytes(path).map(|bytes| self.take(path, bytes))
+    }
+
+    /// Reads the bytes of the file that the user named.
+    pub(super) fn root_bytes(&mut self, path: &str) -> Option<Vec<u8>> {
         match self.files.read(path) {
-            Ok(bytes) => Some(self.take(path, bytes)),
+            Ok(bytes) => Some(bytes),
             Err(error) => {
                 let mut sink = Sink::new(path);
                 sink.error(error.code(), Span::default(), format!("{error}"), "a file that can be read");
@@ -519,12 +516,8 @@ impl<'a> Loader<'a> {
             return (!is_classic).then(empty_box);
         };
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
-        let text = self.take(&path, bytes);
-        let (world, diagnostics) = match line.kind {
-            WorldKind::World => read_world(&path, &text),
-            WorldKind::Maze => read_maze_with(&path, &text, CellRules { dialect: sim.run.dialect, cell: line.cell }),
-        };
-        self.diagnostics.extend(diagnostics);
+        let rules = CellRules { dialect: sim.run.dialect, cell: line.cell };
+        let world = map::read_world_file(self, &path, bytes, line.kind, rules);
         Some(WorldSpec { looks: line.looks, ..world })
     }
 

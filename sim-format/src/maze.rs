@@ -1,4 +1,9 @@
-//! Mazes: `.maz`, a maze drawn with characters, as in Micro-Mouse contests.
+//! Mazes: EyeSim's drawings, `.maz`, and the forms of micro-mouse contests.
+
+mod binary;
+mod cells;
+mod numbers;
+mod posts;
 
 use std::collections::BTreeSet;
 
@@ -24,6 +29,76 @@ pub struct CellRules {
     pub cell: Option<f64>,
 }
 
+/// Form of a maze file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MazeForm {
+    /// EyeSim's drawing.
+    Drawing,
+    /// A drawing with posts.
+    Posts,
+    /// A line of numbers for each cell.
+    Numbers,
+    /// A byte for each cell.
+    Binary,
+}
+
+/// Form of a maze file with these `bytes`.
+pub(crate) fn form_of(bytes: &[u8]) -> MazeForm {
+    if binary::is_binary(bytes) {
+        return MazeForm::Binary;
+    }
+    let text = String::from_utf8_lossy(bytes);
+    if numbers::is_numbers(&text) {
+        MazeForm::Numbers
+    } else if posts::is_posts(&text) {
+        MazeForm::Posts
+    } else {
+        MazeForm::Drawing
+    }
+}
+
+/// A maze in a form of contests.
+struct MazeRead {
+    drawing: Drawing,
+    /// Rows of cells; at least 1.
+    rows: usize,
+    /// What is to be told of it.
+    note: Option<String>,
+}
+
+/// Reads a maze in bytes. Also returns what was understood.
+pub(crate) fn read_maze_bytes(
+    file: &str,
+    bytes: &[u8],
+    rules: CellRules,
+) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
+    let mut sink = Sink::new(file);
+    let maze = binary::read(&mut sink, bytes);
+    maze.world(sink, file, rules)
+}
+
+/// Reads a maze of posts or of numbers. Also returns what was understood.
+pub(crate) fn read_maze_text(
+    file: &str,
+    text: &str,
+    form: MazeForm,
+    rules: CellRules,
+) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
+    let mut sink = Sink::new(file);
+    let maze = if form == MazeForm::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
+    maze.world(sink, file, rules)
+}
+
+impl MazeRead {
+    fn world(self, mut sink: Sink, file: &str, rules: CellRules) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
+        self.drawing.check_border(&mut sink, self.rows as u32, |_| Span::default());
+        let cell = rules.cell.unwrap_or(DEFAULT_CELL);
+        let note = self.note.map(|note| format!("{note}; cells of {} mm", unit::mm_from_metres(cell)));
+        let world = self.drawing.world(&mut sink, file, self.rows as u32 + 1, cell);
+        (world, sink.finish(), note)
+    }
+}
+
 /// Reads a maze file; the size of its cells stands alone on the last or the first line.
 ///
 /// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
@@ -41,7 +116,7 @@ pub fn read_maze_with(file: &str, text: &str, rules: CellRules) -> (WorldSpec, V
     for (row, line) in rows.iter().enumerate() {
         drawing.row(&mut sink, row as u32, line);
     }
-    drawing.check_border(&mut sink, &rows);
+    drawing.check_border(&mut sink, (rows.len() as u32).saturating_sub(1), |row| rows[row as usize].span());
     let world = drawing.world(&mut sink, file, rows.len() as u32, cell);
     (world, sink.finish())
 }
@@ -298,9 +373,13 @@ impl Drawing {
         }
     }
 
-    /// Warns about the first gap in the border of a maze that is more than three quarters closed.
-    fn check_border(&self, sink: &mut Sink, rows: &[Line<'_>]) {
-        let last = (rows.len() as u32).saturating_sub(1);
+    /// A drawing without walls, in the usual layout.
+    fn empty(columns: u32) -> Self {
+        Self { columns, ..Self::new(Grid::USUAL) }
+    }
+
+    /// Warns about the first gap in the border of a maze of `last` rows that is more than three quarters closed.
+    fn check_border(&self, sink: &mut Sink, last: u32, span_of_row: impl Fn(u32) -> Span) {
         let upright: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
         let level: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
         let sides = (1..=last).flat_map(|row| {
@@ -316,7 +395,7 @@ impl Drawing {
             let pieces = if open == 1 { "a wall is".to_owned() } else { format!("{open} walls are") };
             let message = format!("the border has a gap: {pieces} missing, the first on the {side} side");
             let expected = "a closed border, or a robot can leave the floor";
-            sink.warn(Code::MazGap, rows[*row as usize].span(), message, expected);
+            sink.warn(Code::MazGap, span_of_row(*row), message, expected);
         }
     }
 

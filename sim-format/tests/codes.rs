@@ -5,14 +5,15 @@ use std::fs;
 use std::path::PathBuf;
 
 use sim_core::build::MeshSource;
+use sim_format::map::load_scenarios;
 use sim_format::suite::load_suite;
 use sim_format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, load_world,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_object, load_robi, load_scene, load_world,
 };
 
-/// Codes that a text alone cannot cause: they require invalid UTF-8, an image, a folder, thousands of lines or
+/// Codes that a text alone cannot cause: they require other bytes than UTF-8, an image, a folder, thousands of lines or
 /// robots, a program, a conversion or the functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 19] = [
+const WITHOUT_EXAMPLE: [Code; 20] = [
     Code::CheckFunction,
     Code::CheckProgram,
     Code::ConvertKind,
@@ -25,6 +26,7 @@ const WITHOUT_EXAMPLE: [Code; 19] = [
     Code::FileUnreadable,
     Code::FolderEmpty,
     Code::ForbidFunction,
+    Code::MazBytes,
     Code::MeshSize,
     Code::ProgramGeneration,
     Code::ProgramMissing,
@@ -35,7 +37,9 @@ const WITHOUT_EXAMPLE: [Code; 19] = [
 ];
 
 /// Files that examples may refer to.
-const FOLDER: [(&str, &str); 7] = [
+const FOLDER: [(&str, &str); 9] = [
+    ("room.pgm", "P2\n3 2\n255\n0 255 255\n0 255 255\n"),
+    ("small.map", "type octile\nheight 2\nwidth 3\nmap\n...\n...\n"),
     ("room.scene.toml", "[world]\nfile = \"field.wld\"\n\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"),
     ("wedge.obj", "mtllib wedge.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"),
     ("wedge.mtl", "newmtl red\nKd 1 0 0\n"),
@@ -83,8 +87,8 @@ impl Example {
         match self.kind.as_str() {
             "sim" | "scene.toml" => load_scene(&name, &files).diagnostics,
             "suite.toml" => load_suite(&name, &files).loaded.diagnostics,
-            "wld" => load_world(&name, &files).diagnostics,
-            "maz" => load_maze(&name, &files).diagnostics,
+            "wld" | "maz" | "num" | "txt" | "map" | "pgm" | "yaml" | "world" => load_world(&name, &files).diagnostics,
+            "scen" => load_scenarios(&name, &files).1.diagnostics,
             "esObj" => load_object(&name, &files).1.diagnostics,
             "robi" => load_robi(&name, &files).1.diagnostics.into_iter().chain(looks(&name, &files)).collect(),
             "obj" => {

@@ -7,7 +7,7 @@ use glam::DVec2;
 use sim_core::math;
 use sim_core::scene::{Segment, Walls};
 use sim_core::spec::{RobiSpec, WallSpec, WorldSpec};
-use sim_format::{Diagnostic, FileError, Files, Severity, load_maze, load_robi, load_scene, load_world};
+use sim_format::{Diagnostic, FileError, Files, Severity, load_robi, load_scene, load_world};
 
 /// The file system, with `home` as the installation.
 struct Disk {
@@ -67,7 +67,7 @@ fn load(path: &Path) -> Vec<Diagnostic> {
     match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
         "sim" => load_scene(&name, &disk()).diagnostics,
         "robi" => load_robi(&name, &disk()).1.diagnostics,
-        "maz" | "maze" => load_maze(&name, &disk()).diagnostics,
+        "maz" | "maze" => load_world(&name, &disk()).diagnostics,
         "wld" => load_world(&name, &disk()).diagnostics,
         _ => Vec::new(),
     }
@@ -75,7 +75,7 @@ fn load(path: &Path) -> Vec<Diagnostic> {
 
 fn world(file: &str) -> WorldSpec {
     let path = name(&root().join("worlds").join(file));
-    let loaded = if file.ends_with(".maz") { load_maze(&path, &disk()) } else { load_world(&path, &disk()) };
+    let loaded = if file.ends_with(".maz") { load_world(&path, &disk()) } else { load_world(&path, &disk()) };
     assert_eq!(loaded.diagnostics, []);
     loaded.scene.world
 }

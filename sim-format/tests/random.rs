@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use serde_json::Value;
-use sim_format::{Code, Loaded, MemoryFiles, Overrides, check_scene, content, convert_with, load_scene_with};
+use sim_format::{
+    Code, ConvertOptions, Loaded, MemoryFiles, Overrides, check_scene, content, convert_with, load_scene_with,
+};
 
 const WORLD: &str = "[world]\nfloor_mm = [4000, 3000]\n";
 
@@ -206,13 +208,14 @@ proptest! {
     fn a_drawn_scene_is_the_same_scene(seed in 0..u64::MAX / 2) {
         let loaded = load(EVERYTHING, seed);
         prop_assume!(loaded.diagnostics.iter().all(|said| said.severity != sim_format::Severity::Error));
-        let converted = convert_with("a.scene.toml", "b.scene.toml", Some(seed), &files(EVERYTHING), &|_, _| None);
+        let options = ConvertOptions { seed: Some(seed), ..ConvertOptions::default() };
+        let converted = convert_with("a.scene.toml", "b.scene.toml", options, &files(EVERYTHING), &|_, _| None);
         let [output] = &converted.outputs[..] else { panic!("one file: {:?}", converted.diagnostics) };
-        let plain: MemoryFiles = [("b.scene.toml", output.text.as_str())].into_iter().collect();
+        let plain: MemoryFiles = [("b.scene.toml", output.text())].into_iter().collect();
         let again = load_scene_with("b.scene.toml", Overrides::default(), &plain);
-        prop_assert!(again.scene.drawn.is_empty(), "{}", output.text);
+        prop_assert!(again.scene.drawn.is_empty(), "{}", output.text());
         let [mut one, other] = [&loaded, &again].map(|loaded| content::scene(&loaded.scene));
         one.drawn.clear();
-        prop_assert_eq!(one, other, "{}", &output.text);
+        prop_assert_eq!(one, other, "{}", output.text());
     }
 }

@@ -19,7 +19,8 @@ const MAX_MEBIBYTES: u64 = 256;
 /// Size limit of a scene's text file in MiB, of which each line may become a wall or a robot.
 const MAX_TEXT_MEBIBYTES: u64 = 16;
 /// Extensions of text files.
-const TEXTS: [&str; 7] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml"];
+const TEXTS: [&str; 15] =
+    ["sim", "wld", "maz", "maze", "robi", "esobj", "toml", "yaml", "yml", "map", "scen", "num", "txt", "world", "sdf"];
 
 /// The installation of an archive that this process has opened.
 static OF_ARCHIVE: OnceLock<PathBuf> = OnceLock::new();

@@ -173,3 +173,58 @@ fn sims_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
     };
     paths.into_iter().flat_map(below).collect()
 }
+
+#[test]
+fn a_world_becomes_an_occupancy_grid_and_a_world_again() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "room.wld",
+        "floor 1000 500\n0 0 1000 0\n1000 0 1000 500\n1000 500 0 500\n0 500 0 0\nposition 200 200 0\n",
+    );
+    let ran = scratch.eyesim(&["convert", "room.wld", "-o", "map.yaml", "--map-cell", "100"]);
+    assert_eq!((ran.code, ran.stdout.as_str()), (Some(0), "map.yaml\nmap.pgm\n"), "{ran:#?}");
+    let image = std::fs::read(scratch.path().join("map.pgm")).expect("an image");
+    assert!(image.starts_with(b"P5\n12 7\n255\n") && image.len() == 12 + 12 * 7, "{}", image.escape_ascii());
+    let ran = scratch.eyesim(&["check", "map.yaml"]);
+    let note = "map.yaml: 12 x 7 cells of 100 mm: 50 free, 30 occupied, 4 unknown; 4 walls; (0, 0) of the file is at (100, 100) mm";
+    assert!(ran.code == Some(0) && ran.stdout.contains(note), "{ran:#?}");
+    let ran = scratch.eyesim(&["convert", "map.yaml", "-o", "again.wld"]);
+    assert!(ran.code == Some(0) && ran.stderr.contains("50 free"), "{ran:#?}");
+    let walls: Vec<String> = scratch.read("again.wld").lines().skip(1).map(str::to_owned).collect();
+    assert_eq!(walls, ["100 600 100 100", "1100 100 1100 600", "100 100 1100 100", "1100 600 100 600"]);
+    // A pipe as the image of a map is refused at once.
+    std::fs::remove_file(scratch.path().join("map.pgm")).expect("the image");
+    let pipe = scratch.path().join("map.pgm");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    let ran = scratch.eyesim(&["check", "map.yaml"]);
+    assert!(ran.code == Some(2) && ran.stdout.contains("it is not a file"), "{ran:#?}");
+}
+
+#[test]
+fn a_robot_runs_through_the_scenarios_of_a_map() {
+    let scratch = Scratch::new();
+    scratch.write("hall.map", "type octile\nheight 2\nwidth 6\nmap\n......\n@@@@@.\n");
+    scratch.write("hall.map.scen", "version 1\n0\thall.map\t6\t2\t0\t0\t4\t0\t4\n0\thall.map\t6\t2\t1\t0\t2\t0\t1\n");
+    let program = "#include \"eyebot.h\"\n#include <stdlib.h>\n\
+                   int main(int argc, char **argv) { VWStraight(atoi(argv[7]), 200); VWWait(); return 0; }\n";
+    scratch.write("go.c", program);
+    let ran = scratch.eyesim(&["check", "hall.map.scen"]);
+    assert!(ran.code == Some(0) && ran.stdout.contains("2 of 2 lengths"), "{ran:#?}");
+    let ran = scratch.eyesim(&["convert", "hall.map.scen", "-o", "hall.suite.toml"]);
+    assert_eq!(ran.stdout, "hall.suite.toml\nhall.scene.toml\n", "{ran:#?}");
+    let ran = scratch.eyesim(&["test", "hall.suite.toml", "--program", "1=go.c"]);
+    assert!(ran.code == Some(0) && ran.stdout.contains("2 passed"), "{ran:#?}");
+}
+
+#[test]
+fn the_drive_through_a_field_of_cylinders_gets_its_score() {
+    let suite = root().join("docs/examples/barn/barn.suite.toml");
+    let scratch = Scratch::new();
+    let ran = scratch.eyesim(&["test", suite.to_str().expect("a path"), "-v"]);
+    assert!(ran.code == Some(0) && ran.stdout.contains("2 passed"), "{ran:#?}");
+    // The world is what its generator writes.
+    let generator = root().join("docs/examples/barn/generate.py");
+    let made = std::process::Command::new("python3").arg(generator).arg("7").output().expect("python3");
+    let kept = std::fs::read(root().join("docs/examples/barn/field.world")).expect("the world");
+    assert!(made.status.success() && made.stdout == kept, "{}", String::from_utf8_lossy(&made.stderr));
+}

@@ -8,6 +8,7 @@ use super::terrain::TerrainTable;
 use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
+use crate::map;
 use crate::path;
 use crate::print::print_maze;
 use crate::spec::{
@@ -90,7 +91,7 @@ impl Form for WorldTable {
         if is_file {
             keys.mention(&["kind"]);
         }
-        keys.key("file", "A `.wld` or a `.maz`; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
+        keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
             .maybe(TEXT, &mut self.file);
         if is_file || !is_read {
             keys.key("kind", "How a file is read whose extension does not say: `world` if left out.")
@@ -98,16 +99,25 @@ impl Form for WorldTable {
         }
         if is_file {
             if let Some(file) = &self.file {
-                let is_maze = kind_of_file(file, self.kind) == WorldKind::Maze;
+                let is_maze =
+                    kind_of_file(file, self.kind) == WorldKind::Maze || map::WorldFormat::may_have_cells(&file.text);
                 cell(keys, &mut self.spec.cell);
                 looks(keys, &mut self.spec.looks);
                 if let Some((reader, section)) = keys.reading()
                     && section.has("cell_mm")
                     && !is_maze
                 {
-                    let message = format!("`cell_mm` is the size of a maze's cells, and `{}` is no maze", file.text);
+                    let message = format!(
+                        "`cell_mm` is the size of cells that a file does not state, and `{}` has none",
+                        file.text
+                    );
                     let span = reader.key_span(section, "cell_mm");
-                    reader.sink.error(Code::TomlConflict, span, message, "a `.maz`, or `kind = \"maze\"`");
+                    reader.sink.error(
+                        Code::TomlConflict,
+                        span,
+                        message,
+                        "a `.maz`, `.map`, `.pgm` or `.pbm`, or `kind = \"maze\"`",
+                    );
                 }
             }
             if let Some((reader, section)) = keys.reading() {
@@ -178,7 +188,7 @@ impl Words for WorldKind {
 fn cell(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
     keys.key(
         "cell_mm",
-        "Side of the cells in mm: of a world that is a maze of walls, or of a `.maz` in place of what the file says.",
+        "Side of the cells in mm: of a world that is a maze of walls, of a `.maz` in place of what the file says, of a `.map`, or of the pixels of an image.",
     )
     .maybe(Quantity::size("cell size"), cell);
 }

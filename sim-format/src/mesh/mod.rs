@@ -41,6 +41,20 @@ const SEEN: &str = "range sensors cannot do without it";
 /// Metres per unit of a robot's mesh, which has no scale of its own.
 const ROBOT_SCALE: f64 = 1.0;
 
+/// A grey image: columns and rows; brightness of each pixel, rows from the top; brightness of white; value of white in one channel; which
+/// pixels are not opaque, empty if all are.
+pub(crate) type Grey = ([usize; 2], Vec<u32>, u32, u32, Vec<bool>);
+
+/// Decodes a png, jpg or bmp image as a grey one, the mean of its channels, with opacity as one of them if `with_opacity`.
+///
+/// # Errors
+/// The reason in words.
+pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<Grey, String> {
+    let pixels = texture::decode(bytes).map_err(|error| format!("the image cannot be read: {error}"))?;
+    let (levels, white, greatest, is_clear) = pixels.sums(with_opacity);
+    Ok((pixels.size.map(|side| side as usize), levels, white, greatest, is_clear))
+}
+
 /// Reads meshes and images, each once however many bodies use it.
 pub struct MeshReader<'a> {
     loader: Loader<'a>,

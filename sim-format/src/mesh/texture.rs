@@ -123,6 +123,15 @@ impl Pixels {
         (samples.len() / (width * height).max(1)).clamp(1, 4)
     }
 
+    /// Sum of the channels of each pixel, with opacity as one of them if `with_opacity`; the sum of a white pixel; the value of white in one
+    /// channel; and which pixels are not opaque, empty if all are.
+    pub(super) fn sums(&self, with_opacity: bool) -> (Vec<u32>, u32, u32, Vec<bool>) {
+        match &self.samples {
+            Samples::Bits8(samples) => sums(samples, self.channels(samples), u8::MAX, with_opacity),
+            Samples::Bits16(samples) => sums(samples, self.channels(samples), u16::MAX, with_opacity),
+        }
+    }
+
     /// Red, green and blue of each pixel, full scale 65535.
     pub(super) fn rgb16(&self) -> Vec<[u16; 3]> {
         let colours = |[red, green, blue, _]: [u16; 4]| [red, green, blue];
@@ -133,6 +142,22 @@ impl Pixels {
             Samples::Bits16(samples) => rgba(samples, self.channels(samples), u16::MAX).map(colours).collect(),
         }
     }
+}
+
+/// As [`Pixels::sums`], for samples of one kind.
+fn sums<T: Copy + Into<u32>>(
+    samples: &[T],
+    channels: usize,
+    opaque: T,
+    with_opacity: bool,
+) -> (Vec<u32>, u32, u32, Vec<bool>) {
+    let white: u32 = opaque.into();
+    let has_opacity = channels.is_multiple_of(2);
+    let summed = if has_opacity && !with_opacity { channels - 1 } else { channels };
+    let sum = |pixel: &[T]| pixel[..summed].iter().map(|level| (*level).into()).sum();
+    let is_clear = |pixel: &[T]| pixel[channels - 1].into() < white;
+    let clear = if has_opacity { samples.chunks_exact(channels).map(is_clear).collect() } else { Vec::new() };
+    (samples.chunks_exact(channels).map(sum).collect(), white * summed as u32, white, clear)
 }
 
 /// Red, green, blue and opacity of each pixel; grey pixels have equal colours, pixels without opacity are `opaque`.

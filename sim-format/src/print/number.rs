@@ -42,17 +42,17 @@ pub(crate) fn heading(heading: Heading) -> f64 {
 }
 
 /// Formats a number: never with an exponent, and whole numbers without a point.
-pub(super) fn written(number: f64) -> String {
+pub(crate) fn written(number: f64) -> String {
     // Adding 0.0 turns -0 into 0.
     format!("{}", number + 0.0)
 }
 
 /// Formats a length in millimetres.
-pub(super) fn written_mm(metres: f64) -> String {
+pub(crate) fn written_mm(metres: f64) -> String {
     written(mm(metres))
 }
 
 /// Formats an angle in degrees.
-pub(super) fn written_degrees(radians: f64) -> String {
+pub(crate) fn written_degrees(radians: f64) -> String {
     written(degrees(radians))
 }

@@ -33,7 +33,7 @@ impl Overlay {
 
     fn write(&self, converted: &sim_format::Converted) {
         for output in &converted.outputs {
-            self.written.borrow_mut().insert(output.path.clone(), output.text.clone());
+            self.written.borrow_mut().insert(output.path.clone(), output.text());
         }
     }
 }
@@ -107,7 +107,7 @@ fn every_scene_of_the_corpus_goes_to_toml_and_back() {
             );
             files.write(&converted);
             let read = load_scene(to, &files);
-            let text = &converted.outputs.last().expect("a file").text;
+            let text = &converted.outputs.last().expect("a file").text();
             assert!(!read.has_errors(), "{from}: {:?}\n{text}", read.diagnostics);
             assert_eq!(content::scene(&read.scene), content::scene(&first.scene), "{from} to {to}:\n{text}");
         }
@@ -131,10 +131,10 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
             }
             files.write(&there);
             let again = convert(&toml, &back, &files);
-            let text = &there.outputs[0].text;
+            let text = &there.outputs[0].text();
             assert!(!sim_format::has_errors(&again.diagnostics), "{file}: {:?}\n{text}", again.diagnostics);
             files.write(&again);
-            let text = &again.outputs[0].text;
+            let text = &again.outputs[0].text();
             let lost = again.diagnostics.iter().any(|said| said.code == Code::ConvertLost);
             match extension {
                 "wld" => {
@@ -147,7 +147,7 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
                     }
                 }
                 "maz" => {
-                    let [old, new] = [&file, &back].map(|name| sim_format::load_maze(name, &files).scene.world);
+                    let [old, new] = [&file, &back].map(|name| sim_format::load_world(name, &files).scene.world);
                     assert_eq!(content::world(&new), content::world(&old), "{file}:\n{text}");
                 }
                 "robi" => {
@@ -522,7 +522,7 @@ fn references_are_rewritten_for_the_new_folder() {
         ("sims/p.c", ""),
     ]);
     let converted = convert("sims/a.sim", "other/deep/b.scene.toml", &files);
-    let text = &converted.outputs[0].text;
+    let text = &converted.outputs[0].text();
     for line in ["\"../../worlds/w.wld\"", "\"../../sims/r.robi\"", "\"../../sims/p.c\"", "\"%sim%/q.c\""] {
         assert!(text.contains(line), "{line} is not in\n{text}");
     }
@@ -752,7 +752,7 @@ fn a_sim_has_robots_in_the_order_of_their_numbers() {
     assert_eq!((old.diagnostics, new.diagnostics), (Vec::new(), Vec::new()));
     let programs: Vec<&str> = old.scene.robots.iter().map(|robot| robot.program_name()).collect();
     assert_eq!(programs, ["b.c", "c.c", "b.c", "a.c"]);
-    let text = &converted.outputs.last().expect("a sim").text;
+    let text = &converted.outputs.last().expect("a sim").text();
     assert_eq!(content::scene(&new.scene).robots, content::scene(&old.scene).robots, "{text}");
     let back = convert("b.sim", "c.scene.toml", &files);
     files.write(&back);

@@ -9,6 +9,7 @@ use sim_core::build::MeshSource;
 use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
 use sim_format::{CellRules, Code, Diagnostic, FileError, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 
+use sim_format::map::{WORLD_EXTENSIONS, load_scenarios};
 use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
 
 use super::cc::parse_api;
@@ -29,7 +30,7 @@ const EXIT_MISTAKES: u8 = 2;
 #[derive(Args)]
 pub struct CheckArgs {
     /// Files to check: .sim and .scene.toml (with all that they name), .suite.toml (with its scene), .robi (with its .toml), .wld, .maz, .esObj, .noise.toml;
-    /// of a folder all such files
+    /// maps and mazes of others: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt; of a folder all but those
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed
@@ -66,6 +67,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let screen = Screen::of_stdout(args.color);
     let mut text = diagnostic::render(&checked.diagnostics, &checked.inputs, args.format, screen)?;
     if args.format != Format::Json {
+        checked.notes.iter().for_each(|note| text.push_str(&format!("{note}\n")));
         text.push_str(&format!("{}\n", checked.summary()));
         if let Some(first) = checked.diagnostics.first().filter(|_| args.format.is_human(screen)) {
             text.push_str(&format!("`eyesim explain {}` tells more\n", first.code));
@@ -82,6 +84,8 @@ pub struct Checked {
     pub diagnostics: Vec<Diagnostic>,
     /// The files that were read, each once.
     pub inputs: Vec<InputFile>,
+    /// What was understood of maps and mazes of other programs, a line each.
+    pub notes: Vec<String>,
 }
 
 impl Checked {
@@ -110,6 +114,7 @@ pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find
         let loaded = check_one(name, overrides, files, find_program);
         let is_new = |d: &Diagnostic| said.insert((d.file.clone(), d.span, d.code, d.message.clone()));
         checked.diagnostics.extend(loaded.diagnostics.into_iter().filter(is_new));
+        checked.notes.extend(loaded.notes);
         checked.inputs.extend(loaded.inputs.into_iter().filter(|input| read.insert(input.path.clone())));
     }
     checked
@@ -119,10 +124,10 @@ fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_lowercase().as_str() {
         "sim" => check_sim(name, overrides, files, find_program),
-        "wld" => with_looks(sim_format::load_world(name, files), files, |_| ()),
-        "maz" | "maze" => {
+        "scen" => load_scenarios(name, files).1,
+        extension if extension == "txt" || WORLD_EXTENSIONS.contains(&extension) => {
             let rules = CellRules { dialect: overrides.dialect, cell: overrides.maze_cell };
-            sim_format::load_maze_with(name, rules, files)
+            with_looks(sim_format::load_world_with(name, rules, files), files, |_| ())
         }
         "esobj" => {
             let (object, loaded) = sim_format::load_object(name, files);
@@ -216,8 +221,8 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 }
 
 fn unknown_kind(name: &str) -> Diagnostic {
-    let expected =
-        "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
+    let expected = "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj, \
+         or of a map or maze of others: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt";
     let is_program =
         Language::of(Path::new(name)).is_some() || [".py", ".rs", ".so"].iter().any(|it| name.ends_with(it));
     let message = match is_program {

@@ -8,18 +8,20 @@ use clap::{Args, ValueEnum};
 use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_format::print::scene_schema;
 use sim_format::suite::suite_schema;
-use sim_format::{Converted, convert_with, has_errors};
+use sim_format::{ConvertOptions, Converted, convert_with, has_errors};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{self, Colour, Format, Screen};
 use super::output::say;
+use super::run::parse_maze_cell;
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{search_path, told_generation};
 
 /// Arguments of `eyesim convert`.
 #[derive(Args)]
 pub struct ConvertArgs {
-    /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj
+    /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj; maps and mazes of others: .yaml, .pgm, .pbm, .map, .scen,
+    /// .world, .num, .txt
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// File to write; its extension selects the format
@@ -28,6 +30,12 @@ pub struct ConvertArgs {
     /// Seed with which random values of a scene are drawn; the written scene states it [default: that of the scene]
     #[arg(long, value_name = "SEED", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
+    /// Side of the cells of a maze, a MovingAI map or an image in millimetres, in place of what the file says
+    #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
+    pub maze_cell: Option<f64>,
+    /// Side of the cells of a map that is made from walls, in millimetres [default: 50]
+    #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
+    pub map_cell: Option<f64>,
     /// Replace existing files
     #[arg(long)]
     pub force: bool,
@@ -45,19 +53,21 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let from = rooted(&args.file).context("no working folder")?;
     let to = rooted(&args.output).context("no working folder")?;
     let search = search_path(&files).context("no working folder")?;
+    let options = ConvertOptions { seed: args.seed, maze_cell: args.maze_cell, map_cell: args.map_cell };
     let told = |scene: &SceneSpec, robot: &RobotSpec| told_generation(&search, scene, robot);
-    let converted = convert_with(&files.name(&from), &slashed(&to), args.seed, &files, &told);
+    let converted = convert_with(&files.name(&from), &slashed(&to), options, &files, &told);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
     }
+    converted.notes.iter().for_each(|note| say(format_args!("{note}")));
     if has_errors(&converted.diagnostics) {
         say(format_args!("nothing is written: {}", crate::launch::check::count(&converted.diagnostics)));
         return Ok(ExitCode::from(EXIT_USAGE));
     }
     check_outputs(&converted, args.force)?;
     for output in &converted.outputs {
-        std::fs::write(&output.path, &output.text).with_context(|| format!("`{}` cannot be written", output.path))?;
+        std::fs::write(&output.path, &output.bytes).with_context(|| format!("`{}` cannot be written", output.path))?;
         println!("{}", output.path);
     }
     Ok(ExitCode::SUCCESS)

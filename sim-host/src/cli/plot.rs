@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use clap::Args;
+use sim_format::map::WORLD_EXTENSIONS;
 use sim_format::{Loaded, MeshReader};
 
 use super::EXIT_USAGE;
@@ -20,7 +21,8 @@ const SIZES: std::ops::RangeInclusive<u32> = 480..=4000;
 /// Arguments of `eyesim plot`.
 #[derive(Args)]
 pub struct PlotArgs {
-    /// The file to draw: .sim or .scene.toml (with all that it names), .wld, .maz, .robi (with its .toml), .esObj
+    /// The file to draw: .sim or .scene.toml (with all that it names), .wld, .maz, .robi (with its .toml), .esObj; maps and mazes of others:
+    /// .yaml, .pgm, .pbm, .map, .world, .num, .txt
     pub file: PathBuf,
     /// The picture: NAME.svg or NAME.png
     #[arg(short, long, value_name = "FILE")]
@@ -60,8 +62,9 @@ fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loade
     let (drawing, mut loaded) = match extension.to_lowercase().as_str() {
         "sim" => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
         "toml" if is_scene(name, files) => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
-        "wld" => draw_scene(sim_format::load_world(name, files), &mut mesh_reader),
-        "maz" | "maze" => draw_scene(sim_format::load_maze(name, files), &mut mesh_reader),
+        extension if extension == "txt" || WORLD_EXTENSIONS.contains(&extension) => {
+            draw_scene(sim_format::load_world(name, files), &mut mesh_reader)
+        }
         "robi" => draw_robi(name, files, &mut mesh_reader),
         "toml" => draw_robi(&format!("{stem}.robi"), files, &mut mesh_reader),
         "esobj" => {
@@ -69,7 +72,7 @@ fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loade
             (object.map(|object| plot::draw_object_type(&object, &mut mesh_reader)), loaded)
         }
         _ => {
-            let kinds = ".sim, .scene.toml, .wld, .maz, .maze, .robi, .toml or .esObj";
+            let kinds = ".sim, .scene.toml, .wld, .maz, .maze, .robi, .toml, .esObj, .yaml, .pgm, .pbm, .map, .world, .num or .txt";
             bail!("`{name}` cannot be drawn: expected a name that ends in {kinds}")
         }
     };

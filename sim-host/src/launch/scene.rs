@@ -151,7 +151,7 @@ impl Scene {
         let scripts = hashed(check::scripts(&self.loaded.scene));
         let key = ProgramCache::key(&self.loaded.scene);
         if let Some((programs, sources)) = cache.known.get(&key) {
-            let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
+            let Self { options, files, loaded: Loaded { scene, diagnostics, inputs, .. } } = self;
             let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
             let scene = Arc::new(scene);
             let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
@@ -159,7 +159,7 @@ impl Scene {
         }
         let search = check::search_path(&self.files).map_err(folder("working folder"))?;
         let search = SearchPath { embedded: self.options.embedded.clone(), ..search };
-        let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
+        let Self { options, files, loaded: Loaded { scene, diagnostics, inputs, .. } } = self;
         let finder = check::finder(search.clone(), options.api, options.sandbox.clone());
         let missing = check::missing_programs(&scene, Severity::Error, &*finder);
         if !missing.is_empty() {
@@ -186,7 +186,7 @@ impl Scene {
     /// The scene's specification and the scenery of its cameras.
     #[cfg(feature = "window")]
     pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
-        let Loaded { scene, diagnostics, inputs } = self.loaded;
+        let Loaded { scene, diagnostics, inputs, .. } = self.loaded;
         let scene = Arc::new(scene);
         (Arc::clone(&scene), LazyScenery::new(scene, self.files, diagnostics, inputs))
     }

@@ -79,7 +79,7 @@ impl Documents {
         let is_ours = |name: &&str| {
             let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
             match extension.to_lowercase().as_str() {
-                "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" => true,
+                "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" | "num" | "scen" => true,
                 "toml" => {
                     is_scene(name, &self.files)
                         || is_suite_file(name, &self.files)

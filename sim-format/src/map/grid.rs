@@ -1,0 +1,307 @@
+//! Occupancy grids, the walls around their free cells, and grids of worlds.
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+use crate::spec::{DEFAULT_WALL_HEIGHT, WallSpec, WorldSpec};
+use sim_core::pose::Pose;
+
+/// Greatest number of cells of a grid: 8192 times 8192.
+pub(crate) const MAX_CELLS: u64 = 1 << 26;
+
+/// Greatest number of walls of a world made from a grid. Source: our choice, some 100 MB.
+pub(crate) const MAX_WALLS: usize = 1_000_000;
+
+/// Distance in sides of a cell within which a wall lies on the border of a cell.
+const ON_BORDER: f64 = 1e-6;
+
+/// What a cell holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// Nothing: robots drive here.
+    Free,
+    /// An obstacle.
+    Occupied,
+    /// Nobody has looked.
+    Unknown,
+}
+
+/// A grid of square cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Number of columns and rows.
+    pub size: [usize; 2],
+    /// Side of the cells in metres.
+    pub cell: f64,
+    /// Pose of the lower left corner of the lower left cell, and of the grid's axes, in the frame of the file.
+    pub origin: Pose,
+    /// The cells, row by row, each from left to right, the lowest row first.
+    pub cells: Vec<Cell>,
+}
+
+impl Grid {
+    /// The cell in this column and row; `Unknown` outside of the grid.
+    pub fn at(&self, column: usize, row: usize) -> Cell {
+        let [columns, rows] = self.size;
+        if column < columns && row < rows { self.cells[row * columns + column] } else { Cell::Unknown }
+    }
+
+    /// Number of cells of this kind.
+    pub fn count(&self, kind: Cell) -> usize {
+        self.cells.iter().filter(|cell| **cell == kind).count()
+    }
+
+    /// The world between the walls around all free cells: a cell that is not free cannot be entered, and the border is closed.
+    ///
+    /// Walls have no thickness and are as long as possible; free cells lie on the left of a wall, seen from its first end. The world has its
+    /// origin at the lower left corner of the rectangle around the grid, whose axes may be turned. Also returns the position of the
+    /// origin of the grid's frame in the world. `None` if there would be more than [`MAX_WALLS`] walls.
+    pub(crate) fn world(&self, file: &str) -> Option<(WorldSpec, DVec2)> {
+        let [columns, rows] = self.size.map(|side| side as f64 * self.cell);
+        let turned = Pose { position: DVec2::ZERO, heading: self.origin.heading };
+        let is_turned = turned.heading.remainder() != 0.0;
+        let corners = [DVec2::ZERO, DVec2::new(columns, 0.0), DVec2::new(0.0, rows), DVec2::new(columns, rows)];
+        let [low, high] = if is_turned {
+            let corners = corners.map(|corner| turned.transform_point(corner));
+            let fold = |by: fn(DVec2, DVec2) -> DVec2| corners.into_iter().reduce(by).unwrap_or_default();
+            [fold(DVec2::min), fold(DVec2::max)]
+        } else {
+            [DVec2::ZERO, corners[3]]
+        };
+        let place = |column: usize, row: usize| {
+            let point = DVec2::new(column as f64 * self.cell, row as f64 * self.cell);
+            if is_turned { turned.transform_point(point) - low } else { point }
+        };
+        let mut walls = Vec::new();
+        for (from, to) in self.outlines() {
+            if walls.len() == MAX_WALLS {
+                return None;
+            }
+            let [from, to] = [from, to].map(|[column, row]| place(column, row));
+            walls.push(WallSpec { from, to, height: DEFAULT_WALL_HEIGHT, ..WallSpec::default() });
+        }
+        let cell = (!is_turned).then_some(self.cell);
+        let world = WorldSpec { file: file.to_owned(), floor: high - low, cell, walls, ..WorldSpec::default() };
+        Some((world, -low - self.origin.position))
+    }
+
+    /// Borders between free cells and others, as corners of the grid: upright ones from left to right, then level ones upwards.
+    fn outlines(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> {
+        let [columns, rows] = self.size;
+        let is_free = move |column: usize, row: usize| self.at(column, row) == Cell::Free;
+        let upright = (0..=columns).flat_map(move |x| {
+            runs(rows, move |y| side(x > 0 && is_free(x.wrapping_sub(1), y), is_free(x, y)))
+                .map(move |(from, to)| ([x, from], [x, to]))
+        });
+        let level = (0..=rows).flat_map(move |y| {
+            runs(columns, move |x| side(is_free(x, y), y > 0 && is_free(x, y.wrapping_sub(1))))
+                .map(move |(from, to)| ([from, y], [to, y]))
+        });
+        upright.chain(level)
+    }
+
+    /// The grid of a world with cells of this side, on the floor and, where walls stand on its edge, one cell beyond.
+    ///
+    /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the one that cannot be reached, else
+    /// the one on its right, seen from its first end. Free is what can be reached from the starts of the world, and without starts all that is
+    /// not occupied; the rest is unknown. `None` if there are too many cells.
+    pub fn of_world(world: &WorldSpec, cell: f64) -> Option<Self> {
+        let mut raster = Raster::new(world, cell)?;
+        world.walls.iter().for_each(|wall| raster.wall(wall));
+        let starts: Vec<DVec2> = world.starts.iter().map(|start| start.pose.position).collect();
+        Some(raster.grid(&starts))
+    }
+}
+
+/// Which side of a border is free: that on the left, that on the right, or both or none (`None`).
+fn side(left: bool, right: bool) -> Option<bool> {
+    (left != right).then_some(left)
+}
+
+/// Maximal runs of borders with the same free side among `count`: first and last corner, such that the free side is on the left.
+fn runs(count: usize, side: impl Fn(usize) -> Option<bool>) -> impl Iterator<Item = (usize, usize)> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let (first, is_left) = (next..count).find_map(|at| Some((at, side(at)?)))?;
+        next = (first..count).find(|at| side(*at) != Some(is_left)).unwrap_or(count);
+        Some(if is_left { (first, next) } else { (next, first) })
+    })
+}
+
+/// A border between two cells that a wall closes.
+#[derive(Clone, Copy)]
+struct Border {
+    /// The cells on the left and the right of the wall.
+    beside: [usize; 2],
+}
+
+/// A grid on which walls are drawn, with a margin of one cell.
+struct Raster {
+    /// Columns and rows, with the margin.
+    size: [usize; 2],
+    cell: f64,
+    is_filled: Vec<bool>,
+    /// A wall closes the border to the cell on the right, and above.
+    right: Vec<bool>,
+    above: Vec<bool>,
+    borders: Vec<Border>,
+}
+
+impl Raster {
+    fn new(world: &WorldSpec, cell: f64) -> Option<Self> {
+        let sides = (world.floor / cell - ON_BORDER).ceil().max(DVec2::ONE) + 2.0;
+        if !(sides.x * sides.y <= MAX_CELLS as f64) {
+            return None;
+        }
+        let size = [sides.x as usize, sides.y as usize];
+        let none = vec![false; size[0] * size[1]];
+        Some(Self { size, cell, is_filled: none.clone(), right: none.clone(), above: none, borders: Vec::new() })
+    }
+
+    fn wall(&mut self, wall: &WallSpec) {
+        // In sides of a cell, from the corner of the margin.
+        let [from, to] = [wall.from, wall.to].map(|end| end / self.cell + 1.0);
+        let thickness = wall.thickness / self.cell;
+        let lies_on = |a: f64, b: f64| (a - a.round()).abs() < ON_BORDER && (a - b).abs() < ON_BORDER;
+        if thickness < ON_BORDER && lies_on(from.x, to.x) {
+            return self.upright(from.x.round(), from.y, to.y);
+        }
+        if thickness < ON_BORDER && lies_on(from.y, to.y) {
+            return self.level(from.y.round(), from.x, to.x);
+        }
+        let along = (to - from).normalize_or_zero();
+        let half = along.perp() * (0.5 * thickness);
+        self.fill(&[from + half, to + half, to - half, from - half]);
+    }
+
+    /// Numbers of the cells that an interval covers more than at its ends.
+    fn covered(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
+        let (low, high) = (from.min(to) + ON_BORDER, from.max(to) - ON_BORDER);
+        let middle = 0.5 * (from + to);
+        let (low, high) = if low <= high { (low, high) } else { (middle, middle) };
+        let first = low.floor().clamp(0.0, count as f64) as usize;
+        first..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(first)
+    }
+
+    /// A wall along the border to the left of the column `x`.
+    fn upright(&mut self, x: f64, from: f64, to: f64) {
+        let [columns, rows] = self.size;
+        if !(x >= 1.0 && x < columns as f64) {
+            return;
+        }
+        for row in Self::covered(from, to, rows) {
+            let (left, right) = (row * columns + x as usize - 1, row * columns + x as usize);
+            self.right[left] = true;
+            self.borders.push(Border { beside: if to > from { [left, right] } else { [right, left] } });
+        }
+    }
+
+    /// A wall along the border below the row `y`.
+    fn level(&mut self, y: f64, from: f64, to: f64) {
+        let [columns, rows] = self.size;
+        if !(y >= 1.0 && y < rows as f64) {
+            return;
+        }
+        for column in Self::covered(from, to, columns) {
+            let (below, above) = ((y as usize - 1) * columns + column, y as usize * columns + column);
+            self.above[below] = true;
+            self.borders.push(Border { beside: if to > from { [above, below] } else { [below, above] } });
+        }
+    }
+
+    /// Fills the cells that a convex polygon meets with their inside.
+    fn fill(&mut self, corners: &[DVec2; 4]) {
+        let [columns, rows] = self.size;
+        let (low, high) = corners
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), corner| (low.min(corner.y), high.max(corner.y)));
+        for row in Self::covered(low, high, rows) {
+            let (bottom, top) = ((row as f64).max(low), (row as f64 + 1.0).min(high));
+            let mut reach = (f64::INFINITY, f64::NEG_INFINITY);
+            for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                // The part of the edge between the two lines.
+                let at = |y: f64| if from.y == to.y { 0.0 } else { ((y - from.y) / (to.y - from.y)).clamp(0.0, 1.0) };
+                let ends = if from.y == to.y { [0.0, 1.0] } else { [at(bottom), at(top)] };
+                for point in ends.map(|share| from.lerp(*to, share)) {
+                    if point.y >= bottom - ON_BORDER && point.y <= top + ON_BORDER {
+                        reach = (reach.0.min(point.x), reach.1.max(point.x));
+                    }
+                }
+            }
+            if reach.0 <= reach.1 {
+                for column in Self::covered(reach.0, reach.1, columns) {
+                    self.is_filled[row * columns + column] = true;
+                }
+            }
+        }
+    }
+
+    /// Cells that can be reached from those in `open`, where no wall lies between.
+    fn reached(&self, mut open: VecDeque<usize>) -> Vec<bool> {
+        let [columns, rows] = self.size;
+        let mut is_reached = vec![false; columns * rows];
+        open.retain(|cell| !self.is_filled[*cell] && !std::mem::replace(&mut is_reached[*cell], true));
+        while let Some(at) = open.pop_front() {
+            let (column, row) = (at % columns, at / columns);
+            let near = [
+                (column + 1 < columns && !self.right[at]).then(|| at + 1),
+                (column > 0 && !self.right[at.wrapping_sub(1)]).then(|| at.wrapping_sub(1)),
+                (row + 1 < rows && !self.above[at]).then(|| at + columns),
+                (row > 0 && !self.above[at.wrapping_sub(columns)]).then(|| at.wrapping_sub(columns)),
+            ];
+            for next in near.into_iter().flatten() {
+                let is_margin = self.is_margin(next);
+                if !is_margin && !self.is_filled[next] && !std::mem::replace(&mut is_reached[next], true) {
+                    open.push_back(next);
+                }
+            }
+        }
+        is_reached
+    }
+
+    fn is_margin(&self, cell: usize) -> bool {
+        let [columns, rows] = self.size;
+        let (column, row) = (cell % columns, cell / columns);
+        column == 0 || row == 0 || column + 1 == columns || row + 1 == rows
+    }
+
+    fn grid(mut self, starts: &[DVec2]) -> Grid {
+        let [columns, rows] = self.size;
+        let cell_of = |place: DVec2| {
+            let [column, row] = (place / self.cell + 1.0).to_array().map(|side| side.floor().max(0.0) as usize);
+            (column < columns && row < rows).then(|| row * columns + column)
+        };
+        let seeds: VecDeque<usize> = starts.iter().filter_map(|start| cell_of(*start)).collect();
+        let has_seeds = seeds.iter().any(|seed| !self.is_filled[*seed]);
+        let is_reached = if has_seeds {
+            self.reached(seeds)
+        } else {
+            (0..columns * rows).map(|at| !self.is_filled[at] && !self.is_margin(at)).collect()
+        };
+        for Border { beside: [left, right] } in std::mem::take(&mut self.borders) {
+            match (is_reached[left], is_reached[right]) {
+                (true, _) => self.is_filled[right] = true,
+                (false, true) => self.is_filled[left] = true,
+                (false, false) => {}
+            }
+        }
+        let kind = |at: usize| match (self.is_filled[at], is_reached[at]) {
+            (true, _) => Cell::Occupied,
+            (false, true) => Cell::Free,
+            (false, false) => Cell::Unknown,
+        };
+        // The margin remains where something stands in it.
+        let stands = |mut cells: Box<dyn Iterator<Item = usize>>| cells.any(|at| self.is_filled[at]);
+        let left = stands(Box::new((0..rows).map(|row| row * columns)));
+        let below = stands(Box::new(0..columns));
+        let right = stands(Box::new((0..rows).map(|row| row * columns + columns - 1)));
+        let above = stands(Box::new((rows - 1) * columns..rows * columns));
+        let range = |low: bool, high: bool, count: usize| usize::from(!low)..count - usize::from(!high);
+        let (across, up) = (range(left, right, columns), range(below, above, rows));
+        let size = [across.len(), up.len()];
+        let corner = DVec2::new(across.start as f64 - 1.0, up.start as f64 - 1.0) * self.cell;
+        let cells = up.flat_map(|row| across.clone().map(move |column| row * columns + column)).map(kind).collect();
+        Grid { size, cell: self.cell, origin: Pose::new(corner.x, corner.y, 0.0), cells }
+    }
+}

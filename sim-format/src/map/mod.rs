@@ -1,0 +1,276 @@
+//! World files of every kind: which kind a file is, by its extension and its content, and maps of other programs as worlds.
+//!
+//! Occupancy grids of ROS, images, maps of MovingAI, worlds of Gazebo. Mazes are read in `maze`, EyeSim's own worlds in `world`.
+
+mod grid;
+mod movingai;
+mod netpbm;
+mod print;
+mod sdf;
+mod yaml;
+
+pub use grid::{Cell, Grid};
+pub use movingai::{Scenario, read_scenarios};
+pub(crate) use print::{image_file, map_yaml, suite_of_scenarios};
+
+use crate::code::Code;
+use crate::diagnostic::Sink;
+use crate::load::{Files, InputFile, Loaded, Loader};
+use crate::maze::{self, CellRules};
+use crate::mesh::read_grey;
+use crate::spec::{DEFAULT_CELL, PathRef, SceneSpec, WorldKind, WorldSpec};
+use crate::unit::mm_from_metres;
+use crate::{FileError, Span, line, path, read_maze_with, read_world};
+use netpbm::{Image, is_netpbm, read_netpbm};
+use yaml::MapSpec;
+
+/// Default side of the pixels of an image without a `map.yaml`, in metres: what map servers write.
+pub const DEFAULT_RESOLUTION: f64 = 0.05;
+
+/// Extensions of files that are worlds, in lower case.
+pub const WORLD_EXTENSIONS: [&str; 11] =
+    ["wld", "maz", "maze", "num", "map", "yaml", "yml", "pgm", "pbm", "world", "sdf"];
+
+/// Kind of a world file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WorldFormat {
+    /// Walls by lines, `.wld`.
+    Walls,
+    /// A maze in one of its forms.
+    Maze(maze::MazeForm),
+    /// A `map.yaml` with its image.
+    RosMap,
+    /// The image of a map alone.
+    Image,
+    /// A map of the MovingAI benchmarks.
+    MovingAi,
+    /// A world of Gazebo.
+    Sdf,
+}
+
+impl WorldFormat {
+    /// Kind of the file `path` with these `bytes`; `stated` decides where neither tells.
+    pub(crate) fn of(path: &str, bytes: &[u8], stated: WorldKind) -> Self {
+        let text = || String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]).into_owned();
+        let is_xml = || text().trim_start_matches('\u{feff}').trim_start().starts_with('<');
+        match path::extension(path).as_str() {
+            "yaml" | "yml" => Self::RosMap,
+            "pgm" | "pbm" => Self::Image,
+            "sdf" => Self::Sdf,
+            "world" if is_xml() => Self::Sdf,
+            "wld" => Self::Walls,
+            "map" if movingai::is_map(&text()) => Self::MovingAi,
+            "maz" | "maze" | "num" | "map" | "txt" => Self::Maze(maze::form_of(bytes)),
+            _ if is_netpbm(bytes) => Self::Image,
+            _ if is_xml() => Self::Sdf,
+            _ => match stated {
+                WorldKind::World => Self::Walls,
+                WorldKind::Maze => Self::Maze(maze::form_of(bytes)),
+            },
+        }
+    }
+
+    /// Returns true if the size of the cells of files with this extension can be said by a scene.
+    pub(crate) fn may_have_cells(path: &str) -> bool {
+        matches!(path::extension(path).as_str(), "maz" | "maze" | "num" | "map" | "txt" | "pgm" | "pbm")
+    }
+}
+
+/// Reads the world file `path` with all that it names.
+pub(crate) fn read_world_file(
+    loader: &mut Loader<'_>,
+    path: &str,
+    bytes: Vec<u8>,
+    stated: WorldKind,
+    rules: CellRules,
+) -> WorldSpec {
+    let format = WorldFormat::of(path, &bytes, stated);
+    let (world, note) = match format {
+        WorldFormat::Walls => {
+            let text = loader.take(path, bytes);
+            let (world, diagnostics) = read_world(path, &text);
+            loader.diagnostics.extend(diagnostics);
+            (world, None)
+        }
+        WorldFormat::Maze(maze::MazeForm::Drawing) => {
+            let text = loader.take(path, bytes);
+            let (world, diagnostics) = read_maze_with(path, &text, rules);
+            loader.diagnostics.extend(diagnostics);
+            (world, None)
+        }
+        WorldFormat::Maze(form) => {
+            let (world, diagnostics, note) = if form == maze::MazeForm::Binary {
+                loader.inputs.push(InputFile { path: path.to_owned(), bytes: bytes.clone() });
+                maze::read_maze_bytes(path, &bytes, rules)
+            } else {
+                let text = loader.take(path, bytes);
+                maze::read_maze_text(path, &text, form, rules)
+            };
+            loader.diagnostics.extend(diagnostics);
+            (world, note)
+        }
+        WorldFormat::Sdf => {
+            let text = loader.take(path, bytes);
+            let mut sink = Sink::new(path);
+            let (world, note) = sdf::read_sdf(&mut sink, path, &text);
+            loader.diagnostics.extend(sink.finish());
+            (world, Some(note))
+        }
+        WorldFormat::RosMap | WorldFormat::Image | WorldFormat::MovingAi => {
+            match read_grid(loader, path, bytes, format, rules) {
+                Some(grid) => world_of(loader, path, &grid),
+                None => (WorldSpec { file: path.to_owned(), ..WorldSpec::default() }, None),
+            }
+        }
+    };
+    loader.notes.extend(note.map(|note| format!("{path}: {note}")));
+    world
+}
+
+/// The world of a grid, and what was understood.
+fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
+    let Some((world, offset)) = grid.world(path) else {
+        let mut sink = Sink::new(path);
+        let message = format!("the map has more than {} walls", grid::MAX_WALLS);
+        let expected = "a map with less noise: the border of each single cell is up to four walls";
+        sink.error(Code::MapSize, Span::default(), message, expected);
+        loader.diagnostics.extend(sink.finish());
+        return (WorldSpec { file: path.to_owned(), ..WorldSpec::default() }, None);
+    };
+    let [columns, rows] = grid.size;
+    let mut note = format!(
+        "{columns} x {rows} cells of {} mm: {} free, {} occupied, {} unknown; {} walls",
+        rounded(grid.cell),
+        grid.count(Cell::Free),
+        grid.count(Cell::Occupied),
+        grid.count(Cell::Unknown),
+        world.walls.len(),
+    );
+    note.push_str(&moved(offset));
+    (world, Some(note))
+}
+
+/// Where the origin of a file's frame lies in the world, in words; empty if they are the same.
+pub(crate) fn moved(offset: glam::DVec2) -> String {
+    let [x, y] = offset.to_array().map(rounded);
+    if x == 0.0 && y == 0.0 {
+        return String::new();
+    }
+    format!("; (0, 0) of the file is at ({x}, {y}) mm of the world")
+}
+
+/// Millimetres of a length, to a micrometre.
+pub(crate) fn rounded(metres: f64) -> f64 {
+    (mm_from_metres(metres) * 1e3).round() / 1e3 + 0.0
+}
+
+/// Reads the grid of the file `path`, which is of a `format` that has one; `None`, with an error, if it cannot be read.
+pub(crate) fn read_grid(
+    loader: &mut Loader<'_>,
+    path: &str,
+    bytes: Vec<u8>,
+    format: WorldFormat,
+    rules: CellRules,
+) -> Option<Grid> {
+    let mut sink = Sink::new(path);
+    let grid = match format {
+        WorldFormat::MovingAi => {
+            let text = loader.take(path, bytes);
+            movingai::read_map(&mut sink, &text, rules.cell.unwrap_or(DEFAULT_CELL))
+        }
+        WorldFormat::Image => {
+            let spec = MapSpec::of_image(rules.cell.unwrap_or(DEFAULT_RESOLUTION));
+            let image = read_image(&mut sink, &bytes, &spec);
+            loader.inputs.push(InputFile { path: path.to_owned(), bytes });
+            image.map(|image| spec.grid(&image))
+        }
+        _ => {
+            let text = loader.take(path, bytes);
+            let spec = yaml::read_map_yaml(&mut sink, &text);
+            loader.diagnostics.extend(std::mem::replace(&mut sink, Sink::new(path)).finish());
+            spec.and_then(|spec| {
+                let (image_path, bytes) = loader.find(path, path::folder_of(path), &spec.image)?;
+                sink = Sink::new(&image_path);
+                let image = read_image(&mut sink, &bytes, &spec);
+                loader.inputs.push(InputFile { path: image_path, bytes });
+                image.map(|image| spec.grid(&image))
+            })
+        }
+    };
+    loader.diagnostics.extend(sink.finish());
+    grid
+}
+
+/// Decodes the image of a map.
+fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
+    let is_other = matches!(bytes, [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..]);
+    if !is_other {
+        return read_netpbm(sink, bytes);
+    }
+    // map_server averages the opacity with the colours in this mode alone.
+    match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
+        Ok((size, levels, white, greatest, is_clear)) => Some(Image { size, levels, white, greatest, is_clear }),
+        Err(message) => {
+            sink.error(Code::MapImage, Span::default(), message, "a pgm, pbm, png, bmp or jpg image");
+            None
+        }
+    }
+}
+
+/// Reads the scenarios of a `.scen`, and compares their lengths with those of shortest paths on their maps. The scene of the result is empty.
+pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) {
+    let mut loader = Loader::new(files);
+    let scene = SceneSpec { file: file.to_owned(), ..SceneSpec::default() };
+    let Some(text) = loader.root(file) else { return (Vec::new(), loader.finish(scene)) };
+    let (scenarios, diagnostics) = read_scenarios(file, &text);
+    loader.diagnostics.extend(diagnostics);
+    let mut maps: Vec<&str> = scenarios.iter().map(|scenario| scenario.map.as_str()).collect();
+    maps.sort_unstable();
+    maps.dedup();
+    for map in maps {
+        let of_map: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
+        let Some((place, bytes)) = find_map(&mut loader, file, map, of_map[0].span) else { continue };
+        let Some(grid) = read_grid(&mut loader, &place, bytes, WorldFormat::MovingAi, CellRules::default()) else {
+            continue;
+        };
+        let mut sink = Sink::new(file);
+        let agree = movingai::check_lengths(&mut sink, &grid, &of_map);
+        loader.diagnostics.extend(sink.finish());
+        let count = of_map.len();
+        loader.notes.push(format!("{file}: {agree} of {count} lengths are those of shortest paths on `{place}`"));
+    }
+    (scenarios, loader.finish(scene))
+}
+
+/// The map of a scenario: as named, else the file of its name beside the scenarios.
+pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Span) -> Option<(String, Vec<u8>)> {
+    let folder = path::folder_of(file);
+    let beside = path::join(folder, path::file_name(map));
+    let named = path::candidates(map, folder, loader.files.home());
+    for place in named.iter().chain([&beside]) {
+        match loader.files.read(place) {
+            Ok(bytes) => return Some((place.clone(), bytes)),
+            Err(FileError::Missing) => {}
+            Err(_) => break,
+        }
+    }
+    loader.find(file, folder, &PathRef { text: map.to_owned(), span })
+}
+
+/// Place in a file that may not be text: its line and column if all before it is UTF-8, else none.
+fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
+    let end = (at + length).min(bytes.len());
+    let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };
+    if text.starts_with('\u{feff}') || !text.is_char_boundary(at) {
+        return Span::default();
+    }
+    let starts = line::line_starts(text);
+    let number = starts.partition_point(|start| *start <= at);
+    let before = &text[starts[number - 1]..at];
+    Span { start: at, end, line: number as u32, column: before.chars().count() as u32 + 1 }
+}
+
+/// ` at byte N`, for places that have no line.
+fn place_in_bytes(bytes: &[u8], at: usize) -> String {
+    if place_of_byte(bytes, at, 0).line > 0 { String::new() } else { format!(" at byte {at}") }
+}

@@ -1,0 +1,223 @@
+//! Grey images of Netpbm, PGM (`P2`, `P5`) and PBM (`P1`, `P4`), as map servers write them.
+
+use super::grid::MAX_CELLS;
+use super::{place_in_bytes, place_of_byte};
+use crate::code::Code;
+use crate::diagnostic::Sink;
+
+/// A grey image, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Image {
+    /// Columns and rows.
+    pub(crate) size: [usize; 2],
+    /// Brightness of each pixel, from 0, black, to `white`.
+    pub(crate) levels: Vec<u32>,
+    /// Brightness of white pixels.
+    pub(crate) white: u32,
+    /// Grey value of white in the file, 255 for 8 bits.
+    pub(crate) greatest: u32,
+    /// Pixels that are not opaque; empty if all are.
+    pub(crate) is_clear: Vec<bool>,
+}
+
+const FORM: &str =
+    "a PGM (`P2` or `P5`) or PBM (`P1` or `P4`): width, height, greatest grey value (1 to 65535), pixels";
+
+/// Returns true for the first bytes of a PGM or PBM.
+pub(crate) fn is_netpbm(bytes: &[u8]) -> bool {
+    matches!(bytes, [b'P', b'1' | b'2' | b'4' | b'5', next, ..] if next.is_ascii_whitespace() || *next == b'#')
+}
+
+/// Reads a PGM or PBM; `None`, with an error, if it cannot be read. Missing pixels are an error, bytes that are left over a warning.
+pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
+    let mut words = Words { bytes, at: 2 };
+    let kind = match bytes {
+        _ if is_netpbm(bytes) => bytes[1],
+        [b'P', b'3' | b'6' | b'7', ..] => {
+            let message = "the image has colours (PPM or PAM)";
+            sink.error(Code::MapImage, place_of_byte(bytes, 0, 2), message, FORM);
+            return None;
+        }
+        _ => {
+            let message = "the file does not begin with `P1`, `P2`, `P4` or `P5`";
+            sink.error(Code::MapImage, Default::default(), message, FORM);
+            return None;
+        }
+    };
+    let is_bitmap = matches!(kind, b'1' | b'4');
+    let is_raw = matches!(kind, b'4' | b'5');
+    let columns = words.number(sink, "the width", MAX_CELLS)?;
+    let rows = words.number(sink, "the height", MAX_CELLS)?;
+    let greatest = if is_bitmap { 1 } else { words.number(sink, "the greatest grey value", 65535)? };
+    if columns == 0 || rows == 0 || columns * rows > MAX_CELLS {
+        let message = format!("the image has {columns} x {rows} pixels");
+        sink.error(Code::MapSize, Default::default(), message, "1 to 67,108,864 pixels, such as 8192 x 8192");
+        return None;
+    }
+    if greatest == 0 {
+        let message = "the greatest grey value is 0";
+        sink.error(Code::MapImage, place_of_byte(bytes, words.at - 1, 1), message, "1 to 65535");
+        return None;
+    }
+    let size = [columns as usize, rows as usize];
+    let levels = match (is_raw, is_bitmap) {
+        (true, true) => raw_bits(sink, &words, size)?,
+        (true, false) => raw_levels(sink, &words, size, greatest)?,
+        (false, true) => text_bits(sink, words, size)?,
+        (false, false) => text_levels(sink, words, size, greatest)?,
+    };
+    Some(Image { size, levels, white: greatest as u32, greatest: greatest as u32, is_clear: Vec::new() })
+}
+
+/// The words of a header or of pixels in text, with comments from `#` to the end of their line left out.
+struct Words<'b> {
+    bytes: &'b [u8],
+    at: usize,
+}
+
+impl<'b> Words<'b> {
+    /// Skips blanks and comments.
+    fn skip(&mut self) {
+        while let Some(byte) = self.bytes.get(self.at) {
+            if *byte == b'#' {
+                let rest = &self.bytes[self.at..];
+                self.at += rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+            } else if byte.is_ascii_whitespace() {
+                self.at += 1;
+            } else {
+                break;
+            }
+        }
+    }
+
+    /// The next word and its place; `None` at the end of the file.
+    fn word(&mut self) -> Option<(usize, &'b [u8])> {
+        self.skip();
+        let start = self.at;
+        let rest = self.bytes.get(start..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|byte| byte.is_ascii_whitespace() || *byte == b'#').unwrap_or(rest.len());
+        self.at += length;
+        Some((start, &rest[..length]))
+    }
+
+    /// The next word as a number up to `most`; reports a word that is none.
+    fn number(&mut self, sink: &mut Sink, what: &str, most: u64) -> Option<u64> {
+        let Some((start, word)) = self.word() else {
+            let message = format!("the file ends after {} bytes, before {what}", self.bytes.len());
+            sink.error(Code::MapImage, Default::default(), message, FORM);
+            return None;
+        };
+        let value = std::str::from_utf8(word).ok().filter(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
+        match value.and_then(|word| word.parse::<u64>().ok()) {
+            Some(value) if value <= most => Some(value),
+            Some(value) => {
+                let message = format!("{what} is {value}{}", place_in_bytes(self.bytes, start));
+                sink.error(
+                    Code::MapSize,
+                    place_of_byte(self.bytes, start, word.len()),
+                    message,
+                    format!("0 to {most}"),
+                );
+                None
+            }
+            None => {
+                let shown = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+                let message = format!("`{shown}` is no whole number ({what}){}", place_in_bytes(self.bytes, start));
+                sink.error(Code::MapImage, place_of_byte(self.bytes, start, word.len()), message, FORM);
+                None
+            }
+        }
+    }
+}
+
+/// The bytes of the pixels, after the one blank that ends the header; reports too few and too many.
+fn raw<'b>(sink: &mut Sink, words: &Words<'b>, wanted: usize) -> Option<&'b [u8]> {
+    let pixels = words.bytes.get(words.at + 1..).unwrap_or_default();
+    if pixels.len() < wanted {
+        let message =
+            format!("the pixels end at byte {}: {} of {wanted} bytes are there", words.bytes.len(), pixels.len());
+        sink.error(Code::MapImage, Default::default(), message, "as many pixels as width times height");
+        return None;
+    }
+    if pixels[wanted..].iter().any(|byte| !byte.is_ascii_whitespace()) {
+        let message = format!("{} bytes after the last pixel are left over", pixels.len() - wanted);
+        sink.warn(
+            Code::MapImage,
+            Default::default(),
+            message,
+            "one image in a file, as wide and high as its header says",
+        );
+    }
+    Some(&pixels[..wanted])
+}
+
+fn raw_bits(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2]) -> Option<Vec<u32>> {
+    let stride = columns.div_ceil(8);
+    let pixels = raw(sink, words, stride * rows)?;
+    let bits = pixels.chunks_exact(stride).flat_map(|row| (0..columns).map(|at| row[at / 8] >> (7 - at % 8) & 1));
+    Some(bits.map(|bit| u32::from(bit == 0)).collect())
+}
+
+fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
+    let level = |value: u16| u32::from(value).min(greatest as u32);
+    if greatest < 256 {
+        let pixels = raw(sink, words, columns * rows)?;
+        return Some(pixels.iter().map(|byte| level(u16::from(*byte))).collect());
+    }
+    let pixels = raw(sink, words, 2 * columns * rows)?;
+    Some(pixels.as_chunks().0.iter().map(|pair| level(u16::from_be_bytes(*pair))).collect())
+}
+
+/// Bits in text, which need no blanks between them.
+fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2]) -> Option<Vec<u32>> {
+    if words.bytes.len() < columns * rows {
+        return too_few(sink, words.bytes, words.bytes.len(), columns * rows);
+    }
+    let mut levels = Vec::with_capacity(columns * rows);
+    while levels.len() < columns * rows {
+        words.skip();
+        let Some(byte) = words.bytes.get(words.at) else {
+            return too_few(sink, words.bytes, levels.len(), columns * rows);
+        };
+        if !matches!(byte, b'0' | b'1') {
+            let message = format!("`{}` is no pixel{}", byte.escape_ascii(), place_in_bytes(words.bytes, words.at));
+            sink.error(Code::MapImage, place_of_byte(words.bytes, words.at, 1), message, "`0` (white) or `1` (black)");
+            return None;
+        }
+        levels.push(u32::from(*byte == b'0'));
+        words.at += 1;
+    }
+    left_over(sink, words);
+    Some(levels)
+}
+
+fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
+    // A pixel takes two bytes at least, but for the last one.
+    if (words.bytes.len() + 1) / 2 < columns * rows {
+        return too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
+    }
+    let mut levels = Vec::with_capacity(columns * rows);
+    while levels.len() < columns * rows {
+        words.skip();
+        if words.at >= words.bytes.len() {
+            return too_few(sink, words.bytes, levels.len(), columns * rows);
+        }
+        levels.push(words.number(sink, "a pixel", greatest)? as u32);
+    }
+    left_over(sink, words);
+    Some(levels)
+}
+
+fn too_few<T>(sink: &mut Sink, bytes: &[u8], count: usize, wanted: usize) -> Option<T> {
+    let message = format!("the file ends after {} bytes: at most {count} of {wanted} pixels are there", bytes.len());
+    sink.error(Code::MapImage, Default::default(), message, "as many pixels as width times height");
+    None
+}
+
+fn left_over(sink: &mut Sink, mut words: Words<'_>) {
+    if let Some((start, word)) = words.word() {
+        let message = format!("something is left over after the last pixel{}", place_in_bytes(words.bytes, start));
+        let span = place_of_byte(words.bytes, start, word.len());
+        sink.warn(Code::MapImage, span, message, "one image in a file, as wide and high as its header says");
+    }
+}

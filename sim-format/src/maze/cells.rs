@@ -1,0 +1,189 @@
+//! Mazes whose files state the walls of each cell, and ways through mazes.
+
+use std::collections::VecDeque;
+
+use super::Drawing;
+use crate::Span;
+use crate::code::Code;
+use crate::diagnostic::Sink;
+
+/// Sides of a cell, in the order of the bits of a file: north, east, south, west.
+pub(super) const SIDES: [(&str, [i32; 2]); 4] =
+    [("north", [0, 1]), ("east", [1, 0]), ("south", [0, -1]), ("west", [-1, 0])];
+
+/// Columns and rows of a classic maze, whose goal is known: the four cells in the middle.
+pub(super) const CLASSIC: usize = 16;
+
+/// The walls of each cell, in columns from the south-west corner: a bit for each of [`SIDES`].
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct CellWalls {
+    pub(super) size: [usize; 2],
+    pub(super) walls: Vec<u8>,
+}
+
+impl CellWalls {
+    fn at(&self, [x, y]: [usize; 2]) -> u8 {
+        self.walls[x * self.size[1] + y]
+    }
+
+    /// The cell beyond a side; `None` at the border.
+    fn beyond(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
+        let [dx, dy] = SIDES[side].1;
+        let next = [x.checked_add_signed(dx as isize)?, y.checked_add_signed(dy as isize)?];
+        (next[0] < self.size[0] && next[1] < self.size[1]).then_some(next)
+    }
+
+    /// Cells in columns from the south-west corner.
+    pub(super) fn cells(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [columns, rows] = self.size;
+        (0..columns).flat_map(move |x| (0..rows).map(move |y| [x, y]))
+    }
+
+    /// Walls that only the first of two cells has.
+    pub(super) fn one_sided(&self) -> impl Iterator<Item = ([usize; 2], usize, [usize; 2])> {
+        self.cells().flat_map(move |cell| {
+            (0..4).filter_map(move |side| {
+                let next = self.beyond(cell, side)?;
+                let [mine, other] = [self.at(cell) >> side & 1, self.at(next) >> ((side + 2) % 4) & 1];
+                (mine == 1 && other == 0).then_some((cell, side, next))
+            })
+        })
+    }
+
+    /// Returns true if no wall of the border is missing.
+    pub(super) fn is_closed(&self) -> bool {
+        self.cells().all(|cell| (0..4).all(|side| self.beyond(cell, side).is_some() || self.at(cell) >> side & 1 == 1))
+    }
+
+    /// Tells walls that only one of their cells has; `place` is where a file states a cell.
+    pub(super) fn check_shared(&self, sink: &mut Sink, place: impl Fn([usize; 2]) -> (Span, String)) {
+        let count = self.one_sided().count();
+        let Some((cell, side, next)) = self.one_sided().next() else { return };
+        let ((span, here), (_, there)) = (place(cell), place(next));
+        let walls = if count == 1 { "a wall is".to_owned() } else { format!("{count} walls are") };
+        let message = format!(
+            "{walls} stated by one of its two cells only, the first {} of ({}, {}){here} and not by ({}, {}){there}",
+            SIDES[side].0, cell[0], cell[1], next[0], next[1]
+        );
+        sink.warn(Code::MazShared, span, message, "each inner wall in both of its cells; here it is a wall");
+    }
+
+    /// The maze as a drawing; `span` is where a file states a cell.
+    pub(super) fn drawing(&self, span: impl Fn([usize; 2]) -> Span) -> Drawing {
+        let [columns, rows] = self.size;
+        let mut drawing = Drawing::empty(columns as u32);
+        for cell @ [x, y] in self.cells() {
+            let row = (rows - y) as u32;
+            for side in (0..4).filter(|side| self.at(cell) >> side & 1 == 1) {
+                let place = span(cell);
+                match side {
+                    0 => drawing.horizontal.push((row - 1, x as u32, place)),
+                    1 => drawing.vertical.push((x as u32 + 1, row, place)),
+                    2 => drawing.horizontal.push((row, x as u32, place)),
+                    _ => drawing.vertical.push((x as u32, row, place)),
+                }
+            }
+        }
+        drawing
+    }
+}
+
+/// Where a maze begins and ends, in columns and rows from the south-west corner.
+pub(super) struct Ends {
+    pub(super) start: [usize; 2],
+    pub(super) goals: Vec<[usize; 2]>,
+}
+
+impl Ends {
+    /// The customs of contests: from the south-west corner to the four cells in the middle of a classic maze.
+    pub(super) fn usual([columns, rows]: [usize; 2]) -> Self {
+        let middle = [CLASSIC / 2 - 1, CLASSIC / 2];
+        let goals = middle.iter().flat_map(|x| middle.map(|y| [*x, y]));
+        let is_classic = columns == CLASSIC && rows == CLASSIC;
+        Self { start: [0, 0], goals: goals.filter(|_| is_classic).collect() }
+    }
+}
+
+/// Adds the start to a drawing of `rows` rows: its letter tells the heading, towards the only open side, else north. Returns what is to be
+/// told of the maze.
+pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span) -> String {
+    let columns = drawing.columns as usize;
+    let passages = Passages::of(drawing, rows);
+    let open: Vec<usize> = (0..4).filter(|side| passages.next(ends.start, *side).is_some()).collect();
+    let letter = match open.as_slice() {
+        [1] => 'r',
+        [2] => 'd',
+        [3] => 'l',
+        _ => 's',
+    };
+    let [x, y] = ends.start;
+    drawing.letters.push((letter, x as u32, (rows - y) as u32, span));
+    let mut note = format!("a maze of {columns} x {rows} cells; start in cell ({x}, {y})");
+    match ends.goals.as_slice() {
+        [] => note.push_str("; no goal is marked"),
+        goals => {
+            let cells: Vec<String> = goals.iter().map(|[x, y]| format!("({x}, {y})")).collect();
+            let more = if cells.len() > 9 { ", ..." } else { "" };
+            note.push_str(&format!("; goal {}{more}", cells[..cells.len().min(9)].join(", ")));
+            note.push_str(&match passages.steps(ends.start, goals) {
+                Some(steps) => format!("; {steps} steps from cell to cell on a shortest way from the start to it"),
+                None => "; no way leads from the start to it".to_owned(),
+            });
+        }
+    }
+    note
+}
+
+/// Open sides of the cells of a drawing.
+struct Passages {
+    size: [usize; 2],
+    /// A wall to the left of a cell, and below it; one column and one row more than cells, in rows from the south.
+    left: Vec<bool>,
+    below: Vec<bool>,
+}
+
+impl Passages {
+    fn of(drawing: &Drawing, rows: usize) -> Self {
+        let columns = drawing.columns as usize;
+        let stride = columns + 1;
+        let (mut left, mut below) = (vec![false; stride * (rows + 1)], vec![false; stride * (rows + 1)]);
+        for (column, row, _) in &drawing.vertical {
+            left[(rows - *row as usize) * stride + *column as usize] = true;
+        }
+        for (row, column, _) in &drawing.horizontal {
+            below[(rows - *row as usize) * stride + *column as usize] = true;
+        }
+        Self { size: [columns, rows], left, below }
+    }
+
+    /// The cell beyond an open side.
+    fn next(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
+        let ([columns, rows], stride) = (self.size, self.size[0] + 1);
+        let (is_closed, next) = match side {
+            0 => (self.below[(y + 1) * stride + x], [x, y + 1]),
+            1 => (self.left[y * stride + x + 1], [x + 1, y]),
+            2 => (self.below[y * stride + x], [x, y.wrapping_sub(1)]),
+            _ => (self.left[y * stride + x], [x.wrapping_sub(1), y]),
+        };
+        (!is_closed && next[0] < columns && next[1] < rows).then_some(next)
+    }
+
+    /// Steps from cell to cell on a shortest way to one of the `goals`, by breadth-first search.
+    fn steps(&self, start: [usize; 2], goals: &[[usize; 2]]) -> Option<u32> {
+        let [columns, rows] = self.size;
+        let mut is_seen = vec![false; columns * rows];
+        let mut open = VecDeque::from([(start, 0)]);
+        is_seen[start[1] * columns + start[0]] = true;
+        while let Some((cell, steps)) = open.pop_front() {
+            if goals.contains(&cell) {
+                return Some(steps);
+            }
+            for next in (0..4).filter_map(|side| self.next(cell, side)) {
+                if !std::mem::replace(&mut is_seen[next[1] * columns + next[0]], true) {
+                    open.push_back((next, steps + 1));
+                }
+            }
+        }
+        None
+    }
+}

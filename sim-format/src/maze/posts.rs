@@ -1,0 +1,207 @@
+//! Mazes drawn with posts and walls, as the collections of micro-mouse contests keep them.
+//!
+//! Source: the collections of micromouseonline.com (`o---o`) and the simulator mms (`+---+`).
+
+use super::cells::{Ends, finish};
+use super::{Drawing, MazeRead};
+use crate::Span;
+use crate::code::Code;
+use crate::diagnostic::Sink;
+use crate::line::{self, Line};
+
+const FORM: &str = "lines of posts, `o---o   o`, and of cells, `|   | S |`, in turn";
+
+/// Columns of a tab stop.
+const TAB: usize = 8;
+
+/// Places of the posts in the lines of a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Lattice {
+    post: char,
+    /// Characters before the first post.
+    indent: usize,
+    /// Characters from one post to the next.
+    pitch: usize,
+    columns: usize,
+}
+
+/// A line without tabs: each character with its place.
+fn characters(line: &Line<'_>) -> Vec<(char, Span)> {
+    let mut out = Vec::new();
+    for ((byte, character), place) in line.text.trim_end().char_indices().zip(1..) {
+        let span = line.character_span(byte, place);
+        if character == '\t' {
+            let count = TAB - out.len() % TAB;
+            out.extend(std::iter::repeat_n((' ', span), count));
+        } else {
+            out.push((character, span));
+        }
+    }
+    out
+}
+
+impl Lattice {
+    /// The lattice whose first line of posts this is.
+    fn of(line: &[(char, Span)]) -> Option<Self> {
+        let indent = line.iter().position(|(character, _)| *character != ' ')?;
+        let characters: Vec<char> = line[indent..].iter().map(|(character, _)| *character).collect();
+        let post = *characters.first().filter(|post| matches!(post, 'o' | 'O' | '+'))?;
+        let pitch = 1 + characters[1..].iter().position(|character| *character == post)?;
+        let is_post_line = characters.iter().enumerate().all(|(at, character)| {
+            if at % pitch == 0 { *character == post } else { !character.is_alphanumeric() && *character != post }
+        });
+        let columns = (characters.len() - 1) / pitch;
+        (pitch > 1 && is_post_line && characters.len() % pitch == 1).then_some(Self { post, indent, pitch, columns })
+    }
+
+    /// Place of the post to the left of this column.
+    fn post_at(&self, column: usize) -> usize {
+        self.indent + column * self.pitch
+    }
+}
+
+/// Returns true if a line consists of posts and walls.
+pub(super) fn is_posts(text: &str) -> bool {
+    line::lines(text).any(|line| line.text.len() < 1 << 16 && Lattice::of(&characters(&line)).is_some())
+}
+
+pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
+    let mut lines = line::lines(text);
+    let mut before = 0;
+    let first = loop {
+        let Some(line) = lines.next() else {
+            sink.error(Code::MazEmpty, Span::default(), "the file has no maze", FORM);
+            return MazeRead { drawing: Drawing::empty(0), rows: 1, note: None };
+        };
+        match Lattice::of(&characters(&line)) {
+            Some(lattice) => break (line, lattice),
+            None => before += usize::from(!line.text.trim().is_empty()),
+        }
+    };
+    let (border, lattice) = first;
+    let mut posts =
+        Posts { lattice, drawing: Drawing::empty(lattice.columns as u32), starts: Vec::new(), goals: Vec::new() };
+    posts.post_line(sink, &border, 0);
+    let mut rows = 0;
+    let mut after = 0;
+    while let Some(line) = lines.next() {
+        let content = characters(&line);
+        let is_row =
+            content.get(lattice.indent).is_none_or(|(character, _)| matches!(character, '|' | ' ' | ':' | '!'))
+                && content.iter().take(lattice.indent).all(|(character, _)| *character == ' ')
+                && !content.is_empty();
+        if !is_row {
+            after += usize::from(!content.is_empty());
+            break;
+        }
+        rows += 1;
+        posts.cell_line(sink, &line, rows);
+        let lower = lines.next().filter(|line| posts.is_post_line(line));
+        match lower {
+            Some(line) => posts.post_line(sink, &line, rows),
+            None => {
+                let message = "the line of posts below this row is missing";
+                sink.warn(Code::MazPosts, line.span(), message, FORM);
+                break;
+            }
+        }
+    }
+    after += lines.filter(|line| !line.text.trim().is_empty()).count();
+    if rows == 0 {
+        sink.error(Code::MazEmpty, border.span(), "the maze has no rows", FORM);
+        return MazeRead { drawing: Drawing::empty(0), rows: 1, note: None };
+    }
+    let Posts { mut drawing, starts, goals, .. } = posts;
+    let from_south = |(column, row): (usize, usize)| [column, rows - row];
+    let mut ends = Ends::usual([lattice.columns, rows]);
+    let mut span = Span::default();
+    if let Some((start, place)) = starts.first() {
+        (ends.start, span) = (from_south(*start), *place);
+    }
+    if let Some((_, place)) = starts.get(1) {
+        sink.warn(Code::MazLetter, *place, "a second start; the first one counts", "one `S`");
+    }
+    if !goals.is_empty() {
+        ends.goals = goals.into_iter().map(from_south).collect();
+    }
+    let mut note = finish(&mut drawing, rows, &ends, span);
+    if before + after > 0 {
+        note.push_str(&format!("; {} lines beside the drawing are left out", before + after));
+    }
+    MazeRead { drawing, rows, note: Some(note) }
+}
+
+struct Posts {
+    lattice: Lattice,
+    drawing: Drawing,
+    starts: Vec<((usize, usize), Span)>,
+    goals: Vec<(usize, usize)>,
+}
+
+impl Posts {
+    fn is_post_line(&self, line: &Line<'_>) -> bool {
+        let content = characters(line);
+        let first = content.iter().position(|(character, _)| *character != ' ');
+        first.is_some_and(|first| first == self.lattice.indent && content[first].0 == self.lattice.post)
+    }
+
+    /// A line of posts, with the walls below row `row`.
+    fn post_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
+        let content = characters(line);
+        let Lattice { post, pitch, columns, .. } = self.lattice;
+        let at = |place: usize| content.get(place).map_or(' ', |character| character.0);
+        if let Some(column) = (0..=columns).find(|column| at(self.lattice.post_at(*column)) != post) {
+            let message = format!("post {} of this line is missing", column + 1);
+            sink.warn(Code::MazPosts, line.span(), message, format!("a `{post}` after each {} characters", pitch - 1));
+        }
+        self.check_end(sink, &content);
+        for column in 0..columns {
+            let from = self.lattice.post_at(column) + 1;
+            let pieces = (from..from + pitch - 1).filter(|place| at(*place) != ' ').count();
+            if pieces == 0 {
+                continue;
+            }
+            let place = (from..).find(|place| at(*place) != ' ').unwrap_or(from);
+            let span = content.get(place).map_or(line.span(), |character| character.1);
+            if pieces < pitch - 1 {
+                let message = "a wall with gaps; it is taken as a wall";
+                sink.warn(Code::MazPosts, span, message, format!("{} characters from post to post", pitch - 1));
+            }
+            self.drawing.horizontal.push((row as u32, column as u32, span));
+        }
+    }
+
+    /// A line of cells, row `row` from the top, counted from 1.
+    fn cell_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
+        let content = characters(line);
+        self.check_end(sink, &content);
+        let Lattice { indent, pitch, columns, .. } = self.lattice;
+        for (place, (character, span)) in content.iter().enumerate().skip(indent) {
+            let (column, within) = ((place - indent) / pitch, (place - indent) % pitch);
+            if *character == ' ' || column > columns || column == columns && within > 0 {
+                continue;
+            }
+            if within == 0 {
+                self.drawing.vertical.push((column as u32, row as u32, *span));
+                continue;
+            }
+            match character.to_ascii_lowercase() {
+                's' => self.starts.push(((column, row), *span)),
+                'g' => self.goals.push((column, row)),
+                _ => {
+                    let message = format!("`{}` means nothing in a cell", character.escape_debug());
+                    sink.warn(Code::MazLetter, *span, message, "`S` for the start, `G` for a goal, or blanks");
+                }
+            }
+        }
+    }
+
+    /// Tells characters beyond the last post.
+    fn check_end(&self, sink: &mut Sink, content: &[(char, Span)]) {
+        let end = self.lattice.post_at(self.lattice.columns);
+        if let Some((_, span)) = content.iter().skip(end + 1).find(|(character, _)| *character != ' ') {
+            let message = format!("the line goes beyond the {} posts of the first one", self.lattice.columns + 1);
+            sink.warn(Code::MazPosts, *span, message, FORM);
+        }
+    }
+}
