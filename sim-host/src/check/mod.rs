@@ -94,7 +94,12 @@ pub fn results(
             message: verdict.message,
         }
     };
-    checks.iter().enumerate().map(result).collect()
+    let mut results: Vec<CheckReport> = checks.iter().enumerate().map(result).collect();
+    let is_missed = |(check, result): (&CheckSpec, &CheckReport)| check.is_required && !result.passed;
+    if checks.iter().zip(&results).any(is_missed) {
+        results.iter_mut().for_each(|result| result.points = 0.0);
+    }
+    results
 }
 
 /// Verdict of a check during a run.
