@@ -47,7 +47,8 @@ fn judge_solution(scratch: &Scratch, suite: &str, program: &str, points: f64, mi
     assert!(!rows.is_empty(), "{program}");
     for row in rows {
         let checks = row["checks"].as_array().expect("checks");
-        let failed = checks.iter().filter(|check| check["passed"] == false).map(|check| check["name"].as_str().expect("a name"));
+        let failed =
+            checks.iter().filter(|check| check["passed"] == false).map(|check| check["name"].as_str().expect("a name"));
         assert_eq!(failed.collect::<BTreeSet<_>>(), missed.iter().copied().collect(), "{program}: {row:#}");
         assert_eq!(row["points"], points, "{program}: {row:#}");
         assert_eq!(row["max_points"], POINTS, "{program}: {row:#}");
@@ -82,7 +83,12 @@ fn file_name(path: &Path) -> &str {
 #[test]
 fn a_lawn_in_lanes() {
     let wide = ["mows the lawn", "in 180 s"];
-    judge("01-lawn", "1..2", "1", [("wide-lanes.c", 4.0, &wide), ("into-the-fence.py", 8.0, &["leaves the fence alone"])]);
+    judge(
+        "01-lawn",
+        "1..2",
+        "1",
+        [("wide-lanes.c", 4.0, &wide), ("into-the-fence.py", 8.0, &["leaves the fence alone"])],
+    );
 }
 
 #[test]
@@ -102,7 +108,12 @@ fn distbug() {
 #[test]
 fn a_quadtree() {
     let short = ["the goal", "the goal within 75 s"];
-    judge("04-quadtree", "1..2", "1", [("too-coarse.c", 6.0, &["the quadtree"]), ("short-of-the-goal.py", 5.0, &short)]);
+    judge(
+        "04-quadtree",
+        "1..2",
+        "1",
+        [("too-coarse.c", 6.0, &["the quadtree"]), ("short-of-the-goal.py", 5.0, &short)],
+    );
 }
 
 #[test]
@@ -128,14 +139,23 @@ fn a_map_by_laser_scanner() {
 
 #[test]
 fn a_lane_by_camera() {
-    let mistakes: [Solution; 2] = [("on-the-line.c", 6.0, &["keeps to its lane"]), ("too-slow.py", 8.0, &["a lap in 75 s"])];
+    let mistakes: [Solution; 2] =
+        [("on-the-line.c", 6.0, &["keeps to its lane"]), ("too-slow.py", 8.0, &["a lap in 75 s"])];
     judge("08-lane", "1", "1", mistakes);
 }
 
 #[test]
 fn a_relay_by_radio() {
-    let nothing = ["word 1 arrives", "word 2 arrives", "word 3 arrives", "word 4 arrives", "word 5 arrives", "in order, each once"];
-    let mistakes: [Solution; 2] = [("eight-times.c", 7.0, &["in order, each once"]), ("out-of-range.py", 0.0, &nothing)];
+    let nothing = [
+        "word 1 arrives",
+        "word 2 arrives",
+        "word 3 arrives",
+        "word 4 arrives",
+        "word 5 arrives",
+        "in order, each once",
+    ];
+    let mistakes: [Solution; 2] =
+        [("eight-times.c", 7.0, &["in order, each once"]), ("out-of-range.py", 0.0, &nothing)];
     judge("09-relay", "1..2", "S4", mistakes);
 }
 

@@ -31,7 +31,7 @@ while True:
     angle = remainder(atan2(line[target][1] - y, line[target][0] - x) - radians(phi), 2 * pi)
     if target + 1 == len(line) and (to_end < 10 or abs(angle) > pi / 2):
         break  # there, or past it
-    if abs(angle) > pi / 3:  # at the start the spline may lie behind
+    if abs(angle) > pi / 6:  # at the start the spline may lead elsewhere
         VWTurn(round(degrees(angle)), 90)
         VWWait()
         continue

@@ -46,7 +46,7 @@ int main(int argc, char *argv[])
     angle = remainder(atan2(line[next].y - y, line[next].x - x) - phi * M_PI / 180, 2 * M_PI);
     if (next == count && (to_end < 10 || fabs(angle) > M_PI / 2))
       break; /* there, or past it */
-    if (fabs(angle) > M_PI / 3) { /* at the start the spline may lie behind */
+    if (fabs(angle) > M_PI / 6) { /* at the start the spline may lead elsewhere */
       VWTurn((int)lround(angle * 180 / M_PI), 90);
       VWWait();
       continue;

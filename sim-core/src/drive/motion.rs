@@ -820,7 +820,8 @@ impl Motion {
 
     fn input(&mut self, at: Time, mut input: Input, touching: &[Body]) -> Result<(), CommandError> {
         // The journal has the drive with its error: a replay does not draw again.
-        if let (Input::Command(Command::Drive { displacement, .. }), Some(errors)) = (&mut input, &self.vehicle.errors) {
+        if let (Input::Command(Command::Drive { displacement, .. }), Some(errors)) = (&mut input, &self.vehicle.errors)
+        {
             *displacement = errors.missed(self.vehicle.model.kind, at, *displacement);
         }
         self.apply(at, input, touching)?;

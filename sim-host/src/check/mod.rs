@@ -37,7 +37,7 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in its order. `findings` are those on motion, `tally` has seen the events of the run that `report`
+/// Results of all checks of a scene, in its order; no points if a required one is not met. `findings` are those on motion, `tally` has seen the events of the run that `report`
 /// describes, and which left `evidence` for programs.
 pub fn results(
     checks: &[CheckSpec],
@@ -95,8 +95,14 @@ pub fn results(
         }
     };
     let mut results: Vec<CheckReport> = checks.iter().enumerate().map(result).collect();
-    let is_missed = |(check, result): (&CheckSpec, &CheckReport)| check.is_required && !result.passed;
-    if checks.iter().zip(&results).any(is_missed) {
+    let mut has_missed = false;
+    for (check, result) in checks.iter().zip(&mut results).filter(|(check, result)| check.is_required && !result.passed)
+    {
+        has_missed = true;
+        let name = check.title();
+        result.message = format!("{}; without `{name}` there are no points at all", result.message);
+    }
+    if has_missed {
         results.iter_mut().for_each(|result| result.points = 0.0);
     }
     results

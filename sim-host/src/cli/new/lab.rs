@@ -19,7 +19,9 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     let extension = match args.lang {
         Language::C => "c",
         Language::Python => "py",
-        Language::Cpp | Language::Rust => bail!("labs begin with a program in C or Python: `--lang c` or `--lang python`"),
+        Language::Cpp | Language::Rust => {
+            bail!("labs begin with a program in C or Python: `--lang c` or `--lang python`")
+        }
     };
     let files = DiskFiles::of_environment();
     let labs = files.home().map(|home| Path::new(home).join("labs")).filter(|labs| labs.is_dir());
