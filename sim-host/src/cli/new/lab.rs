@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use sim_format::Files as _;
 
-use super::{Language, NewArgs, editor_files, write_folder};
+use super::{Language, NewArgs, check_name, editor_files, write_folder};
 use crate::files::DiskFiles;
 use crate::program::Generation;
 
@@ -30,7 +30,9 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
         let names: Vec<String> = all(&labs)?.into_iter().map(|(name, _)| name).collect();
         bail!("`{lab}` is no lab: expected one of {}", names.join(", "));
     };
-    let folder = args.folder(args.name.as_deref().unwrap_or(lab));
+    let name = args.name.as_deref().unwrap_or(lab);
+    check_name(name, args.lang)?;
+    let folder = args.folder(name);
     let mut texts = editor_files(args.lang, Generation::Robios7);
     texts.extend(files_of(&source, lab, extension)?);
     write_folder(&folder, &texts)?;
