@@ -37,8 +37,8 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in its order; no points if a required one is not met. `findings` are those on motion, `tally` has seen the events of the run that `report`
-/// describes, and which left `evidence` for programs.
+/// Results of all checks of a scene, in its order; without points if a required one is not met. `findings` are those on motion, `tally` has
+/// seen the events of the run that `report` describes, and which left `evidence` for programs.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,
