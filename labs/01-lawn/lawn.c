@@ -7,7 +7,7 @@ int main(void)
 
   SIMGetRobot(0, &x, &y, &z, &phi); /* the robot's place on the lawn: once, at the start */
   VWSetPosition(x, y, phi);         /* from here on odometry tells it */
-  VWStraight(500, 300);
+  VWStraight(100, 300);
   VWWait();
   return 0;
 }
