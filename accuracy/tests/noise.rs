@@ -17,7 +17,7 @@ use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::spec::Preset;
 use sim_core::time::{TICK, Time};
-use sim_format::{PRESETS, preset};
+use sim_format::{LEVELS, preset};
 
 /// Significance level: the smallest of some hundred p-values lies below it by chance for one seed in a hundred.
 const LEAST: f64 = 1e-4;
@@ -51,9 +51,9 @@ fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
     of_mean.min(of_variance).min(of_distribution)
 }
 
-/// All presets, from the smallest errors to the largest.
+/// The presets that have all kinds of errors, from the smallest to the largest.
 fn presets() -> impl Iterator<Item = Preset> {
-    PRESETS.into_iter().filter_map(preset)
+    LEVELS.into_iter().filter_map(preset)
 }
 
 #[test]

@@ -9,7 +9,7 @@ use sim_core::{
     contact::{SKIN, Thing},
     drive::{Command, DriveKind, Gains, Imperfection, Model, Motion, Wheels},
     math,
-    noise::{Resolution, TwistNoise},
+    noise::{DriveBound, Resolution, TwistNoise},
     object::{Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
     scene::{Segment, Walls},
@@ -48,7 +48,7 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
 
 const NOISE: TwistNoise = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
 
-/// All kinds of errors together.
+/// All kinds of errors that act while the robot moves.
 fn all() -> Imperfection {
     Imperfection {
         diameters: [0.01, -0.015, 0.02, 0.003],
@@ -57,6 +57,7 @@ fn all() -> Imperfection {
         command: NOISE,
         odometry: NOISE,
         resolution: Resolution { length: 1e-3, angle: 1e-3 },
+        bound: DriveBound::default(),
     }
 }
 
@@ -557,4 +558,96 @@ fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
     }
     // Wheel odometry decides when a drive ends.
     assert_eq!(motion.drive_end(), Some(Time::from_millis(2_000)));
+}
+
+/// Errors of two drives, one after the other, in runs with different seeds: metres for straight lines, radians for turns. Checks that odometry
+/// tells the same.
+fn misses(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
+    let run = |seed| {
+        let mut motion = robot(model(), vec![], seed, Imperfection { bound, ..Imperfection::default() });
+        let mut at = Time::ZERO;
+        [first, second].map(|displacement| {
+            let before = motion.pose(at);
+            motion.command(at, Command::Drive { displacement, duration: 2.0 }, &[]).expect("a drive");
+            // A drive of no length is over at once.
+            at = motion.drive_end().unwrap_or(at) + Time::from_millis(10);
+            let (after, odometry) = (motion.pose(at), motion.odometry(at));
+            close(odometry.position, after.position, 1e-12);
+            assert_eq!(odometry.heading, after.heading);
+            if displacement.vx == 0.0 {
+                close(after.position, before.position, 1e-12);
+                after.heading.radians() - before.heading.radians() - displacement.omega
+            } else {
+                assert_eq!(after.heading, before.heading, "a straight line stays straight");
+                (after.position - before.position).length() - displacement.vx
+            }
+        })
+    };
+    (0..2000).map(run).collect()
+}
+
+/// Greatest distance of the empirical distribution of `sample` from the uniform one between -1 and 1 (Kolmogorov and Smirnov).
+fn off_uniform(mut sample: Vec<f64>) -> f64 {
+    sample.sort_by(f64::total_cmp);
+    let count = sample.len() as f64;
+    let off = |(index, value): (usize, &f64)| {
+        let share = (value + 1.0) / 2.0;
+        (share - index as f64 / count).abs().max((share - (index + 1) as f64 / count).abs())
+    };
+    sample.iter().enumerate().map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn targets_err_uniformly_within_their_bounds_and_odometry_tells_it() {
+    let bound = DriveBound { length: 0.004, angle: 2.0 * PI / 180.0 };
+    let straight = Twist::new(1.0, 0.0);
+    let turn = Twist::new(0.0, PI / 2.0);
+    for (first, second) in [(straight, turn), (turn, straight), (straight, straight)] {
+        let scale = |displacement: Twist| if displacement.vx == 0.0 { bound.angle } else { bound.length };
+        let found = misses(bound, first, second);
+        let errors = |index: usize, of: Twist| found.iter().map(|pair| pair[index] / scale(of)).collect::<Vec<f64>>();
+        let [a, b] = [errors(0, first), errors(1, second)];
+        for sample in [&a, &b] {
+            assert!(sample.iter().all(|error| error.abs() <= 1.0 + 1e-9));
+            // 2.2 / sqrt(n) is exceeded by chance once in 10,000 times.
+            let off = off_uniform(sample.clone());
+            assert!(off < 2.2 / (sample.len() as f64).sqrt(), "{off}");
+        }
+        // The mean of a product of two independent ones has the standard deviation 1 / (3 sqrt(n)).
+        let mean = a.iter().zip(&b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64;
+        assert!(mean.abs() < 4.0 / 3.0 / (a.len() as f64).sqrt(), "{mean}");
+    }
+}
+
+#[test]
+fn a_target_errs_at_most_by_the_drive_itself() {
+    let bound = DriveBound { length: 0.004, angle: 2.0 * PI / 180.0 };
+    let small = Twist::new(0.001, 0.0);
+    let errors = misses(bound, small, Twist::new(0.0, 0.01));
+    assert!(errors.iter().all(|pair| pair[0].abs() <= 0.001 + 1e-12 && pair[1].abs() <= 0.01 + 1e-12));
+    assert!(errors.iter().any(|pair| pair[0] < -0.000_999), "it may not move at all");
+}
+
+#[test]
+fn speeds_and_motors_have_no_target_to_miss() {
+    let bound = DriveBound { length: 0.004, angle: 0.03 };
+    let mut erring = robot(model(), vec![], 3, Imperfection { bound, ..Imperfection::default() });
+    let mut exact = robot(model(), vec![], 3, Imperfection::default());
+    for motion in [&mut erring, &mut exact] {
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.5)), &[]).expect("a speed");
+    }
+    let at = Time::from_millis(1234);
+    assert_eq!(erring.pose(at), exact.pose(at));
+}
+
+#[test]
+fn a_car_keeps_its_tightest_curve() {
+    let bound = DriveBound { length: 0.004, angle: 0.03 };
+    let car = Model { kind: DriveKind::Ackermann, ..model() };
+    let radius = car.wheelbase / math::tan(car.max_steering);
+    for seed in 0..50 {
+        let mut motion = robot(car.clone(), vec![], seed, Imperfection { bound, ..Imperfection::default() });
+        let command = Command::Drive { displacement: Twist::new(0.5 * radius, 0.5), duration: 2.0 };
+        assert_eq!(motion.command(Time::ZERO, command, &[]), Ok(()));
+    }
 }

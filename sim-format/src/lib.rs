@@ -52,7 +52,7 @@ pub use load::{
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
-pub use noise::{NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
+pub use noise::{LEVELS, NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
 pub use robi::read_robi;
 pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
 pub use set::{Setting, SettingError};

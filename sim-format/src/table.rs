@@ -216,16 +216,18 @@ impl Reader {
         Some(PathRef { text, span })
     }
 
-    /// Array of strings, each of which may be empty.
-    pub(super) fn texts(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
-        let Some(items) = self.array(section, key, "an array of texts") else {
+    /// Array of strings, each of which may be empty, and of numbers, which count as the strings that write them.
+    pub(super) fn words(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
+        let Some(items) = self.array(section, key, "an array of texts and numbers") else {
             return Vec::new();
         };
         let mut texts = Vec::with_capacity(items.len());
         for item in items {
-            match item.get_ref().as_str() {
-                Some(text) => texts.push(text.to_owned()),
-                None => self.wrong_type(key, item, "a text between double quotes"),
+            match item.get_ref() {
+                DeValue::String(text) => texts.push(text.clone().into_owned()),
+                DeValue::Integer(digits) if digits.radix() == 10 => texts.push(digits.as_str().to_owned()),
+                DeValue::Float(digits) => texts.push(digits.as_str().to_owned()),
+                _ => self.wrong_type(key, item, "a text between double quotes, or a number"),
             }
         }
         texts

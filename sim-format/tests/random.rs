@@ -59,6 +59,24 @@ fn values_lie_in_their_ranges_and_are_spread_over_them() {
 }
 
 #[test]
+fn arguments_may_be_numbers_and_are_told_as_they_are_written() {
+    let text = |arguments: &str| {
+        robot(&format!("program = \"a.c\"\nx_mm = {{ uniform = [700, 700] }}\ny_mm = 500\narguments = [{arguments}]"))
+    };
+    let files =
+        |text: &str| [("a.scene.toml", text), ("a.c", "int main() { return 0; }")].into_iter().collect::<MemoryFiles>();
+    let load = |arguments: &str| load_scene_with("a.scene.toml", with_seed(1), &files(&text(arguments)));
+    let loaded = load("\"-v\", 7, -2.50, { same_as = \"robot.1.x_mm\" }, { choice = [\"b\"] }, \"\"");
+    assert_eq!(loaded.diagnostics, []);
+    assert_eq!(loaded.scene.robots[0].arguments, ["-v", "7", "-2.50", "700", "b", ""]);
+    for wrong in ["true", "[1]", "{ a = 1 }", "0x10", "1979-05-27"] {
+        let loaded = load(wrong);
+        assert!(loaded.has_errors(), "{wrong}");
+        assert!(loaded.diagnostics[0].expected.contains("or a number"), "{wrong}: {:?}", loaded.diagnostics);
+    }
+}
+
+#[test]
 fn a_thing_more_leaves_all_others_as_they_were() {
     let robots = "[[robot]]\nname = \"hunter\"\ntype = \"S4\"\nx_mm = { uniform = [500, 3500] }\ny_mm = 500\n\
                   [[robot]]\ntype = \"S4\"\ncount = 3\nlayout = \"random\"\n";

@@ -157,6 +157,24 @@ fn a_failing_student_sees_what_where_and_when() {
 }
 
 #[test]
+fn without_a_required_check_there_are_no_points() {
+    let of = |least: i32| {
+        format!(
+            "[[check]]\nname = \"sets out\"\nkind = \"reach\"\nat_mm = [{least}, 500]\nwithin_mm = 10\npoints = 0\nrequired = true\n\
+             [[check]]\nname = \"touches nothing\"\nkind = \"contacts\"\npoints = 3\n"
+        )
+    };
+    for (least, code, points, told) in [(900, 0, 3.0, false), (1500, 1, 0.0, true)] {
+        let scratch = scene("VWStraight(500, 300); VWWait();", &of(least));
+        let report = scratch.report("a.scene.toml", &[], code);
+        assert_eq!((&report["points"], &report["max_points"]), (&points.into(), &3.0.into()), "{report:#}");
+        assert_eq!(report["checks"][1]["passed"], true, "the other check is met");
+        let message = report["checks"][0]["message"].as_str().expect("a message");
+        assert_eq!(message.ends_with("; without `sets out` there are no points at all"), told, "{message}");
+    }
+}
+
+#[test]
 fn checks_change_neither_the_run_nor_its_digest() {
     let checks =
         "[[check]]\nkind = \"calls\"\nfunction = \"VWStraight\"\n[[check]]\nkind = \"clearance\"\nmin_mm = 0\n";

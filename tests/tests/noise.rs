@@ -323,3 +323,30 @@ fn the_picture_is_the_one_that_the_scene_draws() {
     let advice = "draw it anew: cargo run --release -- run sims/umbmark.scene.toml --plot docs/noise.svg";
     assert!(scratch.read("noise.svg") == committed, "{advice}");
 }
+
+#[test]
+fn drives_miss_their_targets_within_the_bounds_of_a_course_and_odometry_tells_it() {
+    const DRIVE: &str = "#include \"eyebot.h\"\n#include <stdio.h>\nint main() {\n int x, y, phi, i;\n \
+        for (i = 0; i < 5; i++) {\n VWStraight(300, 200); VWWait(); VWTurn(-72, 80); VWWait();\n \
+        VWGetPosition(&x, &y, &phi); printf(\"%d %d %d\\n\", x, y, phi);\n }\n return 0;\n}\n";
+    let scratch = Scratch::new();
+    scratch.write("drive.c", DRIVE);
+    scratch.write("a.wld", "floor 4000 4000\n");
+    scratch.write("a.sim", "world a.wld\nS4 2000 2000 0 drive.c\n");
+    let run = |args: &[&str]| {
+        let report = scratch.report("a.sim", &[&["--trace", "t.jsonl"], args].concat(), 0);
+        let said: Vec<Value> =
+            scratch.trace("t.jsonl").into_iter().filter(|event| event["event"] == "stdout").collect();
+        (said, report["robots"][0].clone())
+    };
+    let (exact, _) = run(&[]);
+    let (first, robot) = run(&["--noise", "course", "--seed", "1"]);
+    assert_ne!(run(&["--noise", "course", "--seed", "2"]).0, first);
+    assert_ne!(first, exact);
+    assert_eq!(run(&["--noise", "course", "--seed", "1", "--slot", "7"]).0, first, "for every slot length");
+    // The sides of a pentagon are off by 4 mm and their directions by 2, 4, 6, 8 degrees at the most: 5 * 4 + 300 * sin(2 + 4 + 6 + 8).
+    let off = |what: &str| (number(&robot, &format!("{what}.x_m")), number(&robot, &format!("{what}.y_m")));
+    let ((x, y), (odometry_x, odometry_y)) = (off("pose"), off("odometry"));
+    assert!((x - 2.0).hypot(y - 2.0) < 0.02 + 0.3 * 20_f64.to_radians().sin(), "{robot:#}");
+    assert!((x - 2.0 - odometry_x).hypot(y - 2.0 - odometry_y) < 1e-9, "{robot:#}");
+}

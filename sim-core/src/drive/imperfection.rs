@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     RobotId,
-    noise::{self, Events, Purpose, Resolution, Stream, TwistNoise},
+    noise::{self, DriveBound, Events, Purpose, Resolution, Stream, TwistNoise},
     pose::{Pose, Twist},
     time::{TICK, Time},
 };
@@ -38,6 +38,8 @@ pub struct Imperfection {
     /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). None while the
     /// robot is commanded to stand, or while its motors are commanded one by one.
     pub command: TwistNoise,
+    /// Greatest errors of the targets of drives.
+    pub bound: DriveBound,
     /// Noise on the twist that odometry computes from the wheels; none while the wheels stand.
     pub odometry: TwistNoise,
     /// Resolution of odometry readings.
@@ -69,6 +71,7 @@ impl noise::MotionNoise {
             slip: self.slip,
             slip_deviation: self.slip_sigma,
             command: self.command,
+            bound: self.bound,
             odometry: self.odometry,
             resolution: self.resolution,
         }
@@ -94,6 +97,8 @@ impl Imperfection {
             ("command noise of the speed as a share", self.command.speed_share),
             ("command noise of the turning speed", self.command.turn),
             ("command noise of the turning speed as a share", self.command.turn_share),
+            ("bound of the distance of a drive", self.bound.length),
+            ("bound of the angle of a drive", self.bound.angle),
             ("odometry noise of the speed", self.odometry.speed),
             ("odometry noise of the speed as a share", self.odometry.speed_share),
             ("odometry noise of the turning speed", self.odometry.turn),
@@ -176,6 +181,7 @@ pub(super) struct MotionErrors {
     slip: Events,
     command: Events,
     odometry: Events,
+    drive: Events,
 }
 
 /// Twists of the axle that result from wheels with errors.
@@ -214,7 +220,28 @@ impl MotionErrors {
             slip: events(Purpose::Command, "slip"),
             command: events(Purpose::Command, ""),
             odometry: events(Purpose::Odometry, ""),
+            drive: events(Purpose::Drive, ""),
         }
+    }
+
+    /// `displacement` of a drive that begins at `at`, with the error of its target. The event is the instant. A car keeps the curve
+    /// on which it was sent, which may be its tightest: the angle errs as the length does.
+    pub fn missed(&self, kind: DriveKind, at: Time, displacement: Twist) -> Twist {
+        let DriveBound { length, angle } = self.imperfection.bound;
+        if length == 0.0 && angle == 0.0 {
+            return displacement;
+        }
+        let mut stream = self.drive.at(Events::index(at, Time(1)));
+        // Drawn in any case: the error of the angle does not depend on that of the length.
+        let [along, around] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
+        let (way, turn) = (displacement.speed(), displacement.omega.abs());
+        let scale = if way > 0.0 { 1.0 + along.clamp(-way, way) / way } else { 1.0 };
+        let missed = displacement.scaled(scale);
+        if kind == DriveKind::Ackermann {
+            return missed;
+        }
+        let omega = displacement.omega + if turn > 0.0 { around.clamp(-turn, turn) } else { 0.0 };
+        Twist { omega, ..missed }
     }
 
     fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
@@ -306,6 +333,7 @@ mod tests {
             slip: -1.0,
             slip_sigma: 1.0,
             command: most,
+            bound: DriveBound { length: 1e3, angle: 6.3 },
             odometry: most,
             resolution: Resolution { length: 1e3, angle: 6.3 },
         };

@@ -818,7 +818,12 @@ impl Motion {
         stage.next(&self.vehicle, &self.walls, next_tick).is_some()
     }
 
-    fn input(&mut self, at: Time, input: Input, touching: &[Body]) -> Result<(), CommandError> {
+    fn input(&mut self, at: Time, mut input: Input, touching: &[Body]) -> Result<(), CommandError> {
+        // The journal has the drive with its error: a replay does not draw again.
+        if let (Input::Command(Command::Drive { displacement, .. }), Some(errors)) = (&mut input, &self.vehicle.errors)
+        {
+            *displacement = errors.missed(self.vehicle.model.kind, at, *displacement);
+        }
         self.apply(at, input, touching)?;
         self.journal.push((at, input));
         Ok(())

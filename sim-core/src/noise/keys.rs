@@ -186,6 +186,18 @@ pub const DRIVE: Keys<MotionNoise> = &[
         share("standard deviation of the turning speed"),
         |motion| &mut motion.command.turn_share,
     ),
+    key(
+        "distance_bound_mm",
+        "Greatest error in mm of the distance of a drive; each drive's own is uniform.",
+        spread("bound of the distance"),
+        |motion| &mut motion.bound.length,
+    ),
+    key(
+        "angle_bound_deg",
+        "Greatest error in degrees of the angle of a drive; each drive's own is uniform.",
+        turn("bound of the angle", 0.0),
+        |motion| &mut motion.bound.angle,
+    ),
 ];
 
 /// Keys of the errors between motion and odometry.

@@ -16,7 +16,7 @@ mod stream;
 pub use angle::{AngleErrors, AngleNoise};
 pub use blur::blur;
 pub use image::{ImageErrors, ImageNoise};
-pub use motion::{MotionNoise, Resolution, TwistNoise};
+pub use motion::{DriveBound, MotionNoise, Resolution, TwistNoise};
 pub use normal::normal_quantile;
 pub use parameter::{Parameter, ParameterError};
 pub use profile::{Accessor, Profile, RangeKind};

@@ -39,6 +39,8 @@ pub enum Purpose {
     Scene = 13,
     /// Instants of faults.
     Fault = 14,
+    /// Errors of the targets of drives.
+    Drive = 15,
 }
 
 /// Seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.

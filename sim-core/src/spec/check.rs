@@ -14,6 +14,8 @@ pub struct CheckSpec {
     pub name: String,
     /// Points for a run that meets it, 0 or more.
     pub points: f64,
+    /// A run that does not meet it has no points at all.
+    pub is_required: bool,
     /// The condition.
     pub kind: CheckKind,
     /// Place of its table in the file.
@@ -23,7 +25,7 @@ pub struct CheckSpec {
 impl CheckSpec {
     /// The check of this kind, worth one point.
     pub fn of(kind: CheckKind) -> Self {
-        Self { name: String::new(), points: 1.0, kind, span: Span::default() }
+        Self { name: String::new(), points: 1.0, is_required: false, kind, span: Span::default() }
     }
 
     /// Its name, or the word of its kind.

@@ -49,6 +49,8 @@ impl Form for CheckSpec {
         keys.key("name", "Its name in the table and the report; the kind if left out.").maybe(TEXT, &mut name);
         self.name = name.unwrap_or_default();
         keys.key("points", "Points for a run that meets it; 1 if left out.").optional(POINTS, &mut self.points);
+        keys.key("required", "A run that does not meet it has no points at all; false if left out.")
+            .flag(&mut self.is_required);
         kind_keys(&mut self.kind, keys);
     }
 }

@@ -45,7 +45,8 @@ pub(crate) const NOISE: Custom<NoiseRef> = Custom {
     },
     describe: |definitions| {
         definition(definitions, "NoiseForm", |definitions| {
-            let name = json!({ "description": "`none`, `mild`, `real`, `harsh`, or a file.", "type": "string" });
+            let name =
+                json!({ "description": "`none`, `mild`, `real`, `harsh`, `course`, or a file.", "type": "string" });
             let mut profile = Kind::<NoiseSpec>::describe(&PART, definitions);
             profile["description"] = "In place.".into();
             json!({ "description": "A noise profile.", "anyOf": [name, profile] })

@@ -71,11 +71,11 @@ impl Words for char {
     ];
 }
 
-/// Array of strings, each of which may be empty.
+/// Array of strings, each of which may be empty, and of numbers.
 const ARGUMENTS: Custom<Vec<String>> = Custom {
-    read: |at| Some(at.reader.texts(at.section, at.key)),
+    read: |at| Some(at.reader.words(at.section, at.key)),
     print: |texts| texts.clone().into(),
-    describe: |_| json!({ "type": "array", "items": { "type": "string" } }),
+    describe: |_| json!({ "type": "array", "items": { "type": ["string", "number"] } }),
 };
 
 impl Form for RobotLine {

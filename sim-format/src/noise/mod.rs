@@ -19,10 +19,13 @@ const MAX_LISTED: usize = 32;
 /// Suffix of file names that identifies a profile without reading its content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
 
-/// Names of the presets, from the smallest errors to the largest. `none` has no errors; `mild` stands for good,
+/// Names of the presets: first [`LEVELS`]; in `course` drives miss their targets within bounds, and nothing else errs.
+pub const PRESETS: [&str; 5] = ["none", "mild", "real", "harsh", "course"];
+
+/// Names of the presets that have all kinds of errors, from the smallest to the largest. `none` has no errors; `mild` stands for good,
 /// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh`
 /// stands for bad light, a slippery floor and worn devices.
-pub const PRESETS: [&str; 4] = ["none", "mild", "real", "harsh"];
+pub const LEVELS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
 /// Preset named `name`.
 pub fn preset(name: &str) -> Option<Preset> {
@@ -42,6 +45,7 @@ pub fn preset_text(name: &str) -> Option<&'static str> {
         "mild" => Some(include_str!("mild.toml")),
         "real" => Some(include_str!("real.toml")),
         "harsh" => Some(include_str!("harsh.toml")),
+        "course" => Some(include_str!("course.toml")),
         _ => None,
     }
 }

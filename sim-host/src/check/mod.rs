@@ -37,8 +37,8 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in its order. `findings` are those on motion, `tally` has seen the events of the run that `report`
-/// describes, and which left `evidence` for programs.
+/// Results of all checks of a scene, in its order; without points if a required one is not met. `findings` are those on motion, `tally` has
+/// seen the events of the run that `report` describes, and which left `evidence` for programs.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,
@@ -94,7 +94,18 @@ pub fn results(
             message: verdict.message,
         }
     };
-    checks.iter().enumerate().map(result).collect()
+    let mut results: Vec<CheckReport> = checks.iter().enumerate().map(result).collect();
+    let mut has_missed = false;
+    for (check, result) in checks.iter().zip(&mut results).filter(|(check, result)| check.is_required && !result.passed)
+    {
+        has_missed = true;
+        let name = check.title();
+        result.message = format!("{}; without `{name}` there are no points at all", result.message);
+    }
+    if has_missed {
+        results.iter_mut().for_each(|result| result.points = 0.0);
+    }
+    results
 }
 
 /// Verdict of a check during a run.

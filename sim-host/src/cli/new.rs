@@ -1,4 +1,6 @@
-//! `eyesim new`: writes a folder with a program, a robot, a world and a sim file that run at once.
+//! `eyesim new`: writes a folder with a program, a robot, a world and a sim file that run at once, or with a lab of the course.
+
+mod lab;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,9 +15,12 @@ use crate::program::Generation;
 /// Arguments of `eyesim new`.
 #[derive(Args, Debug)]
 pub struct NewArgs {
-    /// Name of the program and of its folder
-    #[arg(value_name = "NAME")]
-    pub name: String,
+    /// Name of the program and of its folder; with `--lab` of the folder alone, which has the lab's name if this is left out
+    #[arg(value_name = "NAME", required_unless_present = "lab")]
+    pub name: Option<String>,
+    /// Write a lab of the course: its page, scene, suite, and a program to begin with
+    #[arg(long, value_name = "LAB", conflicts_with_all = ["api", "suite"])]
+    pub lab: Option<String>,
     /// Language of the program
     #[arg(long, value_enum, default_value_t = Language::C)]
     pub lang: Language,
@@ -49,20 +54,24 @@ pub enum Language {
 /// # Errors
 /// If the name is invalid or exists already, or a file cannot be written.
 pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
-    check_name(&args.name, args.lang)?;
-    let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
+    if let Some(lab) = &args.lab {
+        return lab::run(lab, args);
+    }
+    let name = args.name.as_deref().unwrap_or_default();
+    check_name(name, args.lang)?;
+    let folder = args.folder(name);
     let api = robios_api_folder();
     let eyesim = host::script().context("cannot tell the path of eyesim, which the tasks for VS Code name")?;
     let eyesim = eyesim.display().to_string();
     let generation = generation(args.lang, args.api)?;
-    let project = Project { name: &args.name, lang: args.lang, generation, eyesim: &eyesim };
+    let project = Project { name, lang: args.lang, generation, eyesim: &eyesim };
     let mut files = project.files(api.as_deref());
     if args.suite {
-        let text = include_str!("new/suite.toml").replace("@NAME@", &args.name);
-        files.push((format!("{}.suite.toml", args.name), text));
+        let text = include_str!("new/suite.toml").replace("@NAME@", name);
+        files.push((format!("{name}.suite.toml"), text));
     }
     write_folder(&folder, &files)?;
-    println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);
+    println!("wrote `{}`; run it with\n\n    eyesim run {}/{name}.sim\n", folder.display(), folder.display());
     if args.suite {
         println!("and judge it with\n\n    eyesim test {}\n", folder.display());
     }
@@ -73,6 +82,13 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
         );
     }
     Ok(ExitCode::SUCCESS)
+}
+
+impl NewArgs {
+    /// The folder `name` where the user wants it.
+    fn folder(&self, name: &str) -> PathBuf {
+        if self.path == Path::new(".") { PathBuf::from(name) } else { self.path.join(name) }
+    }
 }
 
 /// Names that cargo refuses for a package, or that would hide a crate the program uses.
@@ -209,19 +225,12 @@ impl Project<'_> {
             Language::C | Language::Cpp => {
                 files.push((program.clone(), fill(self.c_template())));
                 files.push(("README.md".into(), fill(include_str!("new/readme-c.md"))));
-                let standard = if self.lang == Language::C { "-std=gnu17" } else { "-xc++\n-std=gnu++17" };
-                files.push(("compile_flags.txt".into(), format!("{standard}\n-Wall\n-Iinclude\n")));
-                let headers = match self.generation {
-                    Generation::Robios6 => robios_sys::c::HEADERS6,
-                    Generation::Robios7 => robios_sys::c::HEADERS7,
-                };
-                files
-                    .extend(headers.iter().map(|header| (format!("include/{}", header.name), header.text.to_string())));
+                files.extend(editor_files(self.lang, self.generation));
             }
             Language::Python => {
                 files.push((program.clone(), fill(include_str!("new/robios7.py"))));
                 files.push(("README.md".into(), fill(include_str!("new/readme-python.md"))));
-                files.push(("eye.py".into(), robios_sys::python::eye()));
+                files.extend(editor_files(self.lang, self.generation));
             }
             Language::Rust => {
                 let source = match self.generation {
@@ -278,6 +287,22 @@ impl Project<'_> {
     }
 }
 
+/// What editors need to complete and check calls of RoBIOS: path in the folder of the program, and text.
+fn editor_files(lang: Language, generation: Generation) -> Vec<(String, String)> {
+    let standard = match lang {
+        Language::C => "-std=gnu17",
+        Language::Cpp => "-xc++\n-std=gnu++17",
+        Language::Python => return vec![("eye.py".into(), robios_sys::python::eye())],
+        Language::Rust => return Vec::new(),
+    };
+    let headers = match generation {
+        Generation::Robios6 => robios_sys::c::HEADERS6,
+        Generation::Robios7 => robios_sys::c::HEADERS7,
+    };
+    let headers = headers.iter().map(|header| (format!("include/{}", header.name), header.text.to_string()));
+    headers.chain([("compile_flags.txt".into(), format!("{standard}\n-Wall\n-Iinclude\n"))]).collect()
+}
+
 /// Escapes `text` for a TOML string.
 fn toml_text(text: &str) -> String {
     text.replace('\\', r"\\").replace('"', r#"\""#)
@@ -306,7 +331,7 @@ mod tests {
     use super::*;
 
     fn new(name: &str, lang: Language, path: &Path) -> Result<(), String> {
-        run(&NewArgs { name: name.into(), lang, api: None, suite: false, path: path.into() })
+        run(&NewArgs { name: Some(name.into()), lab: None, lang, api: None, suite: false, path: path.into() })
             .map(drop)
             .map_err(|error| error.to_string())
     }

@@ -149,8 +149,9 @@ pub(super) fn points_of_check(results: &[CaseResult], variant: &Variant, index: 
     let of_variant = || results.iter().filter(|result| result.row.variant == variant.name);
     let check = |result: &CaseResult| Some((result.row.points, result.row.checks.get(index)?.clone()));
     // A case in which a program failed has no points, whatever its checks say.
+    // The sum of no numbers is -0 in Rust.
     let points =
-        of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).map(|(_, check)| check.points).sum::<f64>();
+        of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).fold(0.0, |sum, (_, check)| sum + check.points);
     let most = of_variant().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
     (points / of_variant().count().max(1) as f64, most)
 }

@@ -1,0 +1,14 @@
+/* DistBug: complete it. Arguments: the goal, X Y in mm. */
+#include <stdlib.h>
+#include "eyebot.h"
+
+int main(int argc, char *argv[])
+{
+  int x, y, z, phi, scan[360];
+
+  SIMGetRobot(0, &x, &y, &z, &phi); /* the robot's place: once, at the start */
+  VWSetPosition(x, y, phi);         /* from here on odometry tells it */
+  LIDARGet(scan);                   /* from left to right; scan[180] is ahead */
+  LCDPrintf("goal %d %d, free ahead %d mm\n", atoi(argv[1]), atoi(argv[2]), scan[180]);
+  return 0;
+}

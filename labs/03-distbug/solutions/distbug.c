@@ -1,0 +1,91 @@
+/* DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free way towards the goal brings
+ * the robot nearer to it than it has ever been. Arguments: the goal, X Y in mm. */
+#include <math.h>
+#include <stdlib.h>
+#include "eyebot.h"
+
+#define POINTS     360
+#define NEAR       260 /* an obstacle ahead at which it begins to follow, mm */
+#define KEEP       220 /* distance kept from the boundary, mm */
+#define STEP       100 /* gain of distance to the goal for which it leaves, mm */
+#define HALF_WIDTH 120 /* half of the width that the robot needs, mm */
+#define SPEED      200 /* mm/s */
+
+static int scan[POINTS]; /* mm, from left to right, one a degree */
+
+/* Measured distance in a direction, in degrees to the left. */
+static int distance_at(int direction)
+{
+  return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
+}
+
+/* How far the robot can drive in a direction, mm. */
+static int free_way(int direction)
+{
+  int at, way = 9999;
+  for (at = -85; at <= 85; at++) {
+    double distance = distance_at(direction + at), angle = at * M_PI / 180;
+    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < way)
+      way = (int)(distance * cos(angle));
+  }
+  return way;
+}
+
+static int limited(double value, int limit)
+{
+  return (int)lround(value > limit ? limit : value < -limit ? -limit : value);
+}
+
+/* Drives with the boundary at the left: its nearest point is kept at 90 degrees, at the distance KEEP. */
+static void follow(void)
+{
+  int at, direction = 90, distance = 9999;
+  for (at = -45; at <= 170; at++)
+    if (distance_at(at) < distance) {
+      distance = distance_at(at);
+      direction = at;
+    }
+  double off = direction - 90;
+  int speed = limited(SPEED * (1 - fabs(off) / 45), SPEED);
+  VWSetSpeed(speed > 0 ? speed : 0, limited(2.5 * off + 0.4 * (distance - KEEP), 90));
+}
+
+int main(int argc, char *argv[])
+{
+  int goal_x = atoi(argv[1]), goal_y = atoi(argv[2]);
+  int x, y, z, phi, hit_x = 0, hit_y = 0, is_following = 0;
+  double to_goal, nearest_yet = 1e9;
+
+  SIMGetRobot(0, &x, &y, &z, &phi);
+  VWSetPosition(x, y, phi);
+  LIDARSet(360, 0, POINTS);
+  for (;;) {
+    int turn, way;
+    LIDARGet(scan);
+    VWGetPosition(&x, &y, &phi);
+    to_goal = hypot(goal_x - x, goal_y - y);
+    if (to_goal < 20)
+      break;
+    nearest_yet = fmin(nearest_yet, to_goal);
+    turn = (int)lround(remainder(atan2(goal_y - y, goal_x - x) * 180 / M_PI - phi, 360));
+    way = free_way(turn); /* towards the goal */
+    if (is_following) {
+      int is_nearer = to_goal - (way - NEAR) <= nearest_yet - STEP || way >= to_goal;
+      if (way > NEAR && is_nearer && hypot(x - hit_x, y - hit_y) > 100)
+        is_following = 0;
+    } else if (abs(turn) <= 20 && free_way(0) < NEAR && free_way(0) < to_goal) {
+      is_following = 1;
+      hit_x = x;
+      hit_y = y;
+    }
+    if (is_following)
+      follow();
+    else if (abs(turn) > 20)
+      VWSetSpeed(0, limited(3.0 * turn, 90));
+    else
+      VWSetSpeed(to_goal < 200 ? (int)to_goal / 2 + 20 : SPEED, limited(2.0 * turn, 60));
+    OSWait(20);
+  }
+  VWSetSpeed(0, 0);
+  return 0;
+}

@@ -1,0 +1,71 @@
+"""Brushfire: a fire starts at all obstacles at once and burns from cell to cell; the number of a cell tells its distance from them. The robot
+drives along the cells with the greatest numbers. Arguments: the goal, then the pillars, X Y each, in mm.
+"""
+import sys
+from math import atan2, degrees, hypot, remainder
+
+from eye import *
+
+SIDE = 16   # cells in a row
+CELL = 250  # mm
+CELLS = [(row, column) for row in range(SIDE) for column in range(SIDE)]
+
+
+def neighbours(cell):
+    row, column = cell
+    return (row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)
+
+
+def burn(occupied):
+    """The number of each cell: 1 is occupied, and so is all beyond the floor."""
+    number = {cell: 1 for cell in occupied}
+    value = 2
+    while len(number) < len(CELLS):
+        front = [cell for cell in CELLS if cell not in number and (
+            any(number.get(n) == value - 1 for n in neighbours(cell)) or value == 2 and any(n not in CELLS for n in neighbours(cell)))]
+        number.update((cell, value) for cell in front)
+        value += 1
+    return number
+
+
+def find_way(start, goal, least):
+    """The shortest way over cells with a number of at least `least`; empty if there is none."""
+    towards, queue = {goal: None}, [goal]
+    for cell in queue:
+        for n in neighbours(cell):
+            if number.get(n, 0) >= least and n not in towards:
+                towards[n] = cell
+                queue.append(n)
+    way, cell = [], start if start in towards else None
+    while cell:
+        way.append(cell)
+        cell = towards[cell]
+    return way
+
+
+def drive_to(to_x, to_y):
+    x, y, phi = VWGetPosition()
+    turn = round(remainder(degrees(atan2(to_y - y, to_x - x)) - phi, 360))
+    if turn != 0:
+        VWTurn(turn, 90)
+        VWWait()
+    VWStraight(round(hypot(to_x - x, to_y - y)), 300)
+    VWWait()
+
+
+goal_x, goal_y, *numbers = map(int, sys.argv[1:])
+x, y, z, phi = SIMGetRobot(0)
+VWSetPosition(x, y, phi)
+occupied = set()
+for pillar_x, pillar_y in zip(numbers[::2], numbers[1::2]):
+    occupied |= {(pillar_y // CELL - i, pillar_x // CELL - j) for i in (0, 1) for j in (0, 1)}
+number = burn(occupied)
+for row in reversed(range(SIDE)):
+    print(" ".join(f"{number[row, column]:2}" for column in range(SIDE)))
+start, goal = (y // CELL, x // CELL), (goal_y // CELL, goal_x // CELL)
+least = number[start]
+while not find_way(start, goal, least):
+    least -= 1
+for row, column in find_way(start, goal, least):
+    drive_to((column + 0.5) * CELL, (row + 0.5) * CELL)
+drive_to(goal_x, goal_y)

@@ -1,0 +1,41 @@
+"""Judges the last map that the program prints: 12 rows, from the top, of 16 cells: `#` occupied, `.` free, `?` unknown.
+
+The truth is where the boxes of this seed stand, which the report lists.
+"""
+import json
+import sys
+
+COLUMNS, ROWS, CELL = 16, 12, 250
+RIGHT = 97  # least percentage
+
+question, report, trace = sys.argv[1:]
+drawn = {item["path"]: item["value"] for item in json.load(open(report))["drawn"]}
+boxes = [(drawn[f"object.box.{n}.x_mm"], drawn[f"object.box.{n}.y_mm"]) for n in range(1, 6)]
+truth = [["."] * COLUMNS for _ in range(ROWS)]
+for x, y in boxes:
+    for column in x // CELL - 1, x // CELL:
+        for row in y // CELL - 1, y // CELL:
+            truth[ROWS - 1 - row][column] = "#"
+
+lines = []
+for line in open(trace):
+    event = json.loads(line)
+    if event["event"] == "stdout" and event["robot"] == 1:
+        text = event["text"].strip()
+        if len(text) == COLUMNS and set(text) <= set("#.?"):
+            lines.append(text)
+printed = lines[-ROWS:]
+
+pairs = [pair for row in zip(printed, truth) for pair in zip(*row)]
+known = [pair for pair in pairs if pair[0] != "?"]
+if len(printed) < ROWS:
+    passed, message = False, f"{len(lines)} rows of {COLUMNS} cells are printed, a map has {ROWS}"
+elif question == "printed":
+    passed, message = 2 * len(known) >= len(pairs), f"{len(known)} of {len(pairs)} cells are known, half are asked for"
+else:
+    right = sum(found == true for found, true in known)
+    of = len(pairs) if question == "complete" else max(1, len(known))
+    passed = 100 * right >= RIGHT * of and ("#", "#") in known
+    what = "all cells" if question == "complete" else "the known cells"
+    message = f"{100 * right / of:.1f} % of {what} are known and right, {RIGHT} % are asked for"
+print(json.dumps({"passed": passed, "message": message}))

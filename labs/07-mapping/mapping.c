@@ -1,0 +1,21 @@
+/* Maps a room: complete it. */
+#include <stdio.h>
+#include "eyebot.h"
+
+#define COLUMNS 16
+#define ROWS    12
+
+int main(void)
+{
+  int distances[360], x, y, z, phi, row, column;
+
+  SIMGetRobot(0, &x, &y, &z, &phi); /* the robot's place in the room: once, at the start */
+  VWSetPosition(x, y, phi);         /* from here on odometry tells it */
+  LIDARGet(distances);              /* from left to right; distances[180] is ahead */
+  for (row = 0; row < ROWS; row++) {
+    for (column = 0; column < COLUMNS; column++)
+      putchar('?');
+    putchar('\n');
+  }
+  return 0;
+}

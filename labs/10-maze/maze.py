@@ -1,0 +1,7 @@
+"""Finds its way through the maze: complete it."""
+from eye import *
+
+CELL = 360  # mm
+
+VWSetPosition(CELL // 2, CELL // 2, 90)  # the start: in the lower left cell, looking up
+LCDPrintf("front %d, left %d, right %d mm\n", PSDGet(PSD_FRONT), PSDGet(PSD_LEFT), PSDGet(PSD_RIGHT))

@@ -1,0 +1,13 @@
+/* A mistake: the simulator carries the robot, which a real one would not do. */
+#include "eyebot.h"
+
+int main(void)
+{
+  SIMSetRobot(0, 1980, 1980, 0, 0);
+  OSWait(100);
+  SIMSetRobot(0, 180, 180, 0, 90);
+  OSWait(100);
+  SIMSetRobot(0, 1980, 1980, 0, 0);
+  OSWait(100);
+  return 0;
+}
