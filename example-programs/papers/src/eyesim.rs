@@ -18,8 +18,9 @@ const REJECT: f64 = 0.001;
 
 /// `robis/scout.robi`: diameter of the wheels and track, m; greatest rate of a wheel, rad/s.
 const SCOUT: [f64; 3] = [0.054, 0.1, 20.0 * PI];
-/// `robis/mecanum.robi`, likewise; its wheelbase is its track.
+/// `robis/mecanum.robi`, likewise, and its wheelbase, m.
 const MECANUM: [f64; 3] = [0.1, 0.22, 4.0 * PI];
+const WHEELBASE: f64 = 0.24;
 /// The scout's PSDs in the order of `eyesim/spin.c`: name, and angle on its circle and of its ray, rad.
 const PSDS: [(&str, f64); 4] =
     [("PSD_FRONT", 0.0), ("PSD_LEFT", FRAC_PI_2), ("PSD_RIGHT", -FRAC_PI_2), ("PSD_BACK", PI)];
@@ -233,11 +234,11 @@ fn differential(trace: &Trace) -> anyhow::Result<Claim> {
 fn omnidirectional(trace: &Trace) -> anyhow::Result<Claim> {
     let twist = |percents: &[f64]| {
         let s = speeds(MECANUM, percents);
-        let turning = (-s[0] + s[1] - s[2] + s[3]) / (4.0 * MECANUM[1]);
+        let turning = (-s[0] + s[1] - s[2] + s[3]) / (2.0 * (MECANUM[1] + WHEELBASE));
         [0.25 * (s[0] + s[1] + s[2] + s[3]), 0.25 * (-s[0] + s[1] + s[2] - s[3]), turning]
     };
     let (number, holds) = exact(slots(trace, twist)?);
-    let ours = "motors at 6 sets of rates: true motion against the first two rows, and a third row with the signs (-, +, -, +)";
+    let ours = "motors at 6 sets of rates: true motion against the first two rows, and a third row (-, +, -, +) c / (2 (track + wheelbase))";
     Ok(claim("2", "forward kinematics of the drive with four Mecanum wheels", ours, number, holds))
 }
 
