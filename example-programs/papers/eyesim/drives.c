@@ -10,7 +10,7 @@ int main(void)
 
   VWStartControl(vw, 7.0, 0.3, 7.0, 0.1);
   for (i = 0; i < 12; i++) {
-    double length = 0.25 + 0.11 * i, angle = (i % 2 ? -1 : 1) * (0.3 + 0.21 * i);
+    float length = 0.25 + 0.11 * i, angle = (i % 2 ? -1 : 1) * (0.3 + 0.21 * i); /* as RoBIOS takes them */
     switch (i % 3) {
     case 0: VWDriveStraight(vw, length, 0.4); angle = 0; break;
     case 1: VWDriveTurn(vw, angle, 1.5); length = 0; break;

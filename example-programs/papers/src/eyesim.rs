@@ -18,10 +18,12 @@ const REJECT: f64 = 0.001;
 
 /// `robis/scout.robi`: diameter of the wheels and track, m; greatest rate of a wheel, rad/s.
 const SCOUT: [f64; 3] = [0.054, 0.1, 20.0 * PI];
-/// `robis/mecanum.robi`, likewise; its wheelbase is its track.
+/// `robis/mecanum.robi`, likewise, and its wheelbase, m.
 const MECANUM: [f64; 3] = [0.1, 0.22, 4.0 * PI];
+const WHEELBASE: f64 = 0.24;
 /// The scout's PSDs in the order of `eyesim/spin.c`: name, and angle on its circle and of its ray, rad.
-const PSDS: [(&str, f64); 4] = [("PSD_FRONT", 0.0), ("PSD_LEFT", FRAC_PI_2), ("PSD_RIGHT", -FRAC_PI_2), ("PSD_BACK", PI)];
+const PSDS: [(&str, f64); 4] =
+    [("PSD_FRONT", 0.0), ("PSD_LEFT", FRAC_PI_2), ("PSD_RIGHT", -FRAC_PI_2), ("PSD_BACK", PI)];
 /// Distance of the PSDs from the robot's centre, m.
 const PSD_RADIUS: f64 = 0.08;
 /// Size of the room in which PSDs and cameras look at walls, and place of the robot in it, m.
@@ -99,20 +101,18 @@ fn scenes(job: &Job) -> Vec<Run> {
         y = 1e3 * ROOM.y
     );
     let open = "floor_mm = [40000, 40000]";
-    let robot = |robi: &str, program: &str, argument: &str, place: DVec2, more: &str| {
+    let robot = |robi: &str, program: &str, argument: &str, place: &str| {
         format!(
-            "[[robot]]\ntype = \"%sim%/robis/{robi}.robi\"\nprogram = \"%sim%/example-programs/papers/eyesim/{program}.c\"\narguments = [{argument}]\nx_mm \
-             = {}\ny_mm = {}\nheading_deg = 0\n{more}\n",
-            1e3 * place.x,
-            1e3 * place.y
+            "[[robot]]\ntype = \"%sim%/robis/{robi}.robi\"\nprogram = \"%sim%/example-programs/papers/eyesim/{program}.c\"\narguments = \
+             [{argument}]\n{place}\n"
         )
     };
-    let middle = DVec2::splat(20.0);
-    let in_open = |robi, program, argument| robot(robi, program, argument, middle, "");
-    let in_room = |program, argument| robot("scout", program, argument, PLACE, "");
+    let at = |place: DVec2| format!("x_mm = {}\ny_mm = {}\nheading_deg = 0", 1e3 * place.x, 1e3 * place.y);
     let grid = |count: usize| {
         format!("count = {count}\nlayout = {{ kind = \"grid\", from_mm = [1000, 1000], spacing_mm = [600, 600] }}")
     };
+    let in_open = |robi, program, argument| robot(robi, program, argument, &at(DVec2::splat(20.0)));
+    let in_room = |program, argument| robot("scout", program, argument, &at(PLACE));
     let run = |name: &str, scene: &str, world: &str, robots: &str| Run {
         name: name.to_owned(),
         scene: Scene::Text(format!("[scene]\nuntil_s = 3000\n{scene}\n\n[world]\n{world}\n\n{robots}")),
@@ -122,7 +122,7 @@ fn scenes(job: &Job) -> Vec<Run> {
     let speed_noise = format!("noise = {{ drive = {{ v_sigma_mm_s = {} }} }}", 1e3 * SPEED_SIGMA);
     let impulse_noise = format!("noise = {{ camera = {{ salt_and_pepper = {IMPULSE}, salt = {SALT} }} }}");
     let radio_noise = format!("noise = {{ radio = {{ bit_error_rate = {BIT_ERRORS}, packet_loss = {PACKET_LOSS} }} }}");
-    let pair = in_room("channel", "") + &robot("scout", "channel", "", PLACE - DVec2::X * 0.4, "");
+    let pair = in_room("channel", "") + &robot("scout", "channel", "", &at(PLACE - DVec2::X * 0.4));
     vec![
         run("wheels", "", open, &in_open("scout", "wheels", "")),
         run("mecanum", "", open, &in_open("mecanum", "wheels", "\"4\"")),
@@ -133,11 +133,16 @@ fn scenes(job: &Job) -> Vec<Run> {
         run("clean", "", &walls, &in_room("frames", "")),
         run("frames", &impulse_noise, &walls, &in_room("frames", "")),
         run("channel", &radio_noise, &walls, &pair),
-        run("costs", &format!("costs = {{ robios6 = {{ PSDGet = {COST_US} }} }}"), &walls, &in_room("readings", "\"compute\"")),
-        run("future", "", open, &robot("scout", "future", "", middle, &grid(SENDERS))),
+        run(
+            "costs",
+            &format!("costs = {{ robios6 = {{ PSDGet = {COST_US} }} }}"),
+            &walls,
+            &in_room("readings", "\"compute\""),
+        ),
+        run("future", "", open, &robot("scout", "future", "", &grid(SENDERS))),
         run("tasks", "", &walls, &in_room("tasks", "")),
         run("loose", "", &walls, &in_room("tasks", "\"loose\"")),
-        run("crowd", "", open, &robot("scout", "look", "", middle, &grid(CROWD))),
+        run("crowd", "", open, &robot("scout", "look", "", &grid(CROWD))),
     ]
 }
 
@@ -229,11 +234,11 @@ fn differential(trace: &Trace) -> anyhow::Result<Claim> {
 fn omnidirectional(trace: &Trace) -> anyhow::Result<Claim> {
     let twist = |percents: &[f64]| {
         let s = speeds(MECANUM, percents);
-        let turning = (-s[0] + s[1] - s[2] + s[3]) / (4.0 * MECANUM[1]);
+        let turning = (-s[0] + s[1] - s[2] + s[3]) / (2.0 * (MECANUM[1] + WHEELBASE));
         [0.25 * (s[0] + s[1] + s[2] + s[3]), 0.25 * (-s[0] + s[1] + s[2] - s[3]), turning]
     };
     let (number, holds) = exact(slots(trace, twist)?);
-    let ours = "motors at 6 sets of rates: true motion against the first two rows, and a third row with the signs (-, +, -, +)";
+    let ours = "motors at 6 sets of rates: true motion against the first two rows, and a third row (-, +, -, +) c / (2 (track + wheelbase))";
     Ok(claim("2", "forward kinematics of the drive with four Mecanum wheels", ours, number, holds))
 }
 
@@ -265,8 +270,15 @@ fn v_omega(trace: &Trace) -> anyhow::Result<Claim> {
     }
     anyhow::ensure!(count == 12, "{count} drives");
     let number = format!("{off:.1e} m, {turned:.1e} rad over {count} drives in a row");
-    let ours = "VWDriveStraight, VWDriveTurn and VWDriveCurve: true poses after each against the commanded lengths and angles";
-    Ok(claim("2", "driving functions for straight and curve segments and turns on the spot", ours, number, off < EXACT_M && turned < EXACT_RAD))
+    let ours =
+        "VWDriveStraight, VWDriveTurn and VWDriveCurve: true poses after each against the commanded lengths and angles";
+    Ok(claim(
+        "2",
+        "driving functions for straight and curve segments and turns on the spot",
+        ours,
+        number,
+        off < EXACT_M && turned < EXACT_RAD,
+    ))
 }
 
 /// Distance from a point in the room to its walls, along a direction.
@@ -283,7 +295,10 @@ fn rays(trace: &Trace) -> anyhow::Result<Claim> {
     for entry in trace.of_robot(1) {
         let Event::Distance { device, distance_m: Some(distance), measured_s } = &entry.event else { continue };
         let (_, angle) = PSDS.iter().find(|(name, _)| name == device).context("a PSD of the scout")?;
-        let Some([(begin, _, from), (end, _, to)]) = poses.array_windows().find(|[_, (end, ..)]| *end >= *measured_s) else { continue };
+        let Some([(begin, _, from), (end, _, to)]) = poses.array_windows().find(|[_, (end, ..)]| *end >= *measured_s)
+        else {
+            continue;
+        };
         if *begin > *measured_s {
             continue;
         }
@@ -295,7 +310,13 @@ fn rays(trace: &Trace) -> anyhow::Result<Claim> {
     }
     anyhow::ensure!(count > 500, "{count} readings");
     let ours = "four PSDs while the robot turns in a room: readings against the distances to its walls; they are whole millimetres";
-    Ok(claim("4.1", "a PSD measures the distance to the obstacle that its ray hits", ours, format!("{:.3} mm at most, of {count} readings", 1e3 * worst), worst <= READING_M))
+    Ok(claim(
+        "4.1",
+        "a PSD measures the distance to the obstacle that its ray hits",
+        ours,
+        format!("{:.3} mm at most, of {count} readings", 1e3 * worst),
+        worst <= READING_M,
+    ))
 }
 
 /// Errors of the readings of `eyesim/readings.c`, m.
@@ -321,7 +342,13 @@ fn gaussian_readings(trace: &Trace) -> anyhow::Result<Claim> {
         1e3 * moments.variance.sqrt()
     );
     let ours = "mean and standard deviation of a PSD's errors against 0 and 20 mm, and Kolmogorov-Smirnov";
-    Ok(claim("5", "the noise of PSDs is additive, Gaussian, with mean zero", ours, number, mean.min(spread).min(shape) >= REJECT))
+    Ok(claim(
+        "5",
+        "the noise of PSDs is additive, Gaussian, with mean zero",
+        ours,
+        number,
+        mean.min(spread).min(shape) >= REJECT,
+    ))
 }
 
 fn white_readings(trace: &Trace) -> Claim {
@@ -356,7 +383,13 @@ fn gaussian_speed(trace: &Trace) -> anyhow::Result<Claim> {
         1e3 * moments.variance.sqrt()
     );
     let ours = "noise of 50 mm/s on the speed: mean and standard deviation of the lengths of drives of 0.3 m against 0 and 5 mm";
-    Ok(claim("5", "the noise of the v-omega interface is additive, Gaussian, with mean zero", ours, number, mean.min(spread).min(shape) >= REJECT))
+    Ok(claim(
+        "5",
+        "the noise of the v-omega interface is additive, Gaussian, with mean zero",
+        ours,
+        number,
+        mean.min(spread).min(shape) >= REJECT,
+    ))
 }
 
 fn impulses(clean: &Trace, frames: &Trace) -> anyhow::Result<Claim> {
@@ -364,9 +397,16 @@ fn impulses(clean: &Trace, frames: &Trace) -> anyhow::Result<Claim> {
     let [noisy_black, noisy_white, all] = only(frames, 1)?;
     let count = (noisy_black + noisy_white) as u64;
     let p = binomial(count, all as u64, IMPULSE);
-    let number = format!("{:.3} % of {all:.0} pixels, p {p:.2}; without noise {:.0}", 100.0 * count as f64 / all, black + white);
+    let number =
+        format!("{:.3} % of {all:.0} pixels, p {p:.2}; without noise {:.0}", 100.0 * count as f64 / all, black + white);
     let ours = "black and white pixels of grey images against P_e = 5 %";
-    Ok(claim("5", "salt and pepper noise replaces a pixel with probability P_e", ours, number, p >= REJECT && black + white == 0.0))
+    Ok(claim(
+        "5",
+        "salt and pepper noise replaces a pixel with probability P_e",
+        ours,
+        number,
+        p >= REJECT && black + white == 0.0,
+    ))
 }
 
 fn salt(frames: &Trace) -> anyhow::Result<Claim> {
@@ -382,7 +422,13 @@ fn lost(channel: &Trace) -> anyhow::Result<Claim> {
     let missing = MESSAGES - arrived as u64;
     let p = binomial(missing, MESSAGES, PACKET_LOSS);
     let number = format!("{:.2} % of {MESSAGES}, p {p:.2}", 100.0 * missing as f64 / MESSAGES as f64);
-    Ok(claim("5.1", "whole packages are dropped with probability P_p", "messages that did not arrive against P_p = 5 %", number, p >= REJECT))
+    Ok(claim(
+        "5.1",
+        "whole packages are dropped with probability P_p",
+        "messages that did not arrive against P_p = 5 %",
+        number,
+        p >= REJECT,
+    ))
 }
 
 fn flipped(channel: &Trace) -> anyhow::Result<Claim> {
@@ -390,7 +436,13 @@ fn flipped(channel: &Trace) -> anyhow::Result<Claim> {
     let bits = arrived as u64 * BITS;
     let p = binomial(wrong as u64, bits, BIT_ERRORS);
     let number = format!("{:.2e} of {bits} bits, p {p:.2}", wrong / bits as f64);
-    Ok(claim("5.1", "the binary symmetric channel swaps each bit with probability P_b", "wrong bits of the others against P_b = 0.001", number, p >= REJECT))
+    Ok(claim(
+        "5.1",
+        "the binary symmetric channel swaps each bit with probability P_b",
+        "wrong bits of the others against P_b = 0.001",
+        number,
+        p >= REJECT,
+    ))
 }
 
 fn table(trace: &Trace) -> anyhow::Result<Claim> {
@@ -399,7 +451,13 @@ fn table(trace: &Trace) -> anyhow::Result<Claim> {
     anyhow::ensure!(times.len() == 3000, "{} readings", times.len());
     let worst = times.array_windows().map(|[one, next]| (1e6 * (next - one) - COST_US).abs()).fold(0.0, f64::max);
     let ours = "PSDGet, 1500 us in the table, 3000 times with computing of different lengths between: deviation of the time between two calls";
-    Ok(claim("6.1", "virtual time adds up the table's execution times of RoBIOS calls; native C is neglected", ours, format!("{worst:.3} us at most"), worst < 1e-3))
+    Ok(claim(
+        "6.1",
+        "virtual time adds up the table's execution times of RoBIOS calls; native C is neglected",
+        ours,
+        format!("{worst:.3} us at most"),
+        worst < 1e-3,
+    ))
 }
 
 fn no_future(trace: &Trace) -> anyhow::Result<Claim> {
@@ -410,8 +468,15 @@ fn no_future(trace: &Trace) -> anyhow::Result<Claim> {
         future += early;
     }
     let number = format!("{future:.0} of {received:.0}");
-    let ours = "messages that were received before the time that they carry, among 8 robots that send at random instants";
-    Ok(claim("6.2", "synchronization excludes messages from the future", ours, number, future == 0.0 && received > 1000.0))
+    let ours =
+        "messages that were received before the time that they carry, among 8 robots that send at random instants";
+    Ok(claim(
+        "6.2",
+        "synchronization excludes messages from the future",
+        ours,
+        number,
+        future == 0.0 && received > 1000.0,
+    ))
 }
 
 fn semaphores(tasks: &Trace, loose: &Trace) -> anyhow::Result<Claim> {
@@ -419,19 +484,37 @@ fn semaphores(tasks: &Trace, loose: &Trace) -> anyhow::Result<Claim> {
     let [without, ..] = only::<4>(loose, 1)?;
     let number = format!("{count:.0} of 200 counts; without the semaphore {without:.0}");
     let ours = "four pre-emptive tasks count to 50 each and wait within each count, under a semaphore and without";
-    Ok(claim("7", "semaphores are available for secure inter-thread communication", ours, number, count == 200.0 && without < 200.0))
+    Ok(claim(
+        "7",
+        "semaphores are available for secure inter-thread communication",
+        ours,
+        number,
+        count == 200.0 && without < 200.0,
+    ))
 }
 
 fn suspended(tasks: &Trace) -> anyhow::Result<Claim> {
     let [_, turns, while_suspended, after_kill] = only(tasks, 1)?;
     let number = format!("{while_suspended:.0} while suspended, {after_kill:.0} after the kill, of {turns:.0}");
     let ours = "turns of a task that another suspends, readies and kills";
-    Ok(claim("7", "threads can be suspended, resumed and terminated by other threads", ours, number, while_suspended == 0.0 && after_kill == 0.0 && turns > 100.0))
+    Ok(claim(
+        "7",
+        "threads can be suspended, resumed and terminated by other threads",
+        ours,
+        number,
+        while_suspended == 0.0 && after_kill == 0.0 && turns > 100.0,
+    ))
 }
 
 fn many(trace: &Trace) -> anyhow::Result<Claim> {
     let seeing = (1..=CROWD as u32).map(|robot| only::<1>(trace, robot)).collect::<anyhow::Result<Vec<_>>>()?;
     let seeing = seeing.iter().filter(|[levels]| *levels > 1.0).count();
     let ours = "robots in one scene that took an image with more than one grey level";
-    Ok(claim("8", "no restrictions in the number of robots with vision systems", ours, format!("{seeing} of {CROWD}"), seeing == CROWD))
+    Ok(claim(
+        "8",
+        "no restrictions in the number of robots with vision systems",
+        ours,
+        format!("{seeing} of {CROWD}"),
+        seeing == CROWD,
+    ))
 }
