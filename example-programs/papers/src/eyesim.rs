@@ -48,10 +48,9 @@ const CROWD: usize = 300;
 /// Robots that send the time to each other.
 const SENDERS: usize = 8;
 
-/// Tolerances: position, m; angle, rad; readings of a PSD, which are whole millimetres, m.
+/// Tolerances: positions and distances, m; angles, rad.
 const EXACT_M: f64 = 1e-9;
 const EXACT_RAD: f64 = 1e-9;
-const READING_M: f64 = 0.5e-3 + 1e-9;
 
 /// Makes the page.
 ///
@@ -309,13 +308,13 @@ fn rays(trace: &Trace) -> anyhow::Result<Claim> {
         count += 1;
     }
     anyhow::ensure!(count > 500, "{count} readings");
-    let ours = "four PSDs while the robot turns in a room: readings against the distances to its walls; they are whole millimetres";
+    let ours = "four PSDs while the robot turns in a room: readings, before they become whole millimetres, against the distances to its walls";
     Ok(claim(
         "4.1",
         "a PSD measures the distance to the obstacle that its ray hits",
         ours,
-        format!("{:.3} mm at most, of {count} readings", 1e3 * worst),
-        worst <= READING_M,
+        format!("{worst:.1e} m at most, of {count} readings"),
+        worst < EXACT_M,
     ))
 }
 
