@@ -13,11 +13,11 @@ use tests::{Scratch, root};
 const POINTS: f64 = 10.0;
 
 /// A solution, its points, and the checks that it does not meet.
-type Solution = (&'static str, f64, &'static [&'static str]);
+type Solution<'t> = (&'t str, f64, &'t [&'t str]);
 
 /// Runs each solution of the lab in this folder with the suite and compares all rows with what is expected. `few` are the seeds of a short
 /// test, `robot` is the one whose program a solution is.
-fn judge(folder: &str, few: &str, robot: &str, with_mistakes: [Solution; 2]) {
+fn judge(folder: &str, few: &str, robot: &str, with_mistakes: [Solution<'_>; 2]) {
     let (_, name) = folder.split_once('-').expect("a number and a name");
     let scratch = Scratch::new();
     let lab = root().join("labs").join(folder);
@@ -93,7 +93,7 @@ fn a_lawn_in_lanes() {
 
 #[test]
 fn waypoints_and_a_spline() {
-    let mistakes: [Solution; 2] =
+    let mistakes: [Solution<'_>; 2] =
         [("straight-lines.c", 6.0, &["along the spline"]), ("never-stops.py", 8.0, &["stops at the last one"])];
     judge("02-waypoints", "1..2", "1", mistakes);
 }
@@ -118,7 +118,7 @@ fn a_quadtree() {
 
 #[test]
 fn brushfire() {
-    let mistakes: [Solution; 2] =
+    let mistakes: [Solution<'_>; 2] =
         [("upside-down.c", 6.0, &["the grid"]), ("along-the-wall.py", 7.0, &["keeps its distance"])];
     judge("05-brushfire", "1..2", "1", mistakes);
 }
@@ -126,7 +126,7 @@ fn brushfire() {
 #[test]
 fn a_star() {
     let short = ["the goal", "drives a shortest way"];
-    let mistakes: [Solution; 2] =
+    let mistakes: [Solution<'_>; 2] =
         [("through-pillars.c", 7.0, &["the distance matrix"]), ("one-too-few.py", 6.0, &short)];
     judge("06-astar", "1..2", "1", mistakes);
 }
@@ -139,7 +139,7 @@ fn a_map_by_laser_scanner() {
 
 #[test]
 fn a_lane_by_camera() {
-    let mistakes: [Solution; 2] =
+    let mistakes: [Solution<'_>; 2] =
         [("on-the-line.c", 6.0, &["keeps to its lane"]), ("too-slow.py", 8.0, &["a lap in 75 s"])];
     judge("08-lane", "1", "1", mistakes);
 }
@@ -154,7 +154,7 @@ fn a_relay_by_radio() {
         "word 5 arrives",
         "in order, each once",
     ];
-    let mistakes: [Solution; 2] =
+    let mistakes: [Solution<'_>; 2] =
         [("eight-times.c", 7.0, &["in order, each once"]), ("out-of-range.py", 0.0, &nothing)];
     judge("09-relay", "1..2", "S4", mistakes);
 }
