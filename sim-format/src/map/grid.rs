@@ -151,7 +151,8 @@ struct Raster {
 impl Raster {
     fn new(world: &WorldSpec, cell: f64) -> Option<Self> {
         let sides = (world.floor / cell - ON_BORDER).ceil().max(DVec2::ONE) + 2.0;
-        if !(sides.x * sides.y <= MAX_CELLS as f64) {
+        let count = sides.x * sides.y;
+        if count.is_nan() || count > MAX_CELLS as f64 {
             return None;
         }
         let size = [sides.x as usize, sides.y as usize];
@@ -187,7 +188,7 @@ impl Raster {
     /// A wall along the border to the left of the column `x`.
     fn upright(&mut self, x: f64, from: f64, to: f64) {
         let [columns, rows] = self.size;
-        if !(x >= 1.0 && x < columns as f64) {
+        if !(1.0..columns as f64).contains(&x) {
             return;
         }
         for row in Self::covered(from, to, rows) {
@@ -200,7 +201,7 @@ impl Raster {
     /// A wall along the border below the row `y`.
     fn level(&mut self, y: f64, from: f64, to: f64) {
         let [columns, rows] = self.size;
-        if !(y >= 1.0 && y < rows as f64) {
+        if !(1.0..rows as f64).contains(&y) {
             return;
         }
         for column in Self::covered(from, to, columns) {

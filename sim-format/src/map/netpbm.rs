@@ -193,7 +193,7 @@ fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2])
 
 fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
     // A pixel takes two bytes at least, but for the last one.
-    if (words.bytes.len() + 1) / 2 < columns * rows {
+    if words.bytes.len().div_ceil(2) < columns * rows {
         return too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
     }
     let mut levels = Vec::with_capacity(columns * rows);

@@ -63,7 +63,7 @@ pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, S
     let ends = || walls.iter().map(|wall| wall.from);
     let low = ends().reduce(DVec2::min).unwrap_or_default();
     let high = ends().reduce(DVec2::max).unwrap_or_default();
-    if !(low.abs().max(high.abs()).max_element() <= 0.5 * MAX_LENGTH) {
+    if low.abs().max(high.abs()).max_element() > 0.5 * MAX_LENGTH {
         sink.error(Code::NumberRange, Span::default(), "the world is larger than 1000 km", "a smaller world");
         walls.clear();
     }

@@ -79,8 +79,8 @@ pub(super) fn read(sink: &mut Sink, bytes: &[u8]) -> MazeRead {
         let is_maze =
             |cells: &CellWalls| cells.walls[0] == 0b1110 && cells.is_closed() && cells.one_sided().next().is_none();
         let all = ORDERS.into_iter().flat_map(|(name, order)| bit_orders().map(move |bits| (name, order, bits)));
-        let fitting = all.map(|(name, order, bits)| (name, order, bits, read(order, bits)));
-        if let Some((name, other, bits, found)) = fitting.filter(|(.., cells)| is_maze(cells)).next() {
+        let mut fitting = all.map(|(name, order, bits)| (name, order, bits, read(order, bits)));
+        if let Some((name, other, bits, found)) = fitting.find(|(.., cells)| is_maze(cells)) {
             let [north, east, south, west] = bits;
             let message = format!(
                 "the walls fit together only if the cells are {name}, with the bits {north} north, {east} east, {south} south, \
