@@ -359,10 +359,37 @@ def _store(target, values, name):
         target[index] = value
 
 
+def _result_is_dropped():
+    """Whether the program drops the result of the function of this module that asks through another one."""
+    frame = _sys._getframe(3)
+    code, after = frame.f_code.co_code, frame.f_lasti + 2
+    while after < len(code) and code[after] == _opcode.opmap.get("CACHE"):
+        after += 2
+    return after < len(code) and code[after] == _opcode.opmap["POP_TOP"]
+
+
+_remarked = set()
+
+
+def _remark(text):
+    """Tells the user of a likely mistake in the line of the program, each once."""
+    frame = _sys._getframe(1)
+    while frame is not None and frame.f_code.co_filename in _own_files:
+        frame = frame.f_back
+    if frame is not None and text not in _remarked:
+        _remarked.add(text)
+        _consoles[1].write(f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}: hint: {text}\n")
+
+
 def _out(name, written, *targets):
     """What a call has written, if the program gives nothing that could take it; else the call's result."""
     count = len(targets)
     if not any(_takes(target) for target in targets):
+        if any(target is not None for target in targets) and _result_is_dropped():
+            code = _sys._getframe(1).f_code
+            names = code.co_varnames[: code.co_argcount]
+            left, right = ", ".join(names[-count:]), ", ".join(names[:-count])
+            _remark(f"`{name}` returns what it reads: write `{left} = {name}({right})`")
         return written[0] if count == 1 else _Values(written[:count])
     for target, value in zip(targets, written):
         if _takes(target):
@@ -1371,12 +1398,21 @@ def _own_frames(report):
         report = report.__context__
 
 
+_PLACE, _PLACE_READY, _PLACE_ASKED, _PLACE_TOLD = 40, 1, 2, 3
+
+
 def _tell_place(_signal_number, frame):
-    """The program has used up its processor time: tells where it is."""
+    """Tells where the program is: it goes on if the simulator has asked, and ends if it has used up its processor time."""
     if _channel is None or _channel.turn.value == 1:
         return
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
+    if _struct.unpack_from("<I", _channel.memory, _PLACE)[0] == _PLACE_ASKED:
+        if frame is not None:
+            name = _os.path.basename(frame.f_code.co_filename).encode("utf-8", "replace")
+            _struct.pack_into("<I16s", _channel.memory, _PLACE + 4, frame.f_lineno, name)
+            _struct.pack_into("<I", _channel.memory, _PLACE, _PLACE_TOLD)
+        return
     place = "" if frame is None else f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}"
     text = place.encode("utf-8", "replace")
     body = _struct.pack("<iIQQQQ", _signal.SIGURG, len(text), 0, 0, 0, 0) + text
@@ -1477,6 +1513,22 @@ def _exit_code_of(program, path):
     return 0
 
 
+_ONLY_TREE = 0x400  # `ast.PyCF_ONLY_AST`, without the import
+
+
+def _remark_on_missing_parentheses(tree, file):
+    """Tells of statements that only name a function of this module: `VWWait` in place of `VWWait()`."""
+    for part in ("body", "orelse", "finalbody", "handlers"):
+        statements = getattr(tree, part, ())
+        for statement in statements if isinstance(statements, list) else ():
+            value = getattr(statement, "value", None) if type(statement).__name__ == "Expr" else None
+            name = getattr(value, "attr", None) or getattr(value, "id", None)
+            if name in _functions:
+                text = f"`{name}` without `()` does nothing: write `{name}()`"
+                _consoles[1].write(f"{file}:{statement.lineno}: hint: {text}\n")
+            _remark_on_missing_parentheses(statement, file)
+
+
 def _run(path):
     """Runs the program as `__main__`; its exit code."""
     import atexit
@@ -1489,8 +1541,10 @@ def _run(path):
 
     def program():
         with open(path, "rb") as file:
-            code = compile(file.read(), path, "exec")
-        exec(code, module.__dict__)
+            text = file.read()
+        tree = compile(text, path, "exec", _ONLY_TREE)
+        _remark_on_missing_parentheses(tree, _os.path.basename(path))
+        exec(compile(text, path, "exec"), module.__dict__)
 
     exit_code = _exit_code_of(program, path)
     try:
@@ -1520,6 +1574,7 @@ def _main(path):
     _signal.signal(_signal.SIGURG, _tell_place)
     path = _os.path.abspath(path)
     _sys.path[0] = _os.path.dirname(path)
+    _struct.pack_into("<I", channel.memory, _PLACE, _PLACE_READY)
     channel.send(_READY, _struct.pack("<Q", 0))
     kind, body = channel.receive()
     if kind != _RUN:

@@ -40,6 +40,7 @@ struct eyesim_support {
     int32_t (*task_yield)(void *robot, int32_t *result);
     int32_t (*task_turn)(void *robot, int32_t *result);
     int32_t (*input)(void *robot, struct eyesim_room bytes, int32_t *result);
+    int32_t (*unopened)(void *robot, struct eyesim_bytes name, int32_t error, int32_t *result);
 };
 
 /* Version 1. */

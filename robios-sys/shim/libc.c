@@ -43,8 +43,11 @@ static void send_line(struct console *console)
     int32_t result = 0;
     if (console->used > 0 && self.host != NULL) {
         struct frame *frame = self.frame;
-        int32_t status = self.host->support->console(self.robot, console->number,
-                                                     bytes_of(console->line, console->used), &result);
+        const void *site = self.call_site.address;
+        int32_t status;
+        self.call_site.address = __builtin_return_address(0);
+        status = self.host->support->console(self.robot, console->number, bytes_of(console->line, console->used), &result);
+        self.call_site.address = site;
         self.frame = frame;
         if (status == EYESIM_STOP)
             self.stop_pending = 1;
@@ -77,9 +80,12 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
     (void)console;
     if (may_call() && !self.is_leaving) {
         struct frame *frame = self.frame;
+        const void *site = self.call_site.address;
         int32_t status;
         send_line(&self.out); /* a prompt */
+        self.call_site.address = self.reader != NULL ? self.reader : __builtin_return_address(0);
         status = self.host->support->input(self.robot, room_of(bytes, len), &count);
+        self.call_site.address = site;
         self.frame = frame;
         if (status == EYESIM_STOP) {
             self.stop_pending = 1;
@@ -270,7 +276,8 @@ LIBC(int, __dprintf_chk, (int descriptor, int flag, const char *format, ...))
 }
 
 /* Reading functions are interposed so that a program at the end of its standard input asks the host again each time, which tells
- * the user, and so that it can be stopped there. */
+ * the user, and so that it can be stopped there. The outermost one notes where the program has called it (READER). */
+#define READER (self.reader = self.reader != NULL ? self.reader : __builtin_return_address(0))
 static void begin_reading(FILE *stream)
 {
     if (stream != NULL && stream == stdin)
@@ -278,24 +285,43 @@ static void begin_reading(FILE *stream)
 }
 static void end_reading(FILE *stream)
 {
+    self.reader = NULL;
     if (stream != NULL && stream == stdin)
         written(0);
 }
 LIBC(int, fgetc, (FILE *stream))
 {
     int c;
+    READER;
     begin_reading(stream);
     c = fgetc_unlocked(stream);
     end_reading(stream);
     return c;
 }
-LIBC(int, getc, (FILE *stream)) { return libc_fgetc(stream); }
-LIBC(int, _IO_getc, (FILE *stream)) { return libc_fgetc(stream); }
-LIBC(int, getchar, (void)) { return libc_fgetc(stdin); }
-LIBC(int, getchar_unlocked, (void)) { return libc_fgetc(stdin); }
+LIBC(int, getc, (FILE *stream))
+{
+    READER;
+    return libc_fgetc(stream);
+}
+LIBC(int, _IO_getc, (FILE *stream))
+{
+    READER;
+    return libc_fgetc(stream);
+}
+LIBC(int, getchar, (void))
+{
+    READER;
+    return libc_fgetc(stdin);
+}
+LIBC(int, getchar_unlocked, (void))
+{
+    READER;
+    return libc_fgetc(stdin);
+}
 LIBC(wint_t, getwchar, (void))
 {
     wint_t c;
+    READER;
     begin_reading(stdin);
     c = fgetwc(stdin);
     end_reading(stdin);
@@ -303,6 +329,7 @@ LIBC(wint_t, getwchar, (void))
 }
 LIBC(char *, fgets, (char *line, int len, FILE *stream))
 {
+    READER;
     begin_reading(stream);
     line = fgets_unlocked(line, len, stream);
     end_reading(stream);
@@ -319,6 +346,7 @@ LIBC(char *, gets, (char *line))
 }
 LIBC(size_t, fread, (void *to, size_t size, size_t count, FILE *stream))
 {
+    READER;
     begin_reading(stream);
     count = fread_unlocked(to, size, count, stream);
     end_reading(stream);
@@ -328,12 +356,17 @@ extern ssize_t __getdelim(char **line, size_t *room, int end, FILE *stream);
 LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
 {
     ssize_t len;
+    READER;
     begin_reading(stream);
     len = __getdelim(line, room, end, stream);
     end_reading(stream);
     return len;
 }
-LIBC(ssize_t, getline, (char **line, size_t *room, FILE *stream)) { return libc_getdelim(line, room, '\n', stream); }
+LIBC(ssize_t, getline, (char **line, size_t *room, FILE *stream))
+{
+    READER;
+    return libc_getdelim(line, room, '\n', stream);
+}
 static int scan(FILE *stream, const char *format, va_list arguments)
 {
     int count;
@@ -342,19 +375,45 @@ static int scan(FILE *stream, const char *format, va_list arguments)
     end_reading(stream);
     return count;
 }
-LIBC(int, fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
-LIBC(int, __isoc99_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
-LIBC(int, __isoc23_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, scan(stream, format, arguments)); }
-LIBC(int, scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
-LIBC(int, __isoc99_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
-LIBC(int, __isoc23_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, scan(stdin, format, arguments)); }
-LIBC(int, vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
-LIBC(int, __isoc99_vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
-LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments)) { return scan(stdin, format, arguments); }
+LIBC(int, fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stream, format, arguments))); }
+LIBC(int, __isoc99_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stream, format, arguments))); }
+LIBC(int, __isoc23_fscanf, (FILE *stream, const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stream, format, arguments))); }
+LIBC(int, scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stdin, format, arguments))); }
+LIBC(int, __isoc99_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stdin, format, arguments))); }
+LIBC(int, __isoc23_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, (READER, scan(stdin, format, arguments))); }
+LIBC(int, vscanf, (const char *format, va_list arguments))
+{
+    READER;
+    return scan(stdin, format, arguments);
+}
+LIBC(int, __isoc99_vscanf, (const char *format, va_list arguments))
+{
+    READER;
+    return scan(stdin, format, arguments);
+}
+LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments))
+{
+    READER;
+    return scan(stdin, format, arguments);
+}
+
+/* Tells the host which file there is not: the program may go on with the null pointer. */
+LIBC(FILE *, fopen, (const char *name, const char *mode))
+{
+    FILE *stream = fopen64(name, mode);
+    if (stream == NULL) {
+        int error = errno;
+        int32_t result = 0;
+        SUPPORT(unopened, text_of(name), error, &result);
+        errno = error;
+    }
+    return stream;
+}
 
 static ssize_t read_input(void *bytes, size_t len)
 {
     ssize_t count = cookie_read(NULL, bytes, len);
+    self.reader = NULL;
     written(0);
     return count;
 }
@@ -401,12 +460,18 @@ LIBC(int, fileno, (FILE *stream))
 }
 LIBC(ssize_t, read, (int descriptor, void *bytes, size_t len))
 {
-    return descriptor == 0 ? read_input(bytes, len) : __read(descriptor, bytes, len);
+    if (descriptor != 0)
+        return __read(descriptor, bytes, len);
+    READER;
+    return read_input(bytes, len);
 }
 LIBC(ssize_t, __read_chk, (int descriptor, void *bytes, size_t len, size_t room))
 {
     len = len < room ? len : room;
-    return descriptor == 0 ? read_input(bytes, len) : __read(descriptor, bytes, len);
+    if (descriptor != 0)
+        return __read(descriptor, bytes, len);
+    READER;
+    return read_input(bytes, len);
 }
 LIBC(int, close, (int descriptor))
 {

@@ -86,6 +86,7 @@ static struct {
     int ignored_calls; /* of destructors of a program that is being left */
     int stop_pending; /* the host has stopped the program while it could not be left */
     struct console out, err;
+    const void *reader; /* where the program has called the function that reads standard input */
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
 
@@ -419,6 +420,7 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     frame.mark = MARK_OF(&frame);
     main_task.base = &frame;
     self.is_leaving = self.stop_pending = self.ignored_calls = 0;
+    self.reader = NULL;
     self.host = host;
     self.robot = robot;
     self.frame = &frame;

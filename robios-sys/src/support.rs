@@ -133,5 +133,9 @@ crate::table::function_table! {
         /// Reads from standard input: the rest of the current line with its end, at most as many bytes as fit.
         /// Waits for a line where somebody may still type one. Returns the number of bytes, 0 at the end of the input.
         fn input(bytes: OutBytes) -> i32 = 0;
+
+        /// Tells that the program could not open the file of this name, with the number of the system's error, so that a fault by the null
+        /// pointer which it got can be explained. No time passes. Returns 0.
+        fn unopened(name: Text, error: i32) -> i32 = 0;
     }
 }

@@ -62,7 +62,7 @@ fn a_fault_in_one_run_is_that_runs_result() {
     let reasons = broken.robots.iter().map(|robot| robot.reason.as_deref().unwrap_or_default());
     let [other, faulted] = reasons.collect::<Vec<_>>()[..] else { panic!("two robots") };
     assert_eq!(other, "another robot's program broke");
-    assert!(faulted.starts_with("segmentation fault at address 0x8 at p1.c:5"), "{faulted}");
+    assert!(faulted.starts_with("null pointer used (segmentation fault at address 0x8) at p1.c:5"), "{faulted}");
     assert_eq!(broken.robots[0].outcome, Outcome::Interrupted);
     assert_eq!(lost_flows(), 1, "that of the other robot has been let go");
     assert_eq!(run(good.path()).digest, alone, "this process runs on");

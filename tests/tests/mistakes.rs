@@ -51,6 +51,7 @@ const CASES: &[Case] = &[
     case("a semicolon or colon missing", "mine.py", "from eye import *\nwhile True\n    OSWait(100)\n"),
     case("a semicolon or colon missing", "mine", "let near = 0.3.metres()\n    let far = near;"),
     case("a loop without an end", "mine.c", "int main(void)\n{\n  while (1)\n    ;\n}\n"),
+    case("a loop without an end", "mine.cpp", "int main()\n{\n  while (true)\n    ;\n}\n"),
     case("a loop without an end", "mine.py", "while True:\n    pass\n"),
     case(
         "a loop without an end",
@@ -61,6 +62,11 @@ const CASES: &[Case] = &[
         "division by a variable that is 0",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  int parts = LCDClear();\n  LCDPrintf(\"%d\\n\", 100 / parts);\n  return 0;\n}\n",
+    ),
+    case(
+        "division by a variable that is 0",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  int parts = LCDClear();\n  LCDPrintf(\"%d\\n\", 100 / parts);\n}\n",
     ),
     case("division by a variable that is 0", "mine.py", "from eye import *\nparts = LCDClear()\nprint(100 // parts)\n"),
     case(
@@ -74,15 +80,42 @@ const CASES: &[Case] = &[
         "#include \"eyebot.h\"\nint main(void)\n{\n  int parts = 0;\n  LCDPrintf(\"%d\\n\", 100 / parts);\n  return 0;\n}\n",
     ),
     case(
+        "division by a number that is 0",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  LCDPrintf(\"%d\\n\", 100 / 0);\n}\n",
+    ),
+    case("division by a number that is 0", "mine.py", "print(100 // 0)\n"),
+    case("division by a number that is 0", "mine", "println!(\"{}\", 100 / 0);"),
+    case(
         "a text too long for its array",
         "mine.c",
         "#include <stdio.h>\n#include <string.h>\nint main(int argc, char **argv)\n{\n  char name[4];\n  strcpy(name, argv[0]);\n  strcat(name, \"a name that is too long\");\n  puts(name);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text too long for its array",
+        "mine.cpp",
+        "#include <cstdio>\nint main()\n{\n  char name[4];\n  std::sprintf(name, \"a name that is too long\");\n  std::puts(name);\n}\n",
+    ),
+    case(
+        "an index beyond the array",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int distances[4];\n  for (int i = 0; i <= 40; i++)\n    distances[i] = PSDGet(1);\n  return distances[0];\n}\n",
+    ),
+    case(
+        "an index beyond the array",
+        "mine.cpp",
+        "#include <cstdio>\n#include <vector>\nint main()\n{\n  std::vector<int> distances(4);\n  std::printf(\"%d\\n\", distances.at(4));\n}\n",
     ),
     case("an index beyond the array", "mine.py", "distances = [0] * 4\ndistances[4] = 1\n"),
     case(
         "an index beyond the array",
         "mine",
         "let distances = vec![0; 4];\n    let last = distances.len();\n    println!(\"{}\", distances[last]);",
+    ),
+    case(
+        "an index beyond memory of `malloc`",
+        "mine.c",
+        "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  int *map = malloc(4 * sizeof(int));\n  for (int i = 0; i <= 400; i++)\n    map[i] = i;\n  printf(\"%d\\n\", map[3]);\n  free(map);\n  return 0;\n}\n",
     ),
     case(
         "freed twice",
@@ -93,6 +126,11 @@ const CASES: &[Case] = &[
         "nothing there to read",
         "mine.c",
         "#include <stdio.h>\nint main(void)\n{\n  int n = -1;\n  scanf(\"%d\", &n);\n  printf(\"read %d\\n\", n);\n  return 0;\n}\n",
+    ),
+    case(
+        "nothing there to read",
+        "mine.cpp",
+        "#include <iostream>\nint main()\n{\n  int n;\n  std::cin >> n;\n  std::cout << n;\n}\n",
     ),
     case("nothing there to read", "mine.py", "n = int(input())\n"),
     case(
@@ -106,7 +144,13 @@ const CASES: &[Case] = &[
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet(9);\n}\n",
     ),
+    case(
+        "a sensor that the robot has not",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  return PSDGet(9);\n}\n",
+    ),
     case("a sensor that the robot has not", "mine.py", "from eye import *\nPSDGet(9)\n"),
+    case("a sensor that the robot has not", "mine", "robot.psd(\"PSD_NOSE\")?;"),
     Case {
         mistake: "a robot that there is not",
         program: "mine.c",
@@ -136,17 +180,33 @@ const CASES: &[Case] = &[
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  VWTurn(90, 90);\n  VWStraight(100, 100);\n  return 0;\n}\n",
     ),
+    case(
+        "a drive without a wait",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  VWTurn(90, 90);\n  VWStraight(100, 100);\n}\n",
+    ),
     case("a drive without a wait", "mine.py", "from eye import *\nVWTurn(90, 90)\nVWStraight(100, 100)\n"),
     case(
         "0.3 cut to 0",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(1000, 0.3);\n  return 0;\n}\n",
     ),
+    case("0.3 cut to 0", "mine.cpp", "#include \"eyebot.h\"\nint main()\n{\n  VWStraight(1000, 0.3);\n}\n"),
     case("0.3 cut to 0", "mine.py", "from eye import *\nVWStraight(1000, 0.3)\n"),
     case(
         "functions of both generations",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWStraight(100, 100);\n  return 0;\n}\n",
+    ),
+    case(
+        "functions of both generations",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWStraight(100, 100);\n}\n",
+    ),
+    case(
+        "functions of both generations",
+        "mine.py",
+        "from eye import *\nvw = VWInit(VW_DRIVE, 1)\nVWStraight(100, 100)\n",
     ),
     case(
         "a function that calls itself for ever",
@@ -155,9 +215,19 @@ const CASES: &[Case] = &[
     ),
     case("a function that calls itself for ever", "mine.py", "def deep(n):\n    return deep(n + 1) + n\n\n\ndeep(0)\n"),
     case(
+        "a function that calls itself for ever",
+        "mine",
+        "fn deep(n: u64) -> u64 {\n        std::hint::black_box(deep(n + 1)) + n\n    }\n    println!(\"{}\", deep(0));",
+    ),
+    case(
         "a variable without a value",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  int speed;\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case(
+        "a variable without a value",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  int speed;\n  VWSetSpeed(speed, 0);\n}\n",
     ),
     case("a variable without a value", "mine.py", "from eye import *\nVWSetSpeed(speed, 0)\n"),
     case("a variable without a value", "mine", "let speed: i32;\n    println!(\"{speed}\");"),
@@ -166,11 +236,20 @@ const CASES: &[Case] = &[
         "mine.c",
         "#include <stdio.h>\r\nint main(void)\r\n{\r\n  printf(\"runs\\n\");\r\n  return 0;\r\n}\r\n",
     ),
+    case("lines from Windows", "mine.py", "print(\"runs\")\r\n"),
+    case(
+        "letters of Latin-1",
+        "mine.c",
+        "#include <stdio.h>\nint main(void)\n{\n  printf(\"gr\u{F6}\u{DF}er\\n\");\n  return 0;\n}\n",
+    ),
+    case("letters of Latin-1", "mine.py", "print(\"gr\u{F6}\u{DF}er\")\n"),
+    case("letters of Latin-1", "mine", "println!(\"gr\u{F6}\u{DF}er\");"),
     case(
         "text without an end of line",
         "mine.c",
         "#include <stdio.h>\nint main(void)\n{\n  printf(\"shown\");\n  return 0;\n}\n",
     ),
+    case("text without an end of line", "mine.py", "print(\"shown\", end=\"\")\n"),
 ];
 
 /// Name and version of a tool, without the last number: `gcc 12`, `Python 3.11`.
@@ -186,8 +265,13 @@ fn version(tool: &str) -> String {
 
 /// The program that `text` stands for, in the folder of a run.
 fn write(scratch: &Scratch, case: &Case) {
+    let bytes = |text: &str| match case.mistake {
+        // Each of its letters is the byte of the same number.
+        "letters of Latin-1" => text.chars().map(|letter| u8::try_from(u32::from(letter)).expect("Latin-1")).collect(),
+        _ => text.as_bytes().to_vec(),
+    };
     if case.program != "mine" {
-        scratch.write(case.program, case.text);
+        fs::write(scratch.path().join(case.program), bytes(case.text)).expect("the program");
         return;
     }
     if !scratch.path().join("mine").exists() {
@@ -195,7 +279,8 @@ fn write(scratch: &Scratch, case: &Case) {
         assert_eq!(ran.code, Some(0), "{ran:#?}");
     }
     let head = "use robios_api::prelude::*;\n\nrobios_api::program!(main);\n\nfn main(robot: &Robot) -> Result {\n    let _ = robot;\n";
-    scratch.write("mine/src/lib.rs", &format!("{head}    {}\n    Ok(())\n}}\n", case.text));
+    let text = format!("{head}    {}\n    Ok(())\n}}\n", case.text);
+    fs::write(scratch.path().join("mine/src/lib.rs"), bytes(&text)).expect("the program");
 }
 
 /// The first lines that a run shows: those up to the one that names a place in the program or the scene, if there is such a line.
@@ -212,10 +297,15 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let is_message = |line: &&str| {
         let note = line.contains(": RoBIOS-7 (") || line.contains(", as the sim file is; ");
         let table = line.trim().is_empty() || line.starts_with("robot ") || line.starts_with("r1 S4");
-        let traceback = line.contains("s] Traceback") || line.contains(" s]   ") || line.contains(": In function");
+        let traceback = line.contains("s] Traceback") || line.contains(" s]     ") || line.contains(": In function");
         !note && !table && !traceback
     };
     let lines: Vec<&str> = printed.lines().filter(is_message).collect();
+    // Python tells the place above the message, the innermost last.
+    let is_place = |line: &&&str| line.contains(" s]   File ");
+    if let Some(message) = lines.iter().position(|line| !is_place(&line)).filter(|place| *place > 0) {
+        return lines[message - 1..=message].join("\n");
+    }
     let first = lines.first().copied().unwrap_or_default();
     // Behind the line that names the program comes the compiler's first message.
     let is_error = |line: &&&str| {

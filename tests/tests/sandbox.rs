@@ -147,9 +147,9 @@ const HOSTILE: &[(&str, &str, &str)] = &[
     (
         "signals blocked",
         "sigset_t all; sigfillset(&all); sigprocmask(SIG_BLOCK, &all, 0); for (;;) ;",
-        "no RoBIOS call returned",
+        "without a RoBIOS call",
     ),
-    ("endless loop", "for (;;) ;", "no RoBIOS call returned"),
+    ("endless loop", "for (;;) ;", "without a RoBIOS call"),
     ("exit at once", "syscall(SYS_exit_group, 0);", "without a word"),
     ("threads", "for (;;) { pthread_t t; pthread_create(&t, 0, idle, 0); }", ""),
     ("fork bomb", "for (;;) if (fork() < 0) return 3;", "exit code 3"),

@@ -532,7 +532,7 @@ int main(void) { pthread_t t; pthread_create(&t, NULL, bad, NULL); for (;;) OSWa
     );
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     let reason = reason(&report);
-    for word in ["segmentation fault at address 0x0 in task 2", "prog.c:12", "OSWait"] {
+    for word in ["null pointer used (segmentation fault at address 0x0) in task 2", "prog.c:12", "OSWait"] {
         assert!(reason.contains(word), "`{word}`: {reason}");
     }
 }

@@ -96,7 +96,7 @@ fn faults_of_a_program_are_found() {
     let Some(found) = of_c("run", &[("maze.c", "int wall,", "int *nowhere = 0;\n  *nowhere = 3;\n  int wall,")]) else {
         return;
     };
-    assert_eq!(found, ["maze.c:9 error segmentation fault at address 0x0"]);
+    assert_eq!(found, ["maze.c:9 error null pointer used (segmentation fault at address 0x0)"]);
 }
 
 #[test]

@@ -66,6 +66,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("isatty", "nothing is a terminal"),
     ("tcgetattr", "settings that are all 0"),
     ("tcsetattr", "succeeds without effect: nothing is a terminal"),
+    ("fopen", OPENS),
     ("fgetc", READS_ANY),
     ("getc", READS_ANY),
     ("_IO_getc", READS_ANY),
@@ -279,6 +280,8 @@ const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fai
 const WRITES: &str = "descriptors 1 and 2 are the robot's console";
 const READS: &str = "reads the robot's standard input, `--stdin`";
 const READS_ANY: &str = "as ever; of standard input the robot's own";
+const OPENS: &str =
+    "opens the file; the name of one that cannot be opened is in the message if the program then breaks";
 const JUMPS: &str = "jumps, but not out of a timer's function: that ends the robot's program as failed";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
@@ -411,7 +414,7 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
     let is_harmless = |what: &str| {
-        [PRINTS_ANY, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what)
+        [PRINTS_ANY, OPENS, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what)
     };
     let is_everywhere =
         ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);
@@ -452,7 +455,9 @@ mod tests {
 
     #[test]
     fn what_every_library_imports_is_no_reason_for_a_warning() {
-        for harmless in ["__cxa_atexit", "__stack_chk_fail", "fwrite", "__memcpy_chk", "erand48", "strlen", "VWInit"] {
+        for harmless in
+            ["__cxa_atexit", "__stack_chk_fail", "fwrite", "__memcpy_chk", "erand48", "fopen", "strlen", "VWInit"]
+        {
             assert_eq!(outside_guarantee(harmless), None, "{harmless}");
         }
         for warned in ["exit", "rand", "time", "printf", "stdout", "fork", "pthread_create"] {

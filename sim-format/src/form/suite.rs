@@ -186,6 +186,12 @@ const SEEDS: Custom<Vec<u64>> = Custom {
         for item in items(value) {
             match item.get_ref().as_str() {
                 Some(text) => match range(text) {
+                    Some((first, last)) if first > last => {
+                        let message = format!("the range `{text}` runs backwards");
+                        let span = reader.span(item.span());
+                        reader.sink.error(Code::NumberRange, span, message, format!("\"{last}..{first}\""));
+                        return None;
+                    }
                     Some((first, last)) if last - first < MAX_CASES => seeds.extend(first..=last),
                     Some((first, last)) => {
                         let message = format!("`{text}` has {} seeds", u128::from(last - first) + 1);
@@ -193,7 +199,11 @@ const SEEDS: Custom<Vec<u64>> = Custom {
                         reader.sink.error(Code::SuiteCases, span, message, format!("at most {MAX_CASES}"));
                         return None;
                     }
-                    None => reader.wrong_type(key, item, "a number, or a range such as \"1..20\""),
+                    None => {
+                        let message = format!("`{text}` is no range of seeds");
+                        let span = reader.span(item.span());
+                        reader.sink.error(Code::TomlType, span, message, "a number, or a range such as \"1..20\"");
+                    }
                 },
                 None => seeds.extend(reader.as_integer(key, item, 0, i64::MAX).map(i64::unsigned_abs)),
             }
@@ -217,11 +227,11 @@ const SEEDS: Custom<Vec<u64>> = Custom {
     describe: |_| list_of(json!({ "type": ["integer", "string"] })),
 };
 
-/// Both ends of `1..20`, of which the second is not the smaller one.
+/// Both ends of `1..20`.
 fn range(text: &str) -> Option<(u64, u64)> {
     let (first, last) = text.split_once("..")?;
     let [first, last] = [first, last].map(|number| number.trim().parse::<u64>().ok());
-    first.zip(last).filter(|(first, last)| first <= last && *last <= i64::MAX as u64)
+    first.zip(last).filter(|(first, last)| *first.max(last) <= i64::MAX as u64)
 }
 
 /// Table of lists of values.

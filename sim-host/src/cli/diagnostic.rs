@@ -146,7 +146,15 @@ pub fn print(text: &str) -> std::io::Result<()> {
 /// One line for editors.
 fn short(diagnostic: &Diagnostic) -> String {
     let mut text = diagnostic.to_string();
-    diagnostic.suggestion.iter().for_each(|suggestion| text.push_str(&format!("; {suggestion}")));
+    // Messages on numbers and on TOML say what there is, and not what should be there.
+    let code = diagnostic.code.name();
+    match &diagnostic.suggestion {
+        Some(suggestion) => text.push_str(&format!("; {suggestion}")),
+        None if code.starts_with("number-") || code.starts_with("toml-") => {
+            text.push_str(&format!("; expected {}", diagnostic.expected));
+        }
+        None => {}
+    }
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     printable(&lines.join("; "))
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::time::Duration;
@@ -12,10 +13,10 @@ use sim_format::Files as _;
 use super::run::print;
 use crate::files::DiskFiles;
 use crate::host;
-use crate::program::command::build_output;
-use crate::program::compiler::Compiler;
+use crate::program::command::{COMMAND_TIMEOUT, build_output};
+use crate::program::compiler::{Compiler, CompilerError};
 use crate::program::language::Language;
-use crate::program::python::Python;
+use crate::program::python::{Python, PythonError};
 use crate::program::sandbox::Kernel;
 use crate::program::{Cache, Tools};
 
@@ -35,16 +36,37 @@ const MEMORY_MEBIBYTES: u64 = 1_024;
 /// One finding.
 struct Finding {
     subject: &'static str,
-    /// Description of what was found.
-    found: Option<String>,
+    answer: Answer,
     purpose: &'static str,
-    /// What to do if it was not found.
+    /// What to do if it is missing.
     remedy: String,
 }
 
+/// What became of the look for a tool or a limit.
+enum Answer {
+    /// Description of what was found.
+    Found(String),
+    Missing,
+    /// It is there, and did not answer in this time.
+    Silent(Duration),
+}
+
+impl From<Option<String>> for Answer {
+    fn from(found: Option<String>) -> Self {
+        found.map_or(Self::Missing, Self::Found)
+    }
+}
+
+impl Answer {
+    /// Of a tool that had `timeout` to answer, and got this error.
+    fn of_error(error: &io::Error, timeout: Duration) -> Self {
+        if error.kind() == io::ErrorKind::TimedOut { Self::Silent(timeout) } else { Self::Missing }
+    }
+}
+
 impl Finding {
-    fn new(subject: &'static str, purpose: &'static str, found: Option<String>, remedy: impl Into<String>) -> Self {
-        Self { subject, found, purpose, remedy: remedy.into() }
+    fn new(subject: &'static str, purpose: &'static str, answer: impl Into<Answer>, remedy: impl Into<String>) -> Self {
+        Self { subject, answer: answer.into(), purpose, remedy: remedy.into() }
     }
 }
 
@@ -78,11 +100,17 @@ pub fn run(_: &DoctorArgs) -> anyhow::Result<ExitCode> {
 
 fn render(findings: &[Finding]) -> String {
     let mut text = String::new();
-    for Finding { subject, found, purpose, remedy } in findings {
+    for Finding { subject, answer, purpose, remedy } in findings {
         // Writing to a string does not fail.
-        let _ = match found {
-            Some(found) => writeln!(text, "ok       {subject:13} {found}\n         {:13} for {purpose}", ""),
-            None => writeln!(text, "missing  {subject:13} for {purpose}\n         {:13} {remedy}", ""),
+        let _ = match answer {
+            Answer::Found(found) => writeln!(text, "ok       {subject:13} {found}\n         {:13} for {purpose}", ""),
+            Answer::Missing => writeln!(text, "missing  {subject:13} for {purpose}\n         {:13} {remedy}", ""),
+            Answer::Silent(timeout) => writeln!(
+                text,
+                "slow     {subject:13} for {purpose}\n         {:13} it did not answer in {} s: ask again when less runs",
+                "",
+                timeout.as_secs_f64()
+            ),
         };
     }
     text
@@ -96,9 +124,20 @@ fn compilers(tools: &Tools, cache: &Cache, installer: &Installer) -> Vec<Finding
         let remedy = installer.command(packages).unwrap_or(remedy);
         let of_host = host::current().map(|host| host.zig_installer.as_str()).filter(|installer| !installer.is_empty());
         let remedy = of_host.map_or_else(|| remedy.clone(), |of_host| format!("{remedy}; without root: {of_host}"));
-        Finding::new(subject, purpose, found.ok().map(|compiler| compiler.description()), remedy)
+        let answer = match &found {
+            Ok(compiler) => Answer::Found(compiler.description()),
+            Err(CompilerError::Silent { error, .. } | CompilerError::Io(error)) => {
+                Answer::of_error(error, COMMAND_TIMEOUT)
+            }
+            Err(_) => Answer::Missing,
+        };
+        Finding::new(subject, purpose, answer, remedy)
     };
-    let python = Python::find(tools.python.as_deref(), cache).and_then(|python| python.check().map(|()| python)).ok();
+    let python = match Python::find(tools.python.as_deref(), cache).and_then(|python| python.check().map(|()| python)) {
+        Ok(python) => Answer::Found(python.interpreter().display().to_string()),
+        Err(PythonError::Missing { error, .. }) => Answer::of_error(&error, COMMAND_TIMEOUT),
+        Err(_) => Answer::Missing,
+    };
     vec![
         compiler(
             Language::C,
@@ -114,19 +153,14 @@ fn compilers(tools: &Tools, cache: &Cache, installer: &Installer) -> Vec<Finding
             tools.cxx.as_deref(),
             ["g++", "gcc-c++ libstdc++-static", "gcc"],
         ),
-        Finding::new(
-            "Python",
-            "programs in Python",
-            python.map(|python| python.interpreter().display().to_string()),
-            installer.text(["python3", "python3", "python"]),
-        ),
+        Finding::new("Python", "programs in Python", python, installer.text(["python3", "python3", "python"])),
     ]
 }
 
 /// Tools that single commands need.
 fn others(installer: &Installer) -> Vec<Finding> {
     let tool = |subject, purpose, command: &str, packages| {
-        Finding::new(subject, purpose, version(command), installer.text(packages))
+        Finding::new(subject, purpose, version(command, VERSION_TIMEOUT), installer.text(packages))
     };
     let browser = std::env::var("BROWSER").ok().filter(|browser| !browser.is_empty());
     let browser = browser.or_else(|| on_path("xdg-open"));
@@ -235,11 +269,15 @@ fn on_path(command: &str) -> Option<String> {
     Some(found.display().to_string())
 }
 
-/// First line of what a command says of its version.
-fn version(command: &str) -> Option<String> {
-    let output = build_output(Command::new(command).arg("--version"), VERSION_TIMEOUT).ok()?;
-    let said = String::from_utf8_lossy(&output.stdout).lines().next()?.trim().to_owned();
-    output.status.success().then_some(said)
+/// First line of what a command says of its version within `timeout`.
+fn version(command: &str, timeout: Duration) -> Answer {
+    match build_output(Command::new(command).arg("--version"), timeout) {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).lines().next().map(|line| line.trim().to_owned()).into()
+        }
+        Ok(_) => Answer::Missing,
+        Err(error) => Answer::of_error(&error, timeout),
+    }
 }
 
 /// Installer of packages of this system.
@@ -298,9 +336,23 @@ mod tests {
     }
 
     #[test]
+    fn a_tool_that_does_not_answer_is_not_missing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let tool = folder.path().join("tool");
+        fs::write(&tool, "#!/bin/sh\nsleep 1000\n").expect("a script");
+        fs::set_permissions(&tool, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a script");
+        let answer = version(&tool.display().to_string(), Duration::from_millis(50));
+        let text = render(&[Finding::new("gdb", "`eyesim debug`", answer, "")]);
+        let expected = "slow     gdb           for `eyesim debug`\n                       it did not answer in 0.05 s: ask again \
+                        when less runs\n";
+        assert_eq!(text, expected);
+        assert!(matches!(version("no-such-tool", VERSION_TIMEOUT), Answer::Missing));
+    }
+
+    #[test]
     fn what_is_missing_has_its_remedy() {
         let findings = [
-            Finding::new("gdb", "`eyesim debug`", None, "sudo apt install gdb"),
+            Finding::new("gdb", "`eyesim debug`", Answer::Missing, "sudo apt install gdb"),
             Finding::new("cores", "robots", Some("2".to_owned()), ""),
         ];
         let expected = "missing  gdb           for `eyesim debug`\n                       sudo apt install gdb\n\

@@ -19,7 +19,7 @@ use clap::Args;
 use super::EXIT_INTERRUPTED;
 use super::output::say;
 use super::pack::{self, Collected, is_archive};
-use super::run::{parse_sandbox, report_diagnostics};
+use super::run::{parse_count, parse_sandbox, report_diagnostics};
 use super::test::screen::number;
 use super::test::{builder, junit};
 use crate::executive::interrupt;
@@ -59,7 +59,7 @@ pub struct GradeArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["submissions", "output"])]
     pub gradescope: Option<PathBuf>,
     /// Submissions that are graded at one time [default: one for each processor]
-    #[arg(short, long, value_name = "NUMBER")]
+    #[arg(short, long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// What is closed to compilers and programs of submissions: full, calls or limits
     #[arg(long, value_name = "LEVEL", default_value = "full")]

@@ -81,7 +81,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "MS", value_parser = parse_slot, allow_hyphen_values = true)]
     pub slot: Option<Time>,
     /// Robots that run at one time [default: one for each processor]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
     /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Auto)]
@@ -506,6 +506,14 @@ fn parse_megabytes(text: &str) -> Result<u64, String> {
         Ok(megabytes) if (0.0..=1e6).contains(&megabytes) => Ok((megabytes * 1e6).round() as u64),
         _ => Err("expected 0 to 1e6 megabytes".into()),
     }
+}
+
+/// Parses the number of things that are done at one time.
+///
+/// # Errors
+/// Message with what is expected.
+pub fn parse_count(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "expected a whole number from 1, such as 4".to_owned())
 }
 
 fn parse_timeout(text: &str) -> Result<f64, String> {

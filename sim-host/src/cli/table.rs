@@ -336,6 +336,7 @@ mod tests {
             path_m: 1.6,
             contacts: 0,
             contact_times_s: Vec::new(),
+            hints: Vec::new(),
             metrics: Default::default(),
             forbidden_calls: Default::default(),
             left_floor_s: None,

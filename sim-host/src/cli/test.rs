@@ -21,7 +21,7 @@ use super::check::walk;
 use super::output::{check_outputs, given};
 use super::pack::{self, is_archive};
 use super::progress::Building;
-use super::run::{parse_sandbox, report_diagnostics};
+use super::run::{parse_count, parse_sandbox, report_diagnostics};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 use crate::executive::interrupt;
 use crate::files::{read_regular, slashed};
@@ -58,7 +58,7 @@ pub struct TestArgs {
     #[arg(long, alias = "last-failed")]
     pub lf: bool,
     /// Cases that run at one time [default: one for each processor]
-    #[arg(short, long, value_name = "NUMBER")]
+    #[arg(short, long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// Run every case in a process of its own
     #[arg(long)]

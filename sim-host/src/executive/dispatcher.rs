@@ -686,7 +686,7 @@ fn save_files(robots: &mut [AffectedRobot<'_>], writers: &[RobotId]) {
         if let Err(error) = file.save()
             && let Some(robot) = AffectedRobot::find(robots, id)
         {
-            robot.hint(&format!("`{}` cannot be written: {error}", file.path.display()));
+            robot.state.hint(&format!("`{}` cannot be written: {error}", file.path.display()));
         }
     }
 }

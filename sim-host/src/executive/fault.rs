@@ -8,7 +8,7 @@ use crate::robios::robot::Ending;
 /// A flow that will never run again, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// Description of the break, without the place: `segmentation fault at address 0x0`.
+    /// Description of the break, without the place: `null pointer used (segmentation fault at address 0x0)`.
     pub what: String,
     /// True if the watchdog stopped the flow, false if the program itself faulted.
     pub is_overdue: bool,
@@ -28,6 +28,21 @@ pub(super) const SEARCH: usize = 4096;
 /// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
 const GUARD: usize = 64 << 10;
 
+/// Beginning of the description of a break by a null pointer.
+pub(super) const NULL_POINTER: &str = "null pointer used";
+
+/// Description of a break by a stack that is full.
+pub(super) const STACK_OVERFLOW: &str = "stack overflow";
+
+/// Addresses below this one are those of members of what a null pointer leads to: nothing is ever mapped there.
+const NULL_PAGE: usize = 4096;
+
+/// Usual causes of a fault at another address.
+const WILD: &str = "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
+
+/// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
+const SI_KERNEL: i32 = 0x80;
+
 /// Words on a stack that cannot have overflowed.
 const SHALLOW: usize = 1024;
 
@@ -39,7 +54,7 @@ impl Broken {
         let near_guard =
             low > 0 && is_deep && (low.saturating_sub(GUARD)..low.saturating_add(GUARD)).contains(&fault.address);
         let what = match fault.signal {
-            OVERDUE_SIGNAL => "no RoBIOS call returned in time".into(),
+            OVERDUE_SIGNAL => "endless loop, or too long without a RoBIOS call".into(),
             EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
             libc::SIGSYS => format!(
                 "the program would have ended or replaced eyesim by the system call {}",
@@ -49,18 +64,25 @@ impl Broken {
             signal if fault.code < 0 && name_of_signal(signal).is_some_and(|name| name != "SIGABRT") => {
                 format!("the program sent itself the signal {}", name_of_signal(signal).unwrap_or_default())
             }
-            libc::SIGSEGV | libc::SIGBUS if near_guard => "stack overflow".into(),
+            libc::SIGSEGV | libc::SIGBUS if near_guard => STACK_OVERFLOW.into(),
             libc::SIGSEGV if is_in_guard(fault.address, high) => {
                 "the program wrote or read beyond the top of its stack (an array overrun)".into()
             }
-            libc::SIGSEGV => format!("segmentation fault at address {:#x}", fault.address),
+            // The kernel tells no address of a pointer that can lead nowhere, such as 0x4141414141414141.
+            libc::SIGSEGV if fault.code == SI_KERNEL => format!("segmentation fault at no address ({WILD})"),
+            libc::SIGSEGV if fault.address < NULL_PAGE => {
+                format!("{NULL_POINTER} (segmentation fault at address {:#x})", fault.address)
+            }
+            libc::SIGSEGV => format!("segmentation fault at address {:#x} ({WILD})", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
-            libc::SIGFPE => format!("arithmetic fault ({})", cause_of_arithmetic_fault(fault.code)),
+            libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(fault.code)),
             libc::SIGILL => {
-                "illegal instruction (compilers make one of a division by zero, a null pointer or a missing `return`)"
+                "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)"
                     .into()
             }
-            libc::SIGABRT => "aborted by the C library".into(),
+            libc::SIGABRT => {
+                "aborted by the C library (in C mostly memory written beyond its end, or freed twice)".into()
+            }
             libc::SIGTRAP => "trap instruction".into(),
             other => format!("signal {other}"),
         };
@@ -94,7 +116,7 @@ impl Broken {
     /// Describes a flow that takes no signal and therefore cannot be stopped: it is abandoned as it is.
     pub(super) fn unstoppable() -> Self {
         Self {
-            what: "no RoBIOS call returned in time, and the program blocks the signals by which it would be stopped"
+            what: "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
                 .to_owned(),
             is_overdue: true,
             last_call: u16::MAX,
@@ -135,13 +157,13 @@ fn name_of_signal(signal: i32) -> Option<&'static str> {
 fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
     match code {
-        1 | 2 => "an integer division by zero or an overflow of one",
-        3 => "a floating-point division by zero, for which the program has asked for a trap",
-        4 => "a floating-point overflow, for which the program has asked for a trap",
-        5 => "a floating-point underflow, for which the program has asked for a trap",
-        6 => "an inexact floating-point result, for which the program has asked for a trap",
-        7 => "an invalid floating-point operation, for which the program has asked for a trap",
-        _ => "a floating-point operation or an integer division",
+        1 | 2 => "integer division by zero, or of INT_MIN by -1",
+        3 => "floating-point division by zero, for which the program has asked for a trap",
+        4 => "floating-point overflow, for which the program has asked for a trap",
+        5 => "floating-point underflow, for which the program has asked for a trap",
+        6 => "inexact floating-point result, for which the program has asked for a trap",
+        7 => "invalid floating-point operation, for which the program has asked for a trap",
+        _ => "floating-point operation or integer division",
     }
 }
 

@@ -99,6 +99,11 @@ impl Flow for RobotFlow {
         self.run.call_site(self.id)
     }
 
+    fn note_hint(&self, text: &str, site: &Site) {
+        let place = self.run.program(self.id).and_then(|program| program.place_of(site));
+        place.into_iter().for_each(|place| self.run.hint_places.note(self.id, text, place));
+    }
+
     fn waits_of(&self, robot: &Robot) -> String {
         self.run.waits_of(robot)
     }
@@ -119,6 +124,11 @@ fn enter(call: Call) -> bool {
     }
     block.enter_host();
     true
+}
+
+/// Returns true if the calling flow has called a function of RoBIOS.
+pub(super) fn has_called() -> bool {
+    FlowBlock::current().last_call.load(Ordering::Relaxed) != u16::MAX
 }
 
 /// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The flow holds its

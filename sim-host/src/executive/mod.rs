@@ -103,8 +103,8 @@ pub trait Executor: Send + Sync {
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
     /// Place at which the robot's flow with the run token computes: the program counter, then words of the stack that may be return
-    /// addresses, innermost first. Empty if it does not compute, if the host works for it, or if it is a process, which cannot be asked
-    /// without being stopped.
+    /// addresses, innermost first. Empty if it does not compute, if the host works for it, or if it is a process, which
+    /// [answers itself](process::Child::computing_place).
     fn place(&self, robot: RobotId) -> Vec<usize>;
 
     /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.

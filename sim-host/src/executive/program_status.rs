@@ -4,7 +4,8 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::End;
-use super::fault::Broken;
+use super::fault::{Broken, NULL_POINTER, STACK_OVERFLOW};
+use super::process::ComputingPlace;
 use super::program::RobotProgram;
 use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Wait, WaitReason};
@@ -130,10 +131,7 @@ pub fn judge(
     if let Some(broken) = broken {
         let place = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        let reads_on = broken.is_overdue && robot.robios.input.has_ended();
-        let input =
-            if reads_on { "; it has read its standard input, which has come to its end (`--stdin`)" } else { "" };
-        let reason = Some(format!("{place}{input}"));
+        let reason = Some(format!("{place}{}", advice(&place, broken, robot)));
         return ProgramStatus { reason, fault: Some(place), ..status(outcome, None) };
     }
     match &robot.ending {
@@ -185,10 +183,10 @@ pub fn waits_now(robot: &Robot) -> String {
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.as_ref()?))).collect();
     let words = waits.iter().map(|(task, waiting)| {
-        let words = format!("waits for {} since {}", waiting.reason, waiting.since);
+        let words = format!("{} since {}", waiting.reason, waiting.since);
         if waits.len() == 1 { words } else { format!("{} {words}", robot.tasks.name(*task)) }
     });
-    words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
+    words.collect::<Vec<_>>().join("; ")
 }
 
 /// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task
@@ -226,12 +224,12 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSe
         };
         let advice = if *reason == WaitReason::Message { senders.advice() } else { "" };
         let what = match reason {
-            WaitReason::Task(wait) => wait.describe(|number| tasks.name(number)),
+            WaitReason::Task(wait) => format!("waits for {}", wait.describe(|number| tasks.name(number))),
             reason => reason.to_string(),
         };
-        format!("{name} {suspended}waits for {what}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
+        format!("{name} {suspended}{what}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
     });
-    words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
+    words.collect::<Vec<_>>().join("; ")
 }
 
 /// Describes one wait: `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
@@ -254,7 +252,7 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
         }
         _ => String::new(),
     };
-    format!("waits for {reason} since {since}{place}{advice}")
+    format!("{reason} since {since}{place}{advice}")
 }
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
@@ -268,9 +266,32 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     FaultReport { what, location, last_call }
 }
 
+/// What the user may do about a break, appended to its report.
+fn advice(report: &FaultReport, broken: &Broken, robot: &Robot) -> String {
+    let unopened = robot.robios.storage.unopened().filter(|_| report.what.starts_with(NULL_POINTER));
+    if broken.is_overdue && robot.robios.input.has_ended() {
+        "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
+    } else if broken.is_overdue {
+        let call = if report.location.contains(".rs:") { "robot.sleep(...)" } else { "OSWait(10)" };
+        format!("; put a call that waits into the loop, such as `{call}`")
+    } else if report.what.starts_with(STACK_OVERFLOW) {
+        "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
+    } else {
+        unopened.map(|why| format!("; `fopen` has returned NULL before: {why}")).unwrap_or_default()
+    }
+}
+
 /// The line in the program's own sources to which the addresses of a break or of a place lead: `maze.c:88`.
 pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<String> {
     program.own_source_line(&without_stale(addresses, program)).map(|line| line.to_string())
+}
+
+/// The line at which a program in a process of its own computes.
+pub(super) fn line_of_computing(place: &ComputingPlace, program: &RobotProgram) -> Option<String> {
+    match place {
+        ComputingPlace::Addresses(addresses) => line_of(&addresses.map(|address| address as usize), program),
+        ComputingPlace::Line { file, line } => Some(format!("{file}:{line}")),
+    }
 }
 
 /// The addresses of a break without the words of the stack that lie below the call in progress: those may be left over from earlier

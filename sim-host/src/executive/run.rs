@@ -24,6 +24,7 @@ use super::program_status::{self, PossibleSenders};
 use super::scheduler::{Limits, RunParts};
 use super::spawn::Spawner;
 use crate::program::site::Site;
+use crate::record::HintPlaces;
 use crate::robios::call::Call;
 use crate::robios::caller::Caller;
 use crate::robios::cost::Costs;
@@ -48,6 +49,8 @@ pub struct Run {
     pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
     forbidden: Forbidden,
+    /// Lines of programs at which hints were given.
+    pub(super) hint_places: HintPlaces,
     notifier: Arc<Notifier>,
     interrupt: Interrupt,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
@@ -140,6 +143,7 @@ impl Run {
             broken_processes: Mutex::default(),
             costs: parts.costs,
             forbidden: parts.forbidden,
+            hint_places: parts.hint_places,
             notifier,
             interrupt: parts.interrupt,
             is_stopping: AtomicBool::new(false),
@@ -386,6 +390,7 @@ impl Run {
             let member = Arc::clone(&self.members[id.index()]);
             let caller = Caller::new(RobotFlow { run: Arc::clone(&self), member, id });
             let result = program.run(&caller);
+            self.robot(id).has_called |= flow::has_called();
             if result.is_ok() && !self.is_exiting(id) {
                 self.robot(id).hint_at_unfinished_tasks();
             }
@@ -423,7 +428,7 @@ impl Run {
 
     /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time.
     pub(super) fn abandon(&self, id: RobotId) -> Ending {
-        self.robot(id).hint("the robot has been removed and its program did not leave: it is left behind");
+        self.robot(id).state.hint("the robot has been removed and its program did not leave: it is left behind");
         Ending::Stopped
     }
 
@@ -452,6 +457,7 @@ impl Run {
         };
         let result = if is_left { Err(Stop) } else { flow::call_back(code) };
         let mut robot = self.robot(id);
+        robot.has_called |= flow::has_called();
         if result.is_err() && !robot.tasks.is_killed() {
             robot.tasks.begin_exit();
         }

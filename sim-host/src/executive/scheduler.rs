@@ -23,7 +23,7 @@ use super::run::{EXIT_TIMEOUT, Run};
 use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
-use crate::record::Sinks;
+use crate::record::{HintPlaces, Sinks};
 use crate::robios::cost::Costs;
 use crate::robios::forbidden::Forbidden;
 use crate::robios::panel::Panel;
@@ -100,6 +100,8 @@ pub struct RunParts {
     pub recorder: Recorder,
     /// Sinks of the record.
     pub sinks: Sinks<'static>,
+    /// Takes the lines of programs at which hints are given.
+    pub hint_places: HintPlaces,
     /// Ends the run early.
     pub interrupt: Interrupt,
 }
@@ -145,6 +147,8 @@ pub struct RobotEnd {
     pub reason: Option<String>,
     /// The exit code of its program, if it gave one.
     pub exit_code: Option<i32>,
+    /// Its program has called a function of RoBIOS, as far as its tasks have ended.
+    pub has_called: bool,
     /// Its virtual time.
     pub virtual_time: Time,
     /// True pose of its centre in the world.
@@ -438,8 +442,10 @@ impl Scheduler {
         let (run, Some(listener)) = (&self.run, &mut self.listener) else { return };
         let is_long = |id: &&RobotId| run.executor().is_overdue(**id, LONG.as_secs_f64()) && !run.is_removed(**id);
         let words = running.iter().filter(is_long).take(MAX).map(|id| {
-            let place =
-                run.program(*id).and_then(|program| program_status::line_of(&run.executor().place(*id), program));
+            let place = run.program(*id).and_then(|program| match program.child() {
+                Some(child) => program_status::line_of_computing(&child.computing_place()?, program),
+                None => program_status::line_of(&run.executor().place(*id), program),
+            });
             place.map_or(format!("{id} computes"), |place| format!("{id} computes at {place}"))
         });
         let words = words.collect::<Vec<_>>().join(", ");
@@ -526,6 +532,7 @@ impl Scheduler {
             status.record(&mut robot);
             environment.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {
+                has_called: robot.has_called,
                 virtual_time: robot.now,
                 pose: robot.motion.pose(time),
                 depth: robot.motion.depth(time),

@@ -191,9 +191,14 @@ fn is_asleep(folder: &str) -> bool {
     matches!(state(folder), Some('S' | 'D'))
 }
 
+/// Returns true if the thread `tid` of the process `pid` sleeps.
+pub fn is_thread_asleep(pid: i32, tid: i32) -> bool {
+    is_asleep(&format!("/proc/{pid}/task/{tid}"))
+}
+
 /// Returns true if all threads of the process `pid` sleep.
 fn are_asleep(pid: i32) -> bool {
-    threads(pid).into_iter().all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}")))
+    threads(pid).into_iter().all(|tid| is_thread_asleep(pid, tid))
 }
 
 /// Returns true if a signal has stopped the process `pid`, or a tracer that is no debugger; false if a debugger has.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use sim_core::ObjectId;
 use sim_core::pose::Pose;
+use sim_core::record::Outcome;
 use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::Lifetime;
@@ -31,7 +32,7 @@ pub struct Finished {
     pub ended: Ended,
     /// The results as a report, which can be written to a file.
     pub report: Report,
-    /// Messages to the user about what programs printed as metrics, a line each.
+    /// Messages to the user about what programs printed as metrics, and on programs that did nothing with their robots, a line each.
     pub remarks: Vec<String>,
 }
 
@@ -72,6 +73,16 @@ impl Finished {
     }
 }
 
+/// Remarks on the programs of robots that ended well without a call of RoBIOS.
+pub(super) fn remarks_on_idle(ended: &Ended, report: &Report) -> impl Iterator<Item = String> {
+    /// Most robots that are named.
+    const MAX: usize = 3;
+    let is_idle = |(end, _): &(&RobotEnd, &RobotReport)| end.outcome == Outcome::Finished && !end.has_called;
+    ended.robots.iter().zip(&report.robots).filter(is_idle).take(MAX).map(|(_, robot)| {
+        format!("r{} (`{}`) has called no function of RoBIOS: its robot has done nothing", robot.id, robot.program)
+    })
+}
+
 /// Report of the run with these inputs.
 pub(super) fn report(
     settings: &Settings,
@@ -99,6 +110,7 @@ pub(super) fn report(
         path_m: end.path,
         contacts: u64::from(end.contacts),
         contact_times_s: notes.of(spec.id).contact_times.clone(),
+        hints: notes.of(spec.id).hints.clone(),
         metrics: notes.of(spec.id).metrics.clone(),
         forbidden_calls: notes.of(spec.id).forbidden_calls.clone(),
         left_floor_s: end.left_floor.map(Time::seconds),

@@ -29,7 +29,7 @@ use crate::record::frame::{FrameFailures, Frames};
 use crate::record::notes::Notes;
 use crate::record::report::{Input, Report};
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{EventStore, RecordError, Sink, Sinks};
+use crate::record::{EventStore, HintPlaces, RecordError, Sink, Sinks};
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
@@ -61,6 +61,8 @@ pub struct Observers {
     pub diagnostics: Option<Box<TellDiagnostics>>,
     /// Ends the run from any thread.
     pub interrupt: Interrupt,
+    /// Takes the lines of programs at which hints are given, for sinks that show them.
+    pub hint_places: HintPlaces,
 }
 
 impl Ready {
@@ -124,7 +126,7 @@ impl Ready {
         let has_scripts = self.scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
         let events = has_scripts.then(|| EventStore::new(self.trace_header())).transpose().map_err(Error::Start)?;
         let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, tally, programs } = self;
-        let Observers { sinks, diagnostics, interrupt } = observers;
+        let Observers { sinks, diagnostics, interrupt, hint_places } = observers;
         let watch = SceneryWatch {
             scenery: Arc::clone(&scenery),
             is_strict: options.strict,
@@ -133,7 +135,7 @@ impl Ready {
         };
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
         let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
-        let notes = Arc::new(Mutex::new(Notes::default()));
+        let notes = Arc::new(Mutex::new(Notes::new(hint_places.clone())));
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
         let events = events.map(|events| Arc::new(Mutex::new(events)));
         let stored = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
@@ -161,6 +163,7 @@ impl Ready {
             forbidden: settings.forbidden.clone(),
             recorder: Recorder::new(settings.seed, settings.slot, sinks.interest()),
             sinks,
+            hint_places,
             interrupt: interrupt.clone(),
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
@@ -299,7 +302,8 @@ impl Over {
             checks
         };
         let report = Report { sandbox, ..report.with_checks(checks) };
-        Finished { settings, scene, scenery, ended, report, remarks: notes.remarks }
+        let remarks = notes.remarks.into_iter().chain(finished::remarks_on_idle(&ended, &report)).collect();
+        Finished { settings, scene, scenery, ended, report, remarks }
     }
 }
 

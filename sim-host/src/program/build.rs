@@ -266,9 +266,10 @@ impl Builder {
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
         let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
-        let (compiled, choice) = try_both_generations(choice, |choice| {
+        let compile = |choice: &GenerationChoice| -> Result<_, BuildError> {
             Ok((self.compile(&sources, choice.generation, &extra_flags, folder.path())?, choice.clone()))
-        })?;
+        };
+        let (compiled, choice) = try_both_generations(choice, compile, |(compiled, _)| &compiled.output)?;
         replace_file(&compiled.library, out).map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
         Ok((choice, compiled.commands, compiled.output))
     }
@@ -283,8 +284,8 @@ impl Builder {
         if let Some(folders) = &folders {
             check_own(files, folders)?;
         }
-        let choice = choose(files, wanted, folders.as_deref())?;
-        try_both_generations(choice, |choice| self.build_for(source, files, choice))
+        let build = |choice: &GenerationChoice| self.build_for(source, files, choice);
+        try_both_generations(choose(files, wanted, folders.as_deref())?, build, |built| &built.output)
     }
 
     fn build_for(
@@ -451,14 +452,19 @@ impl Builder {
     }
 }
 
-/// Result of `build` for the choice or, if that is a guess and the sources do not compile, for the other generation.
+/// Result of `build` for the choice or, if that is a guess and the sources do not compile, for the other generation, whose functions
+/// must take the values that the program gives them: the compiler's `output` tells.
 fn try_both_generations<T>(
     choice: GenerationChoice,
     build: impl Fn(&GenerationChoice) -> Result<T, BuildError>,
+    output: impl Fn(&T) -> &str,
 ) -> Result<T, BuildError> {
+    let fits = |built: &T| {
+        !["[-Wint-conversion]", "[-Wincompatible-pointer-types]"].iter().any(|it| output(built).contains(it))
+    };
     match build(&choice) {
         Err(BuildError::Compile(error)) if choice.is_guess() => {
-            build(&choice.switched()).map_err(|_other| BuildError::Compile(error))
+            build(&choice.switched()).ok().filter(fits).ok_or(BuildError::Compile(error))
         }
         result => result,
     }

@@ -16,6 +16,7 @@ use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
+use super::plain::in_plain_words;
 use super::sandbox::scratch::Quota;
 use super::sandbox::{Grant, Role, Sandbox};
 
@@ -273,6 +274,7 @@ impl<'a> Compilation<'a> {
             let (object, output) = self.compile_source(index, source, variant, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
             compiled.output.push_str(&remark_on_encoding(source, &fs::read(source)?));
+            compiled.output.push_str(&in_plain_words(&output));
             compiled.output.push_str(&output);
             objects.push(object);
         }

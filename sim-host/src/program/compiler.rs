@@ -109,6 +109,16 @@ pub enum CompilerError {
         /// Why it does not run.
         error: String,
     },
+    /// A compiler starts and does not tell its version in time.
+    #[error("the {} compiler `{command}` does not answer: {error}", language.name())]
+    Silent {
+        /// The language.
+        language: Language,
+        /// The compiler's command.
+        command: String,
+        /// How long it had for that.
+        error: io::Error,
+    },
     /// The compiler starts, but cannot compile an empty file, or link for lack of the library's development files.
     #[error(
         "the {} compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install {}` gives what it \
@@ -166,13 +176,7 @@ impl Compiler {
                 let version = version_of(&command, cache).map_err(|error| broken(error.to_string()))?;
                 (command, version)
             }
-            None => language
-                .commands()
-                .iter()
-                .map(|&name| vec![name.to_owned()])
-                .chain(zig.clone())
-                .find_map(|command| Some((command.clone(), version_of(&command, cache).ok()?)))
-                .ok_or(CompilerError::Missing { language })?,
+            None => first_of(language, zig.as_ref(), cache)?,
         };
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
         let newest_standard = String::new();
@@ -324,6 +328,25 @@ impl Compiler {
         }
         Ok(accepted)
     }
+}
+
+/// The first of the usual commands of `language`, or else `zig`, that tells its version, with that version.
+fn first_of(
+    language: Language,
+    zig: Option<&Vec<String>>,
+    cache: &Cache,
+) -> Result<(Vec<String>, String), CompilerError> {
+    let mut missing = CompilerError::Missing { language };
+    for command in language.commands().iter().map(|&name| vec![name.to_owned()]).chain(zig.cloned()) {
+        match version_of(&command, cache) {
+            Ok(version) => return Ok((command, version)),
+            Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+                missing = CompilerError::Silent { language, command: command.join(" "), error };
+            }
+            Err(_) => {}
+        }
+    }
+    Err(missing)
 }
 
 /// The command of the zig that the [host] brings, for want of another compiler. It is clang; the check for undefined behaviour that

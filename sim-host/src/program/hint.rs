@@ -9,6 +9,7 @@ use object::{Object as _, ObjectSymbol as _};
 
 use super::generation::Generation;
 use super::language::Language;
+use super::plain::in_plain_words;
 
 /// Headers of other systems and of terminals, and what programs of a robot use instead.
 const ABSENT: &[(&[&str], &str)] = &[
@@ -45,7 +46,8 @@ pub fn of_compile(output: &str, source: &Path, generation: Generation) -> String
     let header = output.lines().find_map(missing_header).and_then(|missing| of_missing(missing, source));
     let text = String::from_utf8_lossy(&text);
     let hints = [header, of_undeclared(output, &text, generation), of_quotes(output, &text)];
-    hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect()
+    let hints: String = hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect();
+    if hints.is_empty() { in_plain_words(output) } else { hints }
 }
 
 /// Hint on the header `missing` that `source` includes, beginning after the source's name.

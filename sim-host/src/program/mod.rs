@@ -21,6 +21,7 @@ pub mod image;
 pub mod kind;
 pub mod language;
 pub mod load;
+mod plain;
 pub mod prepare;
 pub mod python;
 mod run_folder;

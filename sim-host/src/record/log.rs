@@ -9,6 +9,7 @@ use std::io::{self, Write};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
+use super::hint_places::HintPlaces;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
@@ -96,12 +97,27 @@ pub struct Log {
     stream: Stream,
     /// Number of times that each hint was recorded.
     hints: BTreeMap<String, u32>,
+    hint_places: HintPlaces,
 }
 
 impl Log {
     /// A log of the lines that `filter` selects.
     pub fn new(filter: Filter, out: Box<dyn Write + Send>, err: Box<dyn Write + Send>) -> Self {
-        Self { filter, out, err, pending: String::new(), stream: Stream::Out, hints: BTreeMap::new() }
+        Self {
+            filter,
+            out,
+            err,
+            pending: String::new(),
+            stream: Stream::Out,
+            hints: BTreeMap::new(),
+            hint_places: HintPlaces::default(),
+        }
+    }
+
+    /// Shows hints with the lines in `hint_places`.
+    #[must_use]
+    pub fn with_hint_places(self, hint_places: HintPlaces) -> Self {
+        Self { hint_places, ..self }
     }
 
     /// Selects the stream for the next lines.
@@ -161,7 +177,11 @@ impl Sink for Log {
         if is_shown {
             let is_output = matches!(record.event, Event::Stdout { .. });
             self.choose(if is_output { Stream::Out } else { Stream::Err })?;
-            push_line(&mut self.pending, record);
+            let place = match record.event {
+                Event::Hint { text } => self.hint_places.of(record.robot, text),
+                _ => None,
+            };
+            push_line(&mut self.pending, record, place.as_deref());
         }
         Ok(())
     }
@@ -183,14 +203,18 @@ impl Sink for Log {
     }
 }
 
-/// Appends the line of `record` to `lines`; nothing for kinds that are not shown on the terminal.
-fn push_line(lines: &mut String, record: &Record<'_>) {
+/// Appends the line of `record` to `lines`, that of a hint with the line of the program to which it belongs; nothing for kinds that are not
+/// shown on the terminal.
+fn push_line(lines: &mut String, record: &Record<'_>, place: Option<&str>) {
     let start = lines.len();
     _ = write!(lines, "[{} {}] ", record.robot, record.time);
     // Writing to a string cannot fail.
     _ = match record.event {
         Event::Stdout { text } | Event::Stderr { text } => write!(lines, "{}", Printable(text)),
-        Event::Hint { text } => write!(lines, "hint: {}", Printable(text)),
+        Event::Hint { text } => {
+            place.iter().for_each(|place| _ = write!(lines, "{}: ", Printable(place)));
+            write!(lines, "hint: {}", Printable(text))
+        }
         Event::Reason { text } => write!(lines, "end: {}", Printable(text)),
         Event::Call { function, arguments, result: "" } => write!(lines, "{function}({})", Printable(arguments)),
         Event::Call { function, arguments, result } => {

@@ -1,4 +1,4 @@
-//! Contacts, metrics and forbidden calls of a run, collected for its report.
+//! Contacts, hints, metrics and forbidden calls of a run, collected for its report.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,15 @@ use sim_core::RobotId;
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 use sim_core::time::Time;
 
+use super::hint_places::HintPlaces;
+use super::report::HintReport;
 use super::sink::{RecordError, Sink};
 
 /// Most instants of contacts that are kept for a robot.
 pub const MAX_CONTACT_TIMES: usize = 1000;
+
+/// Most hints that are kept for a robot.
+pub const MAX_HINTS: usize = 100;
 
 /// Most metrics that are kept for a robot.
 const MAX_METRICS: usize = 200;
@@ -20,11 +25,12 @@ const MAX_REMARKS: usize = 20;
 /// Beginning of a line by which a program tells a metric.
 const METRIC: &str = "METRIC ";
 
-/// Sink that collects the instants of contacts, calls of forbidden functions, and the metrics that programs print: lines `METRIC
-/// name=value`.
+/// Sink that collects the instants of contacts, the hints, calls of forbidden functions, and the metrics that programs print: lines
+/// `METRIC name=value`.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,
+    hint_places: HintPlaces,
     /// Lines that begin as a metric and are none.
     pub remarks: Vec<String>,
 }
@@ -34,6 +40,8 @@ pub struct Notes {
 pub struct RobotNotes {
     /// Instants at which its contacts began, s.
     pub contact_times: Vec<f64>,
+    /// Hints that its program was given.
+    pub hints: Vec<HintReport>,
     /// Last value of each metric.
     pub metrics: BTreeMap<String, f64>,
     /// Numbers of calls of forbidden functions, by name.
@@ -41,10 +49,19 @@ pub struct RobotNotes {
 }
 
 impl Notes {
+    /// Notes of a run that notes the lines of hints in `hint_places`.
+    pub fn new(hint_places: HintPlaces) -> Self {
+        Self { hint_places, ..Self::default() }
+    }
+
     /// The notes of a robot.
     pub fn of(&self, robot: RobotId) -> &RobotNotes {
-        static NONE: RobotNotes =
-            RobotNotes { contact_times: Vec::new(), metrics: BTreeMap::new(), forbidden_calls: BTreeMap::new() };
+        static NONE: RobotNotes = RobotNotes {
+            contact_times: Vec::new(),
+            hints: Vec::new(),
+            metrics: BTreeMap::new(),
+            forbidden_calls: BTreeMap::new(),
+        };
         self.robots.get(&robot).unwrap_or(&NONE)
     }
 
@@ -80,7 +97,7 @@ fn parse(text: &str) -> Result<(&str, f64), String> {
 
 impl Sink for Notes {
     fn interest(&self) -> KindSet {
-        KindSet::of(&[Kind::Contact, Kind::Stdout, Kind::Forbidden])
+        KindSet::of(&[Kind::Contact, Kind::Hint, Kind::Stdout, Kind::Forbidden])
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
@@ -94,6 +111,13 @@ impl Sink for Notes {
             Event::Forbidden { function } => {
                 let calls = &mut self.robots.entry(record.robot).or_default().forbidden_calls;
                 *calls.entry(function.to_owned()).or_default() += 1;
+            }
+            Event::Hint { text } => {
+                let hints = &mut self.robots.entry(record.robot).or_default().hints;
+                if hints.len() < MAX_HINTS {
+                    let at = self.hint_places.of(record.robot, text);
+                    hints.push(HintReport { at_s: record.time.seconds(), at, text: text.to_owned() });
+                }
             }
             Event::Stdout { text } => text.lines().for_each(|line| self.take_line(record.robot, line)),
             _ => {}

@@ -171,6 +171,8 @@ pub struct RobotReport {
     pub contacts: u64,
     /// Instants at which the first [`MAX_CONTACT_TIMES`](super::notes::MAX_CONTACT_TIMES) contacts of the trace began, s.
     pub contact_times_s: Vec<f64>,
+    /// The first [`MAX_HINTS`](super::notes::MAX_HINTS) hints that its program was given.
+    pub hints: Vec<HintReport>,
     /// Last values of the metrics that its program printed, by name: the program's own word, by which no check judges.
     pub metrics: BTreeMap<String, f64>,
     /// Numbers of its calls of forbidden functions, by name.
@@ -189,6 +191,17 @@ pub struct RobotReport {
     pub added_s: Option<f64>,
     /// Time at which it was removed, s; none if it was not.
     pub removed_s: Option<f64>,
+}
+
+/// A hint at a likely mistake in a program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HintReport {
+    /// Time of the call that showed it, s.
+    pub at_s: f64,
+    /// Line of the program that made the call, such as `maze.c:12`; none if there is no such line.
+    pub at: Option<String>,
+    /// The hint.
+    pub text: String,
 }
 
 /// A pose in the units of the report.
@@ -301,6 +314,7 @@ mod tests {
             path_m: 1.6,
             contacts: 2,
             contact_times_s: vec![1.25, 2.0],
+            hints: vec![HintReport { at_s: 0.5, at: Some("square.c:12".into()), text: "a drive of km".into() }],
             metrics: BTreeMap::new(),
             forbidden_calls: BTreeMap::new(),
             left_floor_s: None,

@@ -73,6 +73,7 @@ impl<F: Flow> Caller<F> {
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
             act(&mut robot, caller.flow.world());
+            caller.note_hints(&mut robot, None);
             caller.take_turns(robot, call)
         })
     }
@@ -131,6 +132,7 @@ impl<F: Flow> Caller<F> {
         let since = robot.now;
         loop {
             let polled = poll(&mut robot, self.flow.world());
+            self.note_hints(&mut robot, Some(&site));
             let (at, reason) = match polled {
                 Poll::Ready(()) => {
                     robot.tasks.end_wait();
@@ -292,9 +294,22 @@ impl<F: Flow> Caller<F> {
     pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
         // These lines need almost no stack: they also serve a program whose stack is exhausted.
         self.flow.enter(call.into());
-        let result = act(&mut self.robot());
+        let mut robot = self.robot();
+        let result = act(&mut robot);
+        self.note_hints(&mut robot, None);
+        drop(robot);
         self.flow.leave();
         result
+    }
+
+    /// Notes the line of the program at which hints were given in the call in progress; `site` is its place, if known.
+    #[inline]
+    fn note_hints(&self, robot: &mut Robot, site: Option<&Site>) {
+        if !robot.new_hints.is_empty() {
+            let own = || self.flow.call_site();
+            let site = site.cloned().unwrap_or_else(own);
+            std::mem::take(&mut robot.new_hints).iter().for_each(|text| self.flow.note_hint(text, &site));
+        }
     }
 
     /// Ends the robot's program as failed, for a reason that is shown to the user.

@@ -71,6 +71,9 @@ pub trait Flow: Send + Sync + 'static {
     /// Place in the program of the call in progress.
     fn call_site(&self) -> Site;
 
+    /// Notes that the hint `text` was given in the call in progress, made at `site`.
+    fn note_hint(&self, text: &str, site: &Site);
+
     /// Describes in words what each task of `robot`, the robot of this flow, waits for.
     fn waits_of(&self, robot: &Robot) -> String;
 }

@@ -113,6 +113,6 @@ pub fn end(robot: &mut Robot) {
     let unsent = switch_off(robot);
     if unsent > 0 {
         let messages = if unsent == 1 { "a message was".to_owned() } else { format!("{unsent} messages were") };
-        robot.hint(&format!("the program ended before {messages} sent: its radio needs the time for it"));
+        robot.state.hint(&format!("the program ended before {messages} sent: its radio needs the time for it"));
     }
 }

@@ -29,6 +29,10 @@ pub struct Robot {
     pub tasks: Tasks,
     /// Ending of its program, once known.
     pub ending: Option<Ending>,
+    /// One of its tasks that has ended has called a function of RoBIOS.
+    pub has_called: bool,
+    /// Hints given in the call in progress, whose line is not noted yet.
+    pub new_hints: Vec<String>,
 }
 
 impl Deref for Robot {
@@ -106,14 +110,22 @@ impl Robot {
     pub fn new(state: simulation::Robot, robios: Robios, program: String) -> Self {
         let generators = Generators::new(state.seed(), state.id);
         let (timers, tasks) = (Timers::default(), Tasks::default());
-        Self { state, robios, program, generators, timers, tasks, ending: None }
+        let new_hints = Vec::new();
+        Self { state, robios, program, generators, timers, tasks, ending: None, has_called: false, new_hints }
+    }
+
+    /// Records a hint to the user about a likely mistake, which the call in progress has shown. A hint outside of calls is one of the
+    /// [`state`](Self::state) alone.
+    pub fn hint(&mut self, text: &str) {
+        self.state.hint(text);
+        self.new_hints.push(text.to_owned());
     }
 
     /// Tells the user if the program has ended before a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
         if self.motion.drive_end().is_some_and(|end| end > self.now) {
             let wait = if self.robios.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
-            self.hint(&format!(
+            self.state.hint(&format!(
                 "the program ended while it drove, which stops the motors: `{wait}` waits for the end of a drive"
             ));
         }
@@ -124,7 +136,8 @@ impl Robot {
         let is_by_main = !self.tasks.is_exiting() && matches!(self.ending, None | Some(Ending::Exited { .. }));
         if is_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
             let others = self.tasks.others_in_words();
-            self.hint(&format!("the program ended with `main`, before {others}: `OSSuspend(0)` lets `main` wait"));
+            self.state
+                .hint(&format!("the program ended with `main`, before {others}: `OSSuspend(0)` lets `main` wait"));
         }
     }
 
@@ -160,16 +173,17 @@ impl WaitReason {
 }
 
 impl std::fmt::Display for WaitReason {
+    /// What the robot does: `waits for KEY4`, `sleeps until 2.350 s`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Time(time) => write!(f, "{time} of virtual time"),
-            Self::Drive => f.write_str("the end of its drive"),
-            Self::Key(key) => f.write_str(key),
-            Self::Input(what) => f.write_str(what),
-            Self::Message => f.write_str("a message"),
-            Self::Task(wait) => wait.fmt(f),
-            Self::Semaphore(number) => write!(f, "semaphore {number}"),
-            Self::Ready => f.write_str("to be made ready"),
+            Self::Time(Time::NEVER) => f.write_str("sleeps for ever"),
+            Self::Time(time) => write!(f, "sleeps until {time}"),
+            Self::Drive => f.write_str("waits for the end of its drive"),
+            Self::Key(what) | Self::Input(what) => write!(f, "waits for {what}"),
+            Self::Message => f.write_str("waits for a message"),
+            Self::Task(wait) => write!(f, "waits for {wait}"),
+            Self::Semaphore(number) => write!(f, "waits for semaphore {number}"),
+            Self::Ready => f.write_str("waits to be made ready"),
         }
     }
 }

@@ -29,6 +29,8 @@ pub struct Storage {
     confined: Option<Confined>,
     /// Files written in the present slot.
     pending_writes: BTreeMap<PathBuf, (Time, Vec<u8>)>,
+    /// Reason why the C library could not open a file, the last time that it could not.
+    unopened: Option<String>,
 }
 
 /// Files of a robot whose program is in a sandbox.
@@ -104,6 +106,20 @@ impl Storage {
         }
         self.pending_writes.insert(path, (now, bytes));
         Ok(())
+    }
+
+    /// Notes that the C library could not open the file `name`, with the number of the system's `error`.
+    pub fn note_unopened(&mut self, name: &str, error: i32) {
+        let error = io::Error::from_raw_os_error(error);
+        self.unopened = Some(match error.kind() {
+            io::ErrorKind::NotFound => format!("there is no file `{name}` in the folder in which eyesim runs"),
+            _ => format!("`{name}`: {error}"),
+        });
+    }
+
+    /// Reason why the C library could not open a file, the last time that it could not.
+    pub fn unopened(&self) -> Option<&str> {
+        self.unopened.as_deref()
     }
 
     /// Returns true if files were written in the slot that ends.

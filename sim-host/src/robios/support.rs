@@ -87,6 +87,12 @@ impl<F: Flow> Support for Caller<F> {
         Ok(0)
     }
 
+    fn unopened(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
+        let name = String::from_utf8_lossy(name.unwrap_or_default());
+        self.at_once(SupportCall::unopened, |robot| robot.robios.storage.note_unopened(&name, error));
+        Ok(0)
+    }
+
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
         let length = self.at_once(SupportCall::program_name, |robot| {
             name.set(robot.program.as_bytes());

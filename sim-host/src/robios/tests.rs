@@ -118,7 +118,7 @@ fn wait_of<R>(poll: Poll<R>) -> (Time, WaitReason) {
 fn ready<R>(poll: Poll<R>) -> R {
     match poll {
         Poll::Ready(result) => result,
-        Poll::Pending { reason, .. } => panic!("waits for {reason}"),
+        Poll::Pending { reason, .. } => panic!("{reason}"),
     }
 }
 

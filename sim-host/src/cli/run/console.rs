@@ -123,7 +123,8 @@ impl ConsoleRun {
         let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
         if !args.is_silent {
             let out = if args.prints_report() { progress.stderr() } else { progress.stdout() };
-            sinks.push(Box::new(Log::new(filter(args, ready.scene())?, out, progress.stderr())));
+            let log = Log::new(filter(args, ready.scene())?, out, progress.stderr());
+            sinks.push(Box::new(log.with_hint_places(observers.hint_places.clone())));
         }
         let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(Trails::of_scene(ready.scene()))));
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));

@@ -259,6 +259,10 @@ impl RunningWorker {
             }
             thread::sleep(POLL_INTERVAL);
         }
+        // The C library's own end of a thread gives memory back, for which it waits for ever if a program broke with the heap locked.
+        if damage::is_heap_lost() {
+            return false;
+        }
         // It does not panic: the process would have aborted.
         let _ = thread.join();
         // SAFETY: the thread has ended, and with it the use of the count that it took.

@@ -91,6 +91,33 @@ struct Header {
     host: AtomicU32,
     is_importing: AtomicU32,
     import_ms: AtomicU32,
+    place_state: AtomicU32,
+    place_line: AtomicU32,
+    place_words: [AtomicU32; PLACE_BYTES / size_of::<u32>()],
+}
+
+/// Bytes for the place of a program that computes: two addresses, or the beginning of a file's name.
+const PLACE_BYTES: usize = 16;
+
+/// States of the request for the place at which a program computes; 0 if the child cannot be asked.
+mod place_state {
+    pub const READY: u32 = 1;
+    pub const ASKED: u32 = 2;
+    pub const TOLD: u32 = 3;
+}
+
+/// Place at which a program in a process computes, as the process tells it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ComputingPlace {
+    /// Addresses in its library, the innermost first; 0 for none.
+    Addresses([u64; 2]),
+    /// A line of a source file, of whose name the first bytes are told.
+    Line {
+        /// The beginning of the file's name.
+        file: String,
+        /// The line.
+        line: u32,
+    },
 }
 
 /// One mapped channel.
@@ -313,6 +340,57 @@ impl Channel {
         let header = self.header();
         let spent_ms = header.import_ms.load(Ordering::Relaxed);
         (header.is_importing.load(Ordering::Relaxed) != 0, Duration::from_millis(spent_ms.into()))
+    }
+
+    /// Tells the host that the child can be asked for the place at which it computes.
+    pub fn offer_place(&self) {
+        self.header().place_state.store(place_state::READY, Ordering::Release);
+    }
+
+    /// Asks the child for the place at which the thread of this channel computes; the child looks for the request when a signal comes.
+    /// Returns false if it cannot be asked.
+    pub fn ask_place(&self) -> bool {
+        let (ready, asked) = (place_state::READY, place_state::ASKED);
+        let state = &self.header().place_state;
+        state.compare_exchange(ready, asked, Ordering::AcqRel, Ordering::Relaxed).is_ok()
+    }
+
+    /// Returns true if the host asks for the place; the request ends with [`Channel::tell_place`]. Async-signal-safe.
+    pub fn is_place_asked(&self) -> bool {
+        self.header().place_state.load(Ordering::Acquire) == place_state::ASKED
+    }
+
+    /// Tells the addresses of the place at which the calling thread computes. Async-signal-safe.
+    pub fn tell_place(&self, addresses: [u64; 2]) {
+        let header = self.header();
+        header.place_line.store(0, Ordering::Relaxed);
+        for (word, value) in
+            header.place_words.iter().zip(addresses.iter().flat_map(|address| [*address, address >> 32]))
+        {
+            word.store(value as u32, Ordering::Relaxed);
+        }
+        header.place_state.store(place_state::TOLD, Ordering::Release);
+    }
+
+    /// Returns true once the child has told its place.
+    pub fn is_place_told(&self) -> bool {
+        self.header().place_state.load(Ordering::Acquire) == place_state::TOLD
+    }
+
+    /// Takes the place that the child has told since it was asked; withdraws the request if it has told none.
+    pub fn take_place(&self) -> Option<ComputingPlace> {
+        let header = self.header();
+        if header.place_state.swap(place_state::READY, Ordering::AcqRel) != place_state::TOLD {
+            return None;
+        }
+        let words: Vec<u32> = header.place_words.iter().map(|word| word.load(Ordering::Relaxed)).collect();
+        let line = header.place_line.load(Ordering::Relaxed);
+        if line == 0 {
+            let address = |low: usize| u64::from(words[low]) | u64::from(words[low + 1]) << 32;
+            return Some(ComputingPlace::Addresses([address(0), address(2)]));
+        }
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
+        Some(ComputingPlace::Line { file: String::from_utf8_lossy(&bytes).into_owned(), line })
     }
 
     /// Number of channels (channel 0 only).

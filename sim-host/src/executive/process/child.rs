@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use robios_sys::wire::{Malformed, Reader};
 
-use super::channel::{Channel, Channels, Message, Turn, kind};
+use super::channel::{Channel, Channels, ComputingPlace, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
@@ -337,6 +337,25 @@ impl Child {
                 }
             }
         }
+    }
+
+    /// Asks the thread of `main` for the place at which it computes, and lets it go on. `None` if it does not compute, or does not answer at
+    /// once; a thread that sleeps in the kernel is left alone, since the signal would end its sleep.
+    pub fn computing_place(&self) -> Option<ComputingPlace> {
+        /// Time in which a running thread takes the signal, also on a loaded machine.
+        const TIMEOUT: Duration = Duration::from_millis(200);
+        let thread = self.first.thread().cast_signed();
+        let computes = self.first.turn() == Turn::Child && !watchdog::is_thread_asleep(self.pid, thread);
+        if self.is_debugged || self.is_ending() || !computes || !self.first.ask_place() {
+            return None;
+        }
+        // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
+        unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
+        let start = Instant::now();
+        while !self.first.is_place_told() && start.elapsed() < TIMEOUT {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.first.take_place()
     }
 
     /// Returns true if the child was found overdue in this release and asked for its place; the answer itself takes processor time.

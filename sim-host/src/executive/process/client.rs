@@ -135,6 +135,7 @@ impl ProgramLine {
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
         store_span(library.base);
+        self.channel.offer_place();
         let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&run_message) {
             Ok(arguments) => below_guard(|| {
@@ -331,7 +332,8 @@ fn without_stale(words: &[u8], pc: usize) -> &[u8] {
     &words[place.unwrap_or(0) * size_of::<usize>()..]
 }
 
-/// Reports a fault of this thread to the host and ends the process; returns if the host works for the program. Async-signal-safe.
+/// Reports a fault of this thread to the host and ends the process; returns if the host works for the program, or asks only for the place
+/// at which the program computes. Async-signal-safe.
 fn report_fault(block: &FlowBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
     let line = unsafe { LINE.get().as_ref() };
@@ -347,6 +349,11 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(SEARCH) } else { 0 };
     // The program may have unmapped its stack, or a part of it.
     let count = signal::copy_own_memory(sp, &mut words[..count]);
+    if fault.signal == OVERDUE_SIGNAL && line.channel.is_place_asked() {
+        let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
+        let caller = words[..count].iter().find(|word| library.contains(*word));
+        return line.channel.tell_place([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
+    }
     // SAFETY: the bytes of the words.
     let words = unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), count * size_of::<usize>()) };
     line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
