@@ -1,7 +1,8 @@
 """eyesim: a simulator for mobile robots in the manner of EyeSim.
 
 `load` opens a scene as a `Simulation`, a value that is stepped, commanded, observed, copied and restored; `run` runs a scene with its
-robot programs. `eyesim.gym` has learning environments. Lengths are in m, angles in rad (counter-clockwise), times in s.
+robot programs; `plan` and `case` run the cases of a suite one by one. `eyesim.gym` has learning environments. Lengths are in m, angles in
+rad (counter-clockwise), times in s.
 """
 
 from importlib import import_module as _import
@@ -13,12 +14,15 @@ if TYPE_CHECKING:
     from ._errors import Diagnostic, Error, ProgramError, SceneError
     from ._run import Run, run
     from ._simulation import Pose, Robot, Simulation, Speed, load
+    from ._sweep import Plan, case, plan
 
-__all__ = ["Diagnostic", "Error", "Pose", "ProgramError", "Robot", "Run", "SceneError", "Simulation", "Speed", "home", "load", "run"]
+__all__ = ["Diagnostic", "Error", "Plan", "Pose", "ProgramError", "Robot", "Run", "SceneError", "Simulation", "Speed"]
+__all__ += ["case", "home", "load", "plan", "run"]
 
 # The command and the processes of robots start without numpy: what needs it is imported when it is first named.
 _PLACES = {name: "_errors" for name in ("Diagnostic", "Error", "ProgramError", "SceneError")}
 _PLACES |= {name: "_run" for name in ("Run", "run")}
+_PLACES |= {name: "_sweep" for name in ("Plan", "case", "plan")}
 _PLACES |= {name: "_simulation" for name in ("Pose", "Robot", "Simulation", "Speed", "load")}
 
 home = _host.home

@@ -28,11 +28,15 @@ def script() -> Path:
     return beside if beside.exists() else Path(sysconfig.get_path("scripts")) / "eyesim"
 
 
+def command() -> list[str]:
+    """Words that start the command `eyesim`."""
+    return [sys.executable, "-P", "-m", "eyesim"]
+
+
 def describe() -> None:
     """Describes this process to the simulator."""
-    command = [sys.executable, "-P", "-m", "eyesim"]
     installer = f"{sys.executable} -m pip install 'eyesim-robots[c]'"
-    _native.describe_host(command, script(), _own_home(), Path(sys.executable), zig(), installer)
+    _native.describe_host(command(), script(), _own_home(), Path(sys.executable), zig(), installer)
 
 
 def _own_home() -> Path:

@@ -39,5 +39,6 @@ pub mod record;
 pub mod robios;
 pub mod scenery;
 pub mod suite;
+pub mod sweep;
 #[cfg(feature = "window")]
 pub mod window;

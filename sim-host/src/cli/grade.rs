@@ -21,7 +21,7 @@ use super::output::say;
 use super::pack::{self, Collected, is_archive};
 use super::run::{parse_count, parse_sandbox, report_diagnostics};
 use super::test::screen::number;
-use super::test::{builder, junit};
+use super::test::{builder, job_count, junit};
 use crate::executive::interrupt;
 use crate::files::read_regular;
 use crate::grade::submission::{Submission, read_all, read_one};
@@ -229,8 +229,7 @@ fn grade(
             None => missing.push(index),
         }
     }
-    let jobs =
-        args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get);
+    let jobs = job_count(args.jobs);
     let same = submissions.len() - missing.len();
     if !args.quiet && same > 0 {
         println!("{same} of {} submissions are unchanged or equal to another", submissions.len());

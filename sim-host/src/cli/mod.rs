@@ -39,6 +39,7 @@ pub mod progress;
 pub mod replay;
 pub mod run;
 mod shot;
+pub mod sweep;
 pub mod table;
 pub mod test;
 #[cfg(feature = "window")]
@@ -73,6 +74,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
     Test(test::TestArgs),
+    /// Run all cases of a suite into a folder of rows, over many machines if need be; what has run is not run again
+    Sweep(sweep::SweepArgs),
     /// Grade submissions by a suite: each is built and run apart from the others; pages, tables, results for grading services
     Grade(grade::GradeArgs),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
@@ -144,6 +147,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
         Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Grade(args) => grade::run(&args),
         #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),

@@ -171,8 +171,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let last_failed = LastFailed::of_user();
     let selected: Vec<Vec<usize>> = select(&runs, selection.as_ref(), args.lf.then_some(&last_failed));
     let count: usize = selected.iter().map(Vec::len).sum();
-    let jobs =
-        args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get);
+    let jobs = job_count(args.jobs);
     let all = runs.iter().map(|run| run.cases.len()).sum();
     let mut console = Console::new(args.verbose, args.quiet);
     console.collected(&paths, count, all, jobs);
@@ -234,6 +233,11 @@ pub(super) fn builder(is_quiet: bool, sandbox: Option<Sandbox>) -> anyhow::Resul
     Ok(if is_quiet { builder } else { builder.with_observer(Box::new(Building::on_stderr())) })
 }
 
+/// Number of cases or submissions that are worked on at one time: one for each processor if the user has given none.
+pub(super) fn job_count(jobs: Option<NonZeroUsize>) -> usize {
+    jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get)
+}
+
 /// The suites among `paths`, and those in folders.
 fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
@@ -243,15 +247,7 @@ fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             continue;
         }
         if !path.is_dir() {
-            let text = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
-            let text = sim_format::decode(&text).0;
-            if !is_suite(&slashed(path), &text) {
-                let is_sim = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sim"));
-                if is_sim || sim_format::is_scene(&slashed(path), &text) {
-                    bail!("`{0}` is a scene: `eyesim run {0}` runs it; a suite names it", path.display());
-                }
-                bail!("`{}` is no suite: it has no `[suite]`", path.display());
-            }
+            expect_suite(path)?;
             found.push(path.clone());
             continue;
         }
@@ -268,6 +264,23 @@ fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         }
     }
     Ok(found)
+}
+
+/// Checks that a file is a suite.
+///
+/// # Errors
+/// It cannot be read, or is something else.
+pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
+    let text = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
+    let text = sim_format::decode(&text).0;
+    if is_suite(&slashed(path), &text) {
+        return Ok(());
+    }
+    let is_sim = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sim"));
+    if is_sim || sim_format::is_scene(&slashed(path), &text) {
+        bail!("`{0}` is a scene: `eyesim run {0}` runs it; a suite names it", path.display());
+    }
+    bail!("`{}` is no suite: it has no `[suite]`", path.display());
 }
 
 /// Indices of the selected cases of each suite.

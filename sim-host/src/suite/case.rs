@@ -1,6 +1,8 @@
 //! A case of a suite, and its run in this process.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::fs;
+use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -25,7 +27,7 @@ use crate::program::Builder;
 use crate::program::load::Loader;
 use crate::record::report::{CheckReport, Input};
 use crate::record::trail::BodyTrails;
-use crate::record::{RecordError, Sink, Trails};
+use crate::record::{self, RecordError, Sink, Trails};
 
 /// A case: everything that determines its row, besides the contents of files.
 #[derive(Clone, Debug)]
@@ -50,8 +52,43 @@ pub struct Session {
     subreaper: Option<Subreaper>,
     /// Files that cases have read: path and digest.
     inputs: BTreeMap<String, String>,
+    /// Traces that are kept; none by default.
+    pub keep: Keep,
     /// Ends the case that is running.
     pub interrupt: Interrupt,
+}
+
+/// Cases whose traces are kept, as `KEY.jsonl.zst` in a folder that exists.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// None.
+    #[default]
+    None,
+    /// Those that do not pass.
+    Failed(PathBuf),
+    /// All.
+    All(PathBuf),
+}
+
+impl Keep {
+    /// The trace of the case with this key, while it is written.
+    fn part(&self, key: &str) -> Option<PathBuf> {
+        match self {
+            Self::None => None,
+            Self::Failed(folder) | Self::All(folder) => Some(folder.join(format!("{key}.part.jsonl.zst"))),
+        }
+    }
+
+    /// Keeps or removes the trace of a case that is over.
+    fn settle(&self, key: &str, outcome: RowOutcome) -> io::Result<()> {
+        let Some(part) = self.part(key) else { return Ok(()) };
+        let is_kept = match outcome {
+            RowOutcome::Interrupted => false,
+            RowOutcome::Passed => matches!(self, Self::All(_)),
+            RowOutcome::Failed | RowOutcome::Error => true,
+        };
+        if is_kept { fs::rename(&part, part.with_file_name(format!("{key}.jsonl.zst"))) } else { fs::remove_file(part) }
+    }
 }
 
 impl Session {
@@ -63,6 +100,7 @@ impl Session {
             loader: None,
             subreaper: None,
             inputs: BTreeMap::new(),
+            keep: Keep::None,
             interrupt,
         }
     }
@@ -76,6 +114,17 @@ impl Session {
             Ok(built) => Ok(built.is_on_fibers()),
             Err(Failure { is_of_programs: false, .. }) => Err(PrepareError::Scene),
             Err(failure) => Err(PrepareError::Programs(Box::new(failure.result(suite, case)))),
+        }
+    }
+
+    /// Hash of everything that determines the row of a case: its [`Row::key`].
+    ///
+    /// # Errors
+    /// The result of a case that cannot be run, since a file cannot be read or a program not be built.
+    pub fn key(&mut self, suite: &Suite, case: &Case) -> Result<String, Box<CaseResult>> {
+        match self.build(suite, case) {
+            Ok(built) => Ok(key_of(suite, case, built.inputs())),
+            Err(failure) => Err(Box::new(failure.result(suite, case))),
         }
     }
 
@@ -230,7 +279,10 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     let objects: Vec<_> = build::movable(&scene).map(|object| object.pose).collect();
     let trails = Arc::new(Mutex::new(Trails::new(&starts, &objects)));
     let output = Arc::new(Mutex::new(Output::default()));
-    let sinks = vec![Box::new(Arc::clone(&trails)) as Box<dyn Sink>, Box::new(Arc::clone(&output)) as Box<dyn Sink>];
+    let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&trails)), Box::new(Arc::clone(&output))];
+    if let Some(part) = session.keep.part(&key) {
+        sinks.push(Box::new(record::Trace::create(&part, &ready.trace_header()).map_err(Failure::of)?));
+    }
     let observers = Observers { sinks, interrupt: session.interrupt.clone(), ..Observers::default() };
     let begin = processor_seconds();
     let mut running = ready.start(observers)?;
@@ -253,6 +305,7 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     if session.interrupt.is_set() && row.checks.iter().any(|check| check.broken) {
         (row.outcome, row.message) = (RowOutcome::Interrupted, "interrupted".to_owned());
     }
+    session.keep.settle(&row.key, row.outcome).map_err(|error| Failure::of(format!("its trace is lost: {error}")))?;
     let is_shown = row.outcome != RowOutcome::Passed;
     let trace = |(index, trail): (usize, &BodyTrails)| {
         let points = |line: Vec<glam::DVec2>| line.into_iter().map(|point| point.to_array()).collect();
@@ -335,9 +388,16 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     }
 }
 
-/// Hash of everything that determines the row of a case.
+/// Hash of everything that determines the row of a case. The place of the suite's folder does not matter.
 fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
-    let Options { seed, slot, until, linger, keys, arguments, noise, settings, programs, forbid, .. } = &case.options;
+    let folder = suite.spec.folder.trim_end_matches('/');
+    let in_folder = |path: &str| match folder {
+        "" => (!path.starts_with('/') && !path.starts_with("../")).then(|| path.to_owned()),
+        _ => Some(path.strip_prefix(folder)?.strip_prefix('/')?.to_owned()),
+    };
+    let named = |text: &str| in_folder(text).unwrap_or_else(|| text.to_owned());
+    let noise = case.options.noise.as_deref().map(named);
+    let Options { seed, slot, until, linger, keys, arguments, settings, programs, forbid, .. } = &case.options;
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {
         hasher.update(&(text.len() as u64).to_le_bytes());
@@ -346,10 +406,14 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     add(format!("eyesim {} {ROW_SCHEMA}", env!("CARGO_PKG_VERSION")));
     add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
     settings.iter().for_each(|setting| add(setting.to_string()));
-    programs.iter().for_each(|program| add(program.to_string()));
+    programs.iter().for_each(|program| add(program.with_program(&named(program.program())).to_string()));
     forbid.iter().for_each(|functions| add(format!("forbid {functions}")));
     add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
-    inputs.iter().for_each(|input| add(input.sha256.clone()));
+    // Files elsewhere, such as those of the installation, go by their names.
+    let name = |path: &str| in_folder(path).unwrap_or_else(|| path.rsplit('/').next().unwrap_or_default().to_owned());
+    let mut files: Vec<String> = inputs.iter().map(|input| format!("{} {}", name(&input.path), input.sha256)).collect();
+    files.sort_unstable();
+    files.into_iter().for_each(add);
     hasher.finalize().to_hex()[..32].to_owned()
 }
 

@@ -1,7 +1,7 @@
 //! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
 //!
 //! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its [`Row`];
-//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds.
+//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds, [`table`] writes them as CSV.
 
 mod case;
 mod pool;
@@ -9,9 +9,10 @@ mod prepare;
 mod row;
 mod select;
 pub mod summary;
+pub mod table;
 
 pub(crate) use case::lost_case;
-pub use case::{Case, PrepareError, Session, run_case};
+pub use case::{Case, Keep, PrepareError, Session, run_case};
 pub use pool::{Pool, PoolError, PoolOptions};
 pub use prepare::Preparation;
 pub use row::{CaseResult, ROW_SCHEMA, Row, RowOutcome, RowRobot, Trace};

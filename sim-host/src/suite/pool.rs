@@ -82,6 +82,14 @@ impl<'s> Pool<'s> {
         Self { suite, cases, preparation, options }
     }
 
+    /// Key of the row of a case.
+    ///
+    /// # Errors
+    /// As [`Session::key`].
+    pub fn key(&mut self, index: usize) -> Result<String, Box<CaseResult>> {
+        self.preparation.session.key(self.suite, &self.cases[index])
+    }
+
     /// Runs the cases with these indices; `done` gets each result, in the order in which they end, and may stop the pool.
     ///
     /// # Errors
@@ -136,7 +144,7 @@ impl<'s> Pool<'s> {
                         let how = workers[place].process.end_within(WORKER_END_TIMEOUT);
                         if workers[place].is_single || suspects.contains(&first) {
                             let message = format!("the process of the case {why}: {how}");
-                            (Some((first, lost_case(self.suite, &self.cases[first], &message))), true)
+                            (Some((first, self.lost(first, &message))), true)
                         } else {
                             suspects.push(first);
                             alone.push_front(first);
@@ -208,13 +216,13 @@ impl<'s> Pool<'s> {
 
     /// Kills workers whose cases have taken far more time than their limits allow.
     fn end_unresponsive(
-        &self,
+        &mut self,
         workers: &mut Vec<Worker>,
         waiting: &mut VecDeque<usize>,
         done: &mut dyn FnMut(usize, CaseResult) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let limits = &self.suite.spec.limits;
-        let most = PATIENCE * (limits.processor + limits.slot_processor) + 10.0;
+        let suite = self.suite;
+        let most = PATIENCE * (suite.spec.limits.processor + suite.spec.limits.slot_processor) + 10.0;
         let is_late = |worker: &Worker| {
             let answers_late = !worker.received.is_empty() && worker.answers_since.elapsed() > ANSWER_TIMEOUT;
             !worker.given.is_empty() && (answers_late || worker.since.elapsed().as_secs_f64() > most)
@@ -231,10 +239,17 @@ impl<'s> Pool<'s> {
                 } else {
                     "the process of the case gave a part of a result only; it was killed".to_owned()
                 };
-                done(index, lost_case(self.suite, &self.cases[index], &message))?;
+                done(index, self.lost(index, &message))?;
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Result of a case whose process ended without one, for this reason.
+    fn lost(&mut self, index: usize, message: &str) -> CaseResult {
+        let mut result = lost_case(self.suite, &self.cases[index], message);
+        result.row.key = self.key(index).unwrap_or_default();
+        result
     }
 }
 

@@ -72,6 +72,18 @@ pub enum RowOutcome {
     Interrupted,
 }
 
+impl RowOutcome {
+    /// The word that rows have for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+            Self::Error => "error",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
 /// End of a robot's program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RowRobot {

@@ -1,9 +1,8 @@
-//! Tables as CSV (RFC 4180), which spreadsheets open.
+//! Tables as CSV, which spreadsheets open.
 
 use super::Student;
 use super::student::points_of_check;
-use crate::record::log::is_terminal_control;
-use crate::suite::RowOutcome;
+use crate::suite::table::{COLUMNS, fields, line};
 
 /// A line for each submission.
 pub(super) fn grades(students: &[Student]) -> String {
@@ -52,44 +51,13 @@ pub(super) fn grades(students: &[Student]) -> String {
 
 /// A line for each case of each submission.
 pub(super) fn rows(students: &[Student]) -> String {
-    let head = [
-        "student",
-        "case",
-        "variant",
-        "seed",
-        "outcome",
-        "points",
-        "max_points",
-        "message",
-        "at_s",
-        "sim_time_s",
-        "digest",
-        "key",
-    ];
-    let mut csv = line(&head.map(str::to_owned));
+    let head = ["student"].iter().chain(&COLUMNS).map(|&name| name.to_owned());
+    let mut csv = line(&head.collect::<Vec<_>>());
     for student in students {
         for result in &student.graded.results {
-            let row = &result.row;
-            let outcome = match row.outcome {
-                RowOutcome::Passed => "passed",
-                RowOutcome::Failed => "failed",
-                RowOutcome::Error => "error",
-                RowOutcome::Interrupted => "interrupted",
-            };
-            csv.push_str(&line(&[
-                student.submission.folder.clone(),
-                row.case.clone(),
-                row.variant.clone(),
-                row.seed.to_string(),
-                outcome.to_owned(),
-                decimal(row.points),
-                decimal(row.max_points),
-                row.message.clone(),
-                row.at_s.map(decimal).unwrap_or_default(),
-                decimal(row.sim_time_s),
-                row.digest.clone().unwrap_or_default(),
-                row.key.clone(),
-            ]));
+            let mut cells = vec![student.submission.folder.clone()];
+            cells.extend(fields(&result.row));
+            csv.push_str(&line(&cells));
         }
     }
     csv
@@ -98,43 +66,4 @@ pub(super) fn rows(students: &[Student]) -> String {
 fn decimal(number: f64) -> String {
     let text = format!("{number:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-fn line(fields: &[String]) -> String {
-    let mut line = fields.iter().map(|text| field(text)).collect::<Vec<_>>().join(",");
-    line.push_str("\r\n");
-    line
-}
-
-/// A field: never a formula of a spreadsheet, and without control characters.
-fn field(text: &str) -> String {
-    let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
-    let mut plain = String::new();
-    if !is_number && text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        plain.push('\'');
-    }
-    for c in text.chars() {
-        if is_terminal_control(c) && c != '\n' { plain.extend(c.escape_default()) } else { plain.push(c) }
-    }
-    if plain.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", plain.replace('"', "\"\"")) } else { plain }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fields_are_no_formulas_and_have_no_controls() {
-        for (text, expected) in [
-            ("Ana", "Ana"),
-            ("-3.5", "-3.5"),
-            ("=SUM(A1)", "'=SUM(A1)"),
-            ("@x,y", "\"'@x,y\""),
-            ("say \"hi\"", "\"say \"\"hi\"\"\""),
-            ("\u{1b}[31mred", "\\u{1b}[31mred"),
-            ("two\nlines", "\"two\nlines\""),
-        ] {
-            assert_eq!(field(text), expected);
-        }
-    }
 }

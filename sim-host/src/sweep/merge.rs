@@ -1,0 +1,76 @@
+//! Rows of several files in one order.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+use super::{Line, Lines, SweepError};
+use crate::suite::{Row, RowOutcome};
+
+/// The rows of `files`, each once, ordered by suite and settings. The row of a case that could not be run gives way to another of its case.
+///
+/// # Errors
+/// [`SweepError::Conflict`] if a key has two results.
+pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
+    let mut rows: BTreeMap<String, (Row, String)> = BTreeMap::new();
+    let mut errors: BTreeMap<(String, String), Row> = BTreeMap::new();
+    for file in files {
+        for Line { number, row } in file.rows {
+            let place = format!("{}:{number}", file.path.display());
+            if row.outcome == RowOutcome::Error {
+                errors.insert((row.suite.clone(), row.case.clone()), row);
+                continue;
+            }
+            match rows.get_mut(&row.key) {
+                None => _ = rows.insert(row.key.clone(), (row, place)),
+                Some(other) => join(other, row, place)?,
+            }
+        }
+    }
+    for (row, _) in rows.values() {
+        errors.remove(&(row.suite.clone(), row.case.clone()));
+    }
+    let mut rows: Vec<Row> = rows.into_values().map(|(row, _)| row).chain(errors.into_values()).collect();
+    rows.sort_by(order);
+    Ok(rows)
+}
+
+/// Joins two rows of one key: a run that was stopped for its processor time has no digest, and gives way to one that was not.
+fn join(known: &mut (Row, String), row: Row, place: String) -> Result<(), SweepError> {
+    let (other, its_place) = &*known;
+    let conflict = |what, first: &str, second: &str| SweepError::Conflict {
+        key: row.key.clone(),
+        case: row.case.clone(),
+        what,
+        first: format!("`{first}` at {its_place}"),
+        second: format!("`{second}` at {place}"),
+    };
+    match (&other.digest, &row.digest) {
+        (Some(first), Some(second)) if first != second => return Err(conflict("digests", first, second)),
+        (Some(_), Some(_)) | (None, None) if result(other) != result(&row) => {
+            return Err(conflict("results", &result(other), &result(&row)));
+        }
+        (None, Some(_)) => *known = (row, place),
+        _ => {}
+    }
+    Ok(())
+}
+
+fn result(row: &Row) -> String {
+    format!("{}, {} of {} points at {} s", row.outcome.word(), row.points, row.max_points, row.sim_time_s)
+}
+
+fn order(a: &Row, b: &Row) -> Ordering {
+    let settings = a.settings.iter().zip(&b.settings).map(|((_, a), (_, b))| by_value(a, b));
+    let by_settings = settings.fold(Ordering::Equal, Ordering::then);
+    a.suite.cmp(&b.suite).then(by_settings).then_with(|| (&a.case, &a.key).cmp(&(&b.case, &b.key)))
+}
+
+/// Numbers by their size, before texts.
+fn by_value(a: &str, b: &str) -> Ordering {
+    match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => a.total_cmp(&b),
+        (Ok(_), Err(_)) => Ordering::Less,
+        (Err(_), Ok(_)) => Ordering::Greater,
+        (Err(_), Err(_)) => a.cmp(b),
+    }
+}
