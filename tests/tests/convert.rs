@@ -190,8 +190,9 @@ fn a_world_becomes_an_occupancy_grid_and_a_world_again() {
     assert!(ran.code == Some(0) && ran.stdout.contains(note), "{ran:#?}");
     let ran = scratch.eyesim(&["convert", "map.yaml", "-o", "again.wld"]);
     assert!(ran.code == Some(0) && ran.stderr.contains("50 free"), "{ran:#?}");
-    let walls: Vec<String> = scratch.read("again.wld").lines().skip(1).map(str::to_owned).collect();
-    assert_eq!(walls, ["100 600 100 100", "1100 100 1100 600", "100 100 1100 100", "1100 600 100 600"]);
+    let mm = |line: &str| line.split(' ').map(|word| word.parse::<f64>().expect("a number").round() as i64).collect();
+    let walls: Vec<Vec<i64>> = scratch.read("again.wld").lines().skip(1).map(mm).collect();
+    assert_eq!(walls, [[100, 600, 100, 100], [1100, 100, 1100, 600], [100, 100, 1100, 100], [1100, 600, 100, 600]]);
     // A pipe as the image of a map is refused at once.
     std::fs::remove_file(scratch.path().join("map.pgm")).expect("the image");
     let pipe = scratch.path().join("map.pgm");

@@ -134,7 +134,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
             let is_item = trimmed == "-" || trimmed.starts_with("- ") || trimmed.starts_with("-\t");
             if in_brackets || is_item {
                 let skip = if in_brackets { start } else { start + 1 };
-                let values = scalars(&line, &content, skip);
+                let values = scalars(&line, content, skip);
                 if in_brackets && content.contains(']') {
                     open = None;
                 }
