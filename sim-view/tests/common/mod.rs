@@ -54,6 +54,8 @@ pub fn scene(run: u32) -> Scene {
             program: String::new(),
             colour: [1, 2, 3],
             body: sim_view::protocol::Body { radius_m: 0.1, height_m: 0.1 },
+            links: vec![],
+            standing_rad: vec![],
             sensors: vec![],
             camera: None,
             lcd: Lcd { size_px: [128, 64], has_colours: false },
