@@ -142,12 +142,12 @@ const CASES: &[Case] = &[
     case(
         "a sensor that the robot has not",
         "mine.c",
-        "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet(9);\n}\n",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(\"%d\\n\", PSDGet(9));\n  return 0;\n}\n",
     ),
     case(
         "a sensor that the robot has not",
         "mine.cpp",
-        "#include \"eyebot.h\"\nint main()\n{\n  return PSDGet(9);\n}\n",
+        "#include \"eyebot.h\"\nint main()\n{\n  LCDPrintf(\"%d\\n\", PSDGet(9));\n}\n",
     ),
     case("a sensor that the robot has not", "mine.py", "from eye import *\nPSDGet(9)\n"),
     case("a sensor that the robot has not", "mine", "robot.psd(\"PSD_NOSE\")?;"),
@@ -297,7 +297,10 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let is_message = |line: &&str| {
         let note = line.contains(": RoBIOS-7 (") || line.contains(", as the sim file is; ");
         let table = line.trim().is_empty() || line.starts_with("robot ") || line.starts_with("r1 S4");
-        let traceback = line.contains("s] Traceback") || line.contains(" s]     ") || line.contains(": In function");
+        let traceback = line.contains("s] Traceback")
+            || line.contains(" s]     ")
+            || line.contains(" s]   [Previous line")
+            || line.contains(": In function");
         !note && !table && !traceback
     };
     let lines: Vec<&str> = printed.lines().filter(is_message).collect();

@@ -46,7 +46,8 @@ fn reason_of(source: &str) -> String {
         let (ran, report) = run_one(source, &["--exec", exec]);
         assert_eq!(ran.code, Some(1), "{ran:#?}");
         let reason = report["robots"][0]["reason"].as_str().unwrap_or_else(|| panic!("a reason: {ran:#?}"));
-        // The last call is that of the thread, or of the whole process.
+        // The last call is that of the thread, or of the whole process; advice follows it.
+        let reason = reason.split("; ").next().unwrap_or_default();
         reason.split(", last RoBIOS call").next().unwrap_or_default().to_owned()
     });
     assert_eq!(one, other, "threads, and a process");
