@@ -39,7 +39,7 @@ fn a_forbidden_function_fails_without_effect_wherever_a_program_runs() {
             assert_eq!(ran.code, Some(0), "{ran:#?}");
             assert!(ran.stdout.contains("7 7 7 7, 0 robots, 1 0"), "{ran:#?}");
             for said in [
-                "`SIMSetRobot` is forbidden here: it fails without any effect",
+                "`SIMSetRobot` did nothing: it is forbidden here",
                 "called forbidden functions: `KEYGet` once, `SIMGetRobot` once, `SIMGetRobotCount` once, `SIMSetRobot` 2 times, \
                  `VWSetPosition` once",
             ] {

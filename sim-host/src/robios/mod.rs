@@ -225,10 +225,7 @@ impl Robot {
 
     /// Records a call of a forbidden function, which has no other effect.
     fn record_forbidden(&mut self, call: Call) {
-        if self.robios.hints.is_first_failure(call) {
-            self.hint(&format!("`{}` is forbidden here: it fails without any effect", call.name()));
-        }
-        self.failed(call, 0);
+        self.rejected(call, |_| "it is forbidden here".to_owned());
         self.record(Event::Forbidden { function: call.name() });
     }
 

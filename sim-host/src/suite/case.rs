@@ -350,10 +350,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     let at = failed_check.and_then(|check| check.at_s);
     let at = at.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
         // A program that hangs does so within a slot, at an instant that may depend on the machine.
-        Outcome::Timeout => {
-            let time = Time((robot.virtual_time_s * 1e6).round() as i64);
-            Time(time.0 / settings.slot.0 * settings.slot.0).seconds()
-        }
+        Outcome::Timeout => (robot.virtual_time_s / settings.slot.seconds() + 1e-9).floor() * settings.slot.seconds(),
         _ => robot.virtual_time_s,
     }));
     // The poses of robots are those of the end, not of the instant of a check.
