@@ -115,6 +115,13 @@ impl Message<'_> {
             {
                 Some(overflow(text))
             }
+            text if text.contains("invokes undefined behavior") => {
+                let round = text.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_add(1)?;
+                Some(format!(
+                    "round {round} of the loop goes beyond the end of an array, whose last index is one less than its length, or a number \
+                     becomes too large for its type"
+                ))
+            }
             text if text.starts_with("this '") && text.contains("does not guard") => {
                 let word = self.quoted(0)?;
                 Some(format!(
@@ -313,6 +320,11 @@ mod tests {
             (
                 "array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]",
                 "the index 3 is outside of its array: an array of 3 has the indices 0 to 2",
+            ),
+            (
+                "iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]",
+                "round 5 of the loop goes beyond the end of an array, whose last index is one less than its length, or a number becomes too \
+                 large for its type",
             ),
             (
                 "pointer 'map' used after 'free' [-Wuse-after-free]",
