@@ -766,6 +766,7 @@ fn files_that_cannot_become_each_other_are_refused() {
     let code = |from, to| convert(from, to, &files).diagnostics.last().expect("a message").code;
     assert_eq!(code("a.wld", "b.robi"), Code::ConvertKind);
     assert_eq!(code("a.wld", "b.maz"), Code::ConvertMaze);
-    assert_eq!(code("a.wld", "b.txt"), Code::FileKind);
+    assert_eq!(code("a.wld", "b.txt"), Code::ConvertKind, "mazes of others are read, not written");
+    assert_eq!(code("a.wld", "b.doc"), Code::FileKind);
     assert!(convert("missing.sim", "b.toml", &files).outputs.is_empty());
 }
