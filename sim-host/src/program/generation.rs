@@ -439,8 +439,10 @@ mod tests {
         let sources = ["own/a.c", "own/source.c"].map(|name| folder.join(name));
         let why = |folders| choose(&sources, GenerationHint::default(), folders).expect("one generation").why;
         assert_eq!(why(None), ChoiceReason::Calls(vec!["VWStraight".to_owned()]));
-        assert_eq!(why(Some(&[folder.join("own")])), ChoiceReason::None);
-        assert_eq!(why(Some(&[folder.clone()])), why(None));
+        let own = [folder.join("own")];
+        assert_eq!(why(Some(&own)), ChoiceReason::None);
+        let all = [folder.clone()];
+        assert_eq!(why(Some(&all)), why(None));
     }
 
     #[test]
