@@ -145,7 +145,7 @@ fn the_greatest_noise_that_a_profile_may_have_brings_no_robot_through_a_wall() {
         slip_deviation: 1.0,
         command: huge,
         odometry: huge,
-        resolution: Resolution::default(),
+        ..Imperfection::default()
     };
     for (seed, kind) in [DriveKind::Differential, DriveKind::Omni, DriveKind::Ackermann].into_iter().enumerate() {
         let mut motion = robot(Model { kind, ..model() }, room(0.5), seed as u64, imperfection);
