@@ -75,7 +75,7 @@ fn load(path: &Path) -> Vec<Diagnostic> {
 
 fn world(file: &str) -> WorldSpec {
     let path = name(&root().join("worlds").join(file));
-    let loaded = if file.ends_with(".maz") { load_world(&path, &disk()) } else { load_world(&path, &disk()) };
+    let loaded = load_world(&path, &disk());
     assert_eq!(loaded.diagnostics, []);
     loaded.scene.world
 }

@@ -1,4 +1,5 @@
 //! Noise as seen by programs: readings of devices are independent, and wrong profiles are refused with their location.
+#![allow(clippy::disallowed_methods, reason = "compared within tolerances")]
 
 use serde_json::Value;
 use tests::{Scratch, number, root};

@@ -1,4 +1,5 @@
 //! The window of the real binary: messages to pages, effects of their requests, and watching without side effects.
+#![allow(clippy::disallowed_methods, reason = "compared within tolerances")]
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;

@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use accuracy::statistics::{Moments, binomial, kolmogorov, normal_cdf, two_sided};
 use anyhow::Context as _;
 use glam::DVec2;
+use sim_core::math;
 
 use crate::page::{Basis, Claim, Page, Weight};
 use crate::run::{Job, Run, Scene};
@@ -184,7 +185,7 @@ fn displacement([vx, vy, omega]: [f64; 3], seconds: f64) -> (DVec2, f64) {
     let (along, aside) = if angle.abs() < 1e-9 {
         (seconds, 0.5 * angle * seconds)
     } else {
-        (angle.sin() / omega, (1.0 - angle.cos()) / omega)
+        (math::sin(angle) / omega, (1.0 - math::cos(angle)) / omega)
     };
     (DVec2::new(vx * along - vy * aside, vx * aside + vy * along), angle)
 }

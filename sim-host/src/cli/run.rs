@@ -513,7 +513,7 @@ fn parse_megabytes(text: &str) -> Result<u64, String> {
 /// # Errors
 /// Message with what is expected.
 pub fn parse_count(text: &str) -> Result<NonZeroUsize, String> {
-    text.parse().map_err(|_| "expected a whole number from 1, such as 4".to_owned())
+    text.parse().ok().ok_or_else(|| "expected a whole number from 1, such as 4".to_owned())
 }
 
 fn parse_timeout(text: &str) -> Result<f64, String> {
