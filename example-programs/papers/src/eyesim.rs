@@ -259,7 +259,7 @@ fn v_omega(trace: &Trace) -> anyhow::Result<Claim> {
     let (mut at, mut heading) = (DVec2::splat(20.0), 0.0);
     let (mut off, mut turned, mut count) = (0.0_f64, 0.0_f64, 0);
     for (time, line) in trace.printed(1) {
-        let drive: [f64; 2] = numbers(line)?.try_into().map_err(|_| anyhow::anyhow!("`{line}`"))?;
+        let drive: [f64; 2] = numbers(line)?.try_into().ok().with_context(|| format!("`{line}`"))?;
         let (step, angle) = displacement([drive[0], 0.0, drive[1]], 1.0);
         at += DVec2::from_angle(heading).rotate(step);
         heading += angle;
