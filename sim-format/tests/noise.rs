@@ -163,7 +163,7 @@ fn each_mistake_has_its_place_and_what_is_expected() {
     let suggestions: Vec<&str> = diagnostics.iter().filter_map(|d| d.suggestion.as_deref()).collect();
     assert_eq!(suggestions, ["write `real`", "write `sigma_mm`", "write `psd`", "write `device`"]);
     assert!(diagnostics.iter().all(|d| !d.expected.is_empty()));
-    assert_eq!(diagnostics[0].expected, "one of none, mild, real, harsh");
+    assert_eq!(diagnostics[0].expected, "one of none, mild, real, harsh, course");
     assert_eq!(diagnostics[1].expected, "a number in mm from 0 to 1000000");
     assert_eq!(said("[psd]\ndevice = 1\n")[0].code, Code::TomlKey, "a PSD has no noise of its own");
     let codes = |text| said(text).iter().map(|d| (d.code, d.span.line, d.span.column)).collect::<Vec<_>>();

@@ -379,8 +379,8 @@ mod tests {
     #[test]
     fn files_without_a_kind_and_missing_files_are_errors() {
         let (folder, _) = folder(&[]);
-        fs::write(folder.path().join("a.txt"), "").expect("a file");
-        let names = ["a.txt", "a.maz"].map(|name| slashed(&folder.path().join(name)));
+        fs::write(folder.path().join("a.doc"), "").expect("a file");
+        let names = ["a.doc", "a.maz"].map(|name| slashed(&folder.path().join(name)));
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let codes: Vec<Code> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert_eq!(codes, [Code::FileKind, Code::FileMissing]);

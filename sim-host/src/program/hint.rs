@@ -420,8 +420,9 @@ mod tests {
         let output = "a.cpp:3:3: error: 'VWStraight' was not declared in this scope\n";
         let hint = "a.cpp: `#include \"eyebot.h\"` is missing: write it as the first line\n";
         assert_eq!(of_source(output, "a.cpp", b"int main() {}"), hint);
-        assert_eq!(of_source(output, "a.cpp", b"# include \"eyebot.h\"\n"), "");
-        assert_eq!(of_source("a.cpp:3:3: error: 'Plan' was not declared in this scope\n", "a.cpp", b""), "");
+        assert!(!of_source(output, "a.cpp", b"# include \"eyebot.h\"\n").contains("eyebot.h"));
+        let other = "a.cpp:3:3: error: 'Plan' was not declared in this scope\n";
+        assert!(!of_source(other, "a.cpp", b"").contains("eyebot.h"));
     }
 
     #[test]
@@ -433,7 +434,7 @@ mod tests {
         let text = "int i;\nf(\u{201C}a\u{201D});\n".as_bytes();
         let hint = "a.c:2: `\u{201C}` is a typographic quote: write `\"`\n";
         assert_eq!(of_source("a.c:2:3: error: stray '\\342' in program", "a.c", text), hint);
-        assert_eq!(of_source("a.c:1:3: error: expected ';'", "a.c", text), "");
+        assert!(!of_source("a.c:1:3: error: expected ';'", "a.c", text).contains("quote"));
     }
 
     fn undefined(name: &str, place: Option<&str>) -> Undefined {

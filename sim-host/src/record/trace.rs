@@ -380,6 +380,7 @@ pub(super) mod tests {
             Event::Reason { text: "fault" },
             Event::Hint { text: "metres" },
             Event::Call { function: "OSWait", arguments: "5", result: "0" },
+            Event::Forbidden { function: "SIMSetRobot" },
         ]
     }
 

@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(mistakes("simsetrobot,*Wait"), []);
         assert_eq!(mistakes("SIN*"), some("SIN*", Some("SIM*")));
         assert_eq!(mistakes("SIMSetRobt"), some("SIMSetRobt", Some("SIMSetRobot")));
-        assert_eq!(mistakes("OSWait, printf"), some("printf", None));
+        assert_eq!(mistakes("OSWait, printf"), some("printf", Some("LCDPrintf")));
         assert_eq!(mistakes(" , "), some(" , ", None));
     }
 }
