@@ -106,7 +106,7 @@ fn a_program_is_told_to_stop_where_it_computes() {
     let report = run(main, Time::from_millis(5_000));
     assert_eq!(report.robots[0].outcome, Outcome::Timeout);
     let reason = report.robots[0].reason.as_deref().unwrap_or_default();
-    assert!(reason.contains("no RoBIOS call") && reason.contains("it.py:7"), "{reason}");
+    assert!(reason.contains("without a RoBIOS call") && reason.contains("it.py:7"), "{reason}");
 }
 
 #[test]
