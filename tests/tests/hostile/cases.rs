@@ -1066,7 +1066,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
         "faulthandler that exits with 0",
         Python,
         "import faulthandler\nfaulthandler.dump_traceback_later(0.05, exit=True, file=open('dump', 'w'))\nwhile True:\n    pass",
-        &["exit code 1", "no RoBIOS call"],
+        &["exit code 1", "without a RoBIOS call"],
     ),
     (
         "Python",
