@@ -233,6 +233,17 @@ export type Light = {
   /** Bodies throw shadows. */
   shadows: boolean, };
 
+/** A rigid part of a robot that turns about an axis. */
+export type Link = {
+  /** Index of its parent in [`Robot::links`]; none for the body. */
+  parent: number | null,
+  /** Pose of its frame in that of its parent at a joint angle of 0. */
+  origin: Point,
+  /** Axis of its joint through its origin, a unit vector of its frame; angles are right-handed about it. */
+  axis: [number, number, number],
+  /** Index of the joint's angle in [`RobotState::joints_rad`](super::RobotState::joints_rad); none for a fixed link. */
+  joint: number | null, };
+
 /** Material of a range of triangles. */
 export type Material = {
   /** Number of triangles that have it. */
@@ -321,7 +332,11 @@ export type Place = { "on": "world",
   /** Pose of its frame in the world frame. */
   at: Point, } | { "on": "robot",
   /** Its number. */
-  robot: number, } | { "on": "object",
+  robot: number, } | { "on": "link",
+  /** Number of the robot. */
+  robot: number,
+  /** Index of the link in [`Robot::links`]. */
+  link: number, } | { "on": "object",
   /** Its number. */
   object: number, };
 
@@ -340,6 +355,15 @@ export type Pose = {
   y_m: number,
   /** Heading, counter-clockwise from x, including whole turns. */
   phi_rad: number, };
+
+/** Postures of a robot over time, at most 50 a second. */
+export type Postures = {
+  /** Times, in order. Before the first the robot stands. */
+  t_s: Array<number>,
+  /** Heights of the robot's frame above the floor's plane, one for each time. */
+  lift_m: Array<number>,
+  /** Angles of all joints at each time, one time after the other. */
+  joints_rad: Array<number>, };
 
 /** Latest reading of a device. */
 export type Reading = {
@@ -404,6 +428,10 @@ export type Robot = {
   colour: [number, number, number],
   /** Its extent. */
   body: Body,
+  /** The links of its legs, parents before children. */
+  links: Array<Link>,
+  /** Angles of its joints while it stands. */
+  standing_rad: Array<number>,
   /** Its sensors. */
   sensors: Array<Sensor>,
   /** Its camera. */
@@ -415,6 +443,8 @@ export type Robot = {
 export type RobotHistory = {
   /** Its poses. */
   track: Track,
+  /** Its postures; empty for a robot that has no legs and is not in the water. */
+  postures: Postures,
   /** States of its program, in order of time. */
   standings: Array<StandingChange>,
   /** Texts on its display, in order of time. */
@@ -425,7 +455,11 @@ export type RobotState = {
   /** Its number. */
   id: number,
   /** Pieces of motion until the slot's end, in order of time; the first covers the snapshot's time. */
-  legs: Array<MotionPiece>,
+  motion: Array<MotionPiece>,
+  /** Height of its frame above the floor's plane. */
+  lift_m: number,
+  /** Angles of its joints, one for each joint of [`Robot::links`](super::Robot::links). */
+  joints_rad: Array<number>,
   /** State of its program. */
   standing: Standing,
   /** Its virtual time. */
