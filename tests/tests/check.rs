@@ -63,7 +63,8 @@ fn the_exit_code_tells_errors_and_under_strict_warnings() {
 fn without_a_terminal_there_is_one_line_for_each_mistake() {
     let scratch = with(&[("warned.wld", WARNED), ("wrong.wld", WRONG)]);
     let ran = check(&scratch, &["wrong.wld", "warned.wld"]);
-    let expected = "wrong.wld:2:10: error[number-range]: x `inf` is out of range\n\
+    let expected = "wrong.wld:2:10: error[number-range]: x `inf` is out of range; expected a number in mm from -1000000000 to \
+                    1000000000\n\
                     warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers; `push 0 0 1000`, if a frame is meant\n\
                     2 files checked: 1 error, 1 warning in 2 files\n";
     assert_eq!(ran.stdout, expected);

@@ -553,7 +553,10 @@ fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
     scratch.write("d.scene.toml", &format!("[world]\nfile = \"room.wld\"\ncell_mm = 500\n{robot}"));
     scratch.write("room.wld", ROOM);
     let refused = scratch.eyesim(&["check", "d.scene.toml"]);
-    assert!(refused.code == Some(2) && refused.stdout.contains("`room.wld` is no maze"), "{refused:#?}");
+    assert!(
+        refused.code == Some(2) && refused.stdout.contains("`room.wld` has none; expected a `.maz`"),
+        "{refused:#?}"
+    );
     scratch.write("e.sim", "world room.wld\nS4 500 500 0 step.x\n");
     let refused = scratch.eyesim(&["run", "e.sim", "--maze-cell", "360"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("no maze"), "{refused:#?}");

@@ -281,7 +281,10 @@ fn a_profile_that_is_nowhere_or_none_is_refused() {
     write(&scratch);
     for (noise, said) in [
         ("nowhere.toml", "nowhere.toml: error[file-missing]: no such file"),
-        ("raal", "--noise: `raal` is no noise profile: expected one of none, mild, real, harsh, or a file NAME.toml"),
+        (
+            "raal",
+            "--noise: `raal` is no noise profile: expected one of none, mild, real, harsh, course, or a file NAME.toml",
+        ),
         ("room.wld", "room.wld:1:7: error[toml-syntax]"),
     ] {
         let ran = scratch.eyesim(&["run", "a.scene.toml", "--noise", noise]);
@@ -336,8 +339,8 @@ fn drives_miss_their_targets_within_the_bounds_of_a_course_and_odometry_tells_it
     scratch.write("a.sim", "world a.wld\nS4 2000 2000 0 drive.c\n");
     let run = |args: &[&str]| {
         let report = scratch.report("a.sim", &[&["--trace", "t.jsonl"], args].concat(), 0);
-        let said: Vec<Value> =
-            scratch.trace("t.jsonl").into_iter().filter(|event| event["event"] == "stdout").collect();
+        let said = scratch.trace("t.jsonl").into_iter().filter(|event| event["event"] == "stdout");
+        let said: Vec<Value> = said.map(|event| event["text"].clone()).collect();
         (said, report["robots"][0].clone())
     };
     let (exact, _) = run(&[]);

@@ -129,7 +129,7 @@ fn what_cannot_be_done_is_said() {
     says("a.wld", "none/a.svg", &[], &["there is no folder `none`"]);
     says("a.wld", "a.svg", &["--size", "10x10"], &["1200x900"]);
     says("b.wld", "b.svg", &[], &["b.wld", "file-missing"]);
-    says("a.txt", "b.svg", &[], &["a.txt", ".robi"]);
+    says("a.doc", "b.svg", &[], &["a.doc", ".robi"]);
     assert!(!scratch.path().join("b.svg").exists(), "nothing is written where there is nothing to draw");
     // An image may be an input.
     scratch.write("t.wld", "floor 1000 1000\nfloor_texture t.png\n");
