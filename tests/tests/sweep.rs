@@ -150,12 +150,15 @@ fn programs_in_processes_of_their_own_give_the_same_rows() {
                   x, y, phi = VWGetPosition()\nprint(f'METRIC x_mm={x}')\n";
     scratch.write("square.py", python);
     into(&scratch, "c", &[]);
+    into(&scratch, "isolated", &["--isolate"]);
+    assert_eq!(rows(&scratch, "isolated"), rows(&scratch, "c"));
     let text = scratch.read("a.suite.toml").replace("square.c", "square.py");
     scratch.write("a.suite.toml", &text);
     into(&scratch, "python", &[]);
+    // Digests have the name of the program.
     let of = |folder| {
         let rows = rows(&scratch, folder);
-        rows.iter().map(|row| (row["case"].clone(), row["outcome"].clone(), row["digest"].clone())).collect::<Vec<_>>()
+        rows.iter().map(|row| (row["case"].clone(), row["outcome"].clone(), row["points"].clone())).collect::<Vec<_>>()
     };
     assert_eq!(of("python"), of("c"));
 }
@@ -371,7 +374,7 @@ fn tables_have_what_rows_say() {
     let ran = sweep(&scratch, &["merge", "out", "-o", "rows.csv"], 0);
     assert!(ran.stdout.starts_with("4 rows in rows.csv: "), "{ran:#?}");
     let csv = scratch.read("rows.csv");
-    let head = "case,variant,seed,outcome,points,max_points,message,at_s,sim_time_s,digest,key,noise,check.comes back,r1.x_mm\r\n";
+    let head = "case,variant,seed,outcome,points,max_points,message,at_s,sim_time_s,digest,key,noise,check.comes back,value.comes back,r1.x_mm\r\n";
     assert!(csv.starts_with(head), "{csv}");
     assert!(csv.contains("\"noise=none,seed=1\",noise=none,1,passed,1,1,,,"), "{csv}");
     assert_eq!(csv.lines().count(), 5);
