@@ -258,11 +258,12 @@ fn liars(add: Add<'_>) {
         "failed",
         "goal",
     );
+    // Too long without a call, or too much processor time: whatever comes first.
     file(
         "lie-gigabytes",
         "char a[4096]; memset(a, 'x', sizeof a); for (long i = 0; i < 1L << 28; i++) fwrite(a, 1, sizeof a, stdout); DRIVE",
         "failed",
-        "too long without",
+        "",
     );
     file(
         "lie-long-lines",
@@ -356,11 +357,12 @@ fn attackers(add: Add<'_>, place: &Path) {
         "failed",
         FAILS,
     );
+    // Too long without a call, or too much processor time: whatever comes first.
     file(
         "gigabyte",
         "static char b[1 << 20]; memset(b, 'x', sizeof b); for (int i = 0; i < 65536; i++) if (write(1, b, sizeof b) < 0) break;",
         "failed",
-        "too long without",
+        "",
     );
     file(
         "judge",
