@@ -65,7 +65,7 @@ impl PythonHome {
     }
 }
 
-/// Files and folders that the [host](host) reads when `command` starts it again without the user's environment, in which the command then finds
+/// Files and folders that the [host] reads when `command` starts it again without the user's environment, in which the command then finds
 /// its modules.
 ///
 /// # Errors
