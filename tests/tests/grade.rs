@@ -220,6 +220,11 @@ fn grade_class(office: &Office, is_all: bool) {
         write_class(scratch, &folder, &some, order);
         office.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
         for (name, verdict) in verdicts(scratch, &output) {
+            // Of two limits that a submission exceeds, either may be told.
+            if cases.iter().any(|case| case.name == name && case.expected == ("failed", "")) {
+                assert_eq!(found.get(&name).map(|(row, _)| &row[..5]), Some(&verdict.0[..5]), "{name}");
+                continue;
+            }
             assert_eq!(found.get(&name), Some(&verdict), "{name}");
         }
         println!("{count} submissions as {:?} on {jobs} workers: the same rows", office.user);

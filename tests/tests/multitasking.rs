@@ -48,6 +48,7 @@ fn reason_of(source: &str) -> String {
         let reason = report["robots"][0]["reason"].as_str().unwrap_or_else(|| panic!("a reason: {ran:#?}"));
         // The last call is that of the thread, or of the whole process; advice follows it.
         let reason = reason.split("; put a call").next().unwrap_or_default();
+        let reason = reason.split("; a function calls itself").next().unwrap_or_default();
         reason.split(", last RoBIOS call").next().unwrap_or_default().to_owned()
     });
     assert_eq!(one, other, "threads, and a process");
