@@ -179,7 +179,7 @@ def test_an_endless_loop_is_told():
         while True:
             pass  # here
 
-    with pytest.raises(eyesim.ProgramError, match=r"robot 1: no RoBIOS call .*test_callable\.py") as failed:
+    with pytest.raises(eyesim.ProgramError, match=r"robot 1: endless loop, .*test_callable\.py") as failed:
         eyesim.run(SQUARE, programs=loops, timeout=0.5)
     [robot] = failed.value.run.report["robots"]
     assert robot["outcome"] == "timeout"
