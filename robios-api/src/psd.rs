@@ -38,6 +38,21 @@ pub struct Psd {
     handle: PSDHandle,
 }
 
+/// Polls every 10 ms, for a second at most. A macro, since the place of a closure's calls would be this file.
+macro_rules! poll {
+    ($robot:expr, $device:expr, $is_ready:expr) => {
+        'poll: {
+            for _ in 0..100 {
+                if $is_ready {
+                    break 'poll Ok(());
+                }
+                $robot.sleep(Duration::from_millis(10));
+            }
+            Err(Error::NoResult($device))
+        }
+    };
+}
+
 impl Robot {
     /// Initialises a distance sensor and waits for its first sample.
     ///
@@ -75,15 +90,16 @@ impl Robot {
     /// arrives.
     #[track_caller]
     pub fn psds<const N: usize>(&self, at: [PsdAt; N]) -> Result<[Psd; N]> {
+        let mut psds = at.map(|at| Psd { robot: self.clone(), at, handle: 0 });
         let mut missing = None;
-        let psds = at.map(|at| {
-            let handle: PSDHandle = robios!(self, PSDInit(at.semantics()));
-            if handle == 0 {
-                missing.get_or_insert(Error::Unavailable(Device::Psd(at)));
+        // No closure: the place of its calls would be this file.
+        for psd in &mut psds {
+            psd.handle = robios!(self, PSDInit(psd.at.semantics()));
+            if psd.handle == 0 {
+                missing.get_or_insert(Error::Unavailable(Device::Psd(psd.at)));
             }
-            locked(&self.0.common.psd).handles.push(handle);
-            Psd { robot: self.clone(), at, handle }
-        });
+            locked(&self.0.common.psd).handles.push(psd.handle);
+        }
         if let Some(missing) = missing {
             return Err(missing);
         }
@@ -102,24 +118,12 @@ impl Robot {
         }
         let mask = locked(&self.0.common.psd).mask();
         // Sensors that were measuring before finish their cycle first.
-        self.poll(device, || robios!(self, PSDStart(mask, TRUE)) == 0)?;
+        poll!(self, device, robios!(self, PSDStart(mask, TRUE)) == 0)?;
         if was_measuring {
             // The available result does not include the new sensors yet.
             self.sleep(CYCLE);
         }
-        self.poll(device, || robios!(self, PSDCheck()) != FALSE)
-    }
-
-    /// Polls every 10 ms, for a second at most.
-    #[track_caller]
-    fn poll(&self, device: Device, mut is_ready: impl FnMut() -> bool) -> Result {
-        for _ in 0..100 {
-            if is_ready() {
-                return Ok(());
-            }
-            self.sleep(Duration::from_millis(10));
-        }
-        Err(Error::NoResult(device))
+        poll!(self, device, robios!(self, PSDCheck()) != FALSE)
     }
 }
 

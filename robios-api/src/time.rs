@@ -89,12 +89,9 @@ impl Robot {
     #[track_caller]
     pub fn every(&self, period: Duration, function: impl FnMut(&Robot) + 'static) -> Result<Timer> {
         let scale = scale_of(period)?;
-        Timer::attach(
-            self,
-            Box::new(function),
-            |callback| robios!(self, OSAttachTimer(scale, callback)),
-            |robot, handle| release!(robot, OSDetachTimer(handle)),
-        )
+        let job = TimerJob::new(self, Box::new(function))?;
+        let handle = robios!(self, OSAttachTimer(scale, TimerJob::callback(&job)));
+        Timer::attached(job, handle, |robot, handle| release!(robot, OSDetachTimer(handle)))
     }
 
     /// Holds timers back until the guard is dropped, like disabling interrupts.
@@ -171,21 +168,16 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// Creates a timer. `attach` registers the callback with the host and returns its handle; `detach` unregisters it and returns
+    /// The timer whose job the host has registered and answered with `handle`; 0: there are too many. `detach` unregisters it and returns
     /// true if the host carried the call out.
-    #[track_caller]
-    pub(crate) fn attach(
-        robot: &Robot,
-        function: Box<TimerFunction>,
-        attach: impl FnOnce(Callback) -> TimerHandle,
+    pub(crate) fn attached(
+        job: Rc<TimerJob>,
+        handle: TimerHandle,
         detach: fn(&Robot, TimerHandle) -> bool,
     ) -> Result<Self> {
-        robot.count_timer()?;
-        let job = Rc::new(TimerJob { robot: robot.clone(), function: RefCell::new(function) });
-        let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
-        match attach(callback) {
+        match handle {
             0 => Err(Error::Unavailable(Device::Timer)),
-            handle => Ok(Self { robot: robot.clone(), handle, job: Some(Box::new(job)), detach }),
+            handle => Ok(Self { robot: job.robot.clone(), handle, job: Some(Box::new(job)), detach }),
         }
     }
 
@@ -235,9 +227,21 @@ impl Drop for TimerGuard {
 }
 
 /// Function of a timer, with its robot.
-struct TimerJob {
+pub(crate) struct TimerJob {
     robot: Robot,
     function: RefCell<Box<TimerFunction>>,
+}
+
+impl TimerJob {
+    pub(crate) fn new(robot: &Robot, function: Box<TimerFunction>) -> Result<Rc<Self>> {
+        robot.count_timer()?;
+        Ok(Rc::new(Self { robot: robot.clone(), function: RefCell::new(function) }))
+    }
+
+    /// What the host calls as long as there is the job.
+    pub(crate) fn callback(job: &Rc<Self>) -> Callback {
+        Callback { code: Some(call_job), data: Rc::as_ptr(job).cast_mut().cast() }
+    }
 }
 
 impl Drop for TimerJob {

@@ -28,6 +28,11 @@ import _thread
 
 # @CONSTANTS@
 
+# Functions that only RoBIOS 6 has.
+_OF_ROBIOS6 = frozenset("""
+# @ROBIOS6@
+""".split())
+
 PSD_FRONT2, PSD_LEFTDIAG, PSD_RIGHTDIAG = 5, 6, 7
 CAM_SUCCESS, CAM_FAILURE = 0, 1
 MACHINE_SPEED, MACHINE_TYPE, MACHINE_NAME, MACHINE_ID, VERSION = 700000000, VEHICLE, "EyeBot", 1, "1.0"
@@ -1452,9 +1457,24 @@ def _similar_name(error, trace):
     return alike[near[0]] if near else None
 
 
+def _advice(error, trace):
+    """What to write instead; None where nothing is known."""
+    if isinstance(error, RecursionError):
+        return "the function calls itself for ever: it needs an `if` that ends with `return` before that"
+    if isinstance(error, IndexError) and "index out of range" in str(error):
+        return "the last index is one less than the length, len(...) - 1"
+    if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
+        return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
+    if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and not _os.path.isabs(error.filename):
+        return "relative paths begin in the folder in which eyesim runs"
+    return _missing_import(error, trace)
+
+
 def _missing_import(error, trace):
-    """What to write for a name of this module that the program has not imported; None for other errors."""
+    """What to write for a name of this module that the program has not imported, or of RoBIOS 6; None for other errors."""
     name = getattr(error, "name", None) or (str(error).split("'") + [None] * 2)[1]
+    if isinstance(error, (NameError, AttributeError)) and name in _OF_ROBIOS6:
+        return "it is of RoBIOS 6, which C and C++ have; Python has RoBIOS-7, whose devices need no handle and no `...Init`"
     if not isinstance(error, NameError) or name not in __all__ or name in _ELSE:
         return None
     while trace.tb_next:
@@ -1474,10 +1494,10 @@ def _tell_error(path):
     _own_frames(report)
     text = "".join(report.format()).rstrip("\n")
     said = traceback.format_exception_only(kind, error)[-1].strip()
-    missing = _missing_import(error, trace)
-    near = None if missing else _similar_name(error, trace)
-    if missing:
-        said, text = said.split(". Did you mean")[0] + f": {missing}", text.split(". Did you mean")[0] + f": {missing}"
+    advice = _advice(error, trace)
+    near = None if advice else _similar_name(error, trace)
+    if advice:
+        said, text = said.split(". Did you mean")[0] + f": {advice}", text.split(". Did you mean")[0] + f": {advice}"
     elif near and "Did you mean" not in said:
         hint = f". Did you mean: '{near}'?"
         said, text = said + hint, text + ("" if "Did you mean" in text else hint)

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::constant::Constant;
+use crate::robios6::Robios6Call;
 use crate::robios7::{CONSTANTS, Robios7Call};
 use crate::support::SupportCall;
 use crate::table::{Function, Parameter};
@@ -24,8 +25,11 @@ pub fn eye() -> String {
     }
     let plain = Robios7Call::ALL.iter().map(|call| call.function()).filter(|function| is_plain(function));
     let functions: Vec<String> = plain.map(definition).collect();
+    let names = Robios6Call::ALL.iter().map(|call| call.function().name);
+    let of_robios6: Vec<&str> = names.filter(|name| Robios7Call::from_name(name).is_none()).collect();
     RUNTIME
         .replace("# @CONSTANTS@", CONSTANTS.iter().map(constant).collect::<String>().trim_end())
+        .replace("# @ROBIOS6@", &of_robios6.join("\n"))
         .replace("# @CALLS@", calls.trim_end())
         .replace("# @FUNCTIONS@", functions.join("\n\n\n").trim_end())
 }

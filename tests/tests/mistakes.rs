@@ -134,11 +134,22 @@ const CASES: &[Case] = &[
     ),
     case("nothing there to read", "mine.py", "n = int(input())\n"),
     case(
+        "nothing there to read",
+        "mine",
+        "let mut line = String::new();\n    std::io::stdin().read_line(&mut line).unwrap();\n    println!(\"{}\", line.trim().parse::<i32>().unwrap());",
+    ),
+    case(
         "a file that is not there",
         "mine.c",
         "#include <stdio.h>\nint main(void)\n{\n  char line[80];\n  FILE *map = fopen(\"map.txt\", \"r\");\n  fgets(line, 80, map);\n  return 0;\n}\n",
     ),
+    case(
+        "a file that is not there",
+        "mine.cpp",
+        "#include <fstream>\n#include <iostream>\n#include <string>\nint main()\n{\n  std::ifstream map(\"map.txt\");\n  std::string line;\n  std::getline(map, line);\n  std::cout << line.at(0) << '\\n';\n}\n",
+    ),
     case("a file that is not there", "mine.py", "print(open(\"map.txt\").read())\n"),
+    case("a file that is not there", "mine", "println!(\"{}\", std::fs::read_to_string(\"map.txt\").unwrap());"),
     case(
         "a sensor that the robot has not",
         "mine.c",
@@ -150,7 +161,7 @@ const CASES: &[Case] = &[
         "#include \"eyebot.h\"\nint main()\n{\n  LCDPrintf(\"%d\\n\", PSDGet(9));\n}\n",
     ),
     case("a sensor that the robot has not", "mine.py", "from eye import *\nPSDGet(9)\n"),
-    case("a sensor that the robot has not", "mine", "robot.psd(\"PSD_NOSE\")?;"),
+    case("a sensor that the robot has not", "mine", "robot.psd(PsdAt::FrontLeft)?;"),
     Case {
         mistake: "a robot that there is not",
         program: "mine.c",
@@ -212,6 +223,11 @@ const CASES: &[Case] = &[
         "a function that calls itself for ever",
         "mine.c",
         "int deep(int n)\n{\n  return deep(n + 1) + n;\n}\n\nint main(void)\n{\n  return deep(0);\n}\n",
+    ),
+    case(
+        "a function that calls itself for ever",
+        "mine.cpp",
+        "struct Maze {\n  int deep(int n) { return deep(n + 1) + n; }\n};\n\nint main()\n{\n  return Maze().deep(0);\n}\n",
     ),
     case("a function that calls itself for ever", "mine.py", "def deep(n):\n    return deep(n + 1) + n\n\n\ndeep(0)\n"),
     case(

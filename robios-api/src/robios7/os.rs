@@ -10,7 +10,7 @@ use crate::device::Device;
 use crate::error::checked;
 use crate::os::{MachineType, RobotNumber};
 use crate::robot::{release, robios7};
-use crate::time::{TimeOfDay, Timer};
+use crate::time::{TimeOfDay, Timer, TimerJob};
 use crate::unit::Frequency;
 use crate::{Error, Result};
 
@@ -50,12 +50,9 @@ impl Robot {
                 accepted: "multiples of 1 ms from 1 ms on",
             });
         }
-        Timer::attach(
-            &self.0,
-            Box::new(move |robot| function(&Self(robot.clone()))),
-            |callback| robios7!(self, OSAttachTimer(scale, callback)),
-            |robot, handle| release!(robot, robios7, OSDetachTimer(handle)),
-        )
+        let job = TimerJob::new(&self.0, Box::new(move |robot| function(&Self(robot.clone()))))?;
+        let handle = robios7!(self, OSAttachTimer(scale, TimerJob::callback(&job)));
+        Timer::attached(job, handle, |robot, handle| release!(robot, robios7, OSDetachTimer(handle)))
     }
 
     /// The robot's clock; it starts at 0:00:00.
