@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use parking_lot::Mutex;
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use sim_core::RobotId;
@@ -16,6 +17,9 @@ use sim_core::time::Time;
 
 use super::error::error;
 use super::simulation::{self as python, fill, length, range, range_count, reach};
+
+/// Simulations that a thread takes at a time.
+const ROWS_AT_ONCE: usize = 4;
 
 /// Numbers of a robot in the state: x, y, heading, speed ahead, turning speed, contacts so far, 1 if stalled.
 const STATE: usize = 7;
@@ -161,19 +165,23 @@ impl Batch {
                 state,
             })
             .collect();
-        let share = count.div_ceil(*threads);
+        // A thread takes a few rows at a time: those that begin an episode take longer than others.
+        let parts = Mutex::new(rows.chunks_mut(ROWS_AT_ONCE));
+        let work = || {
+            let mut scene = None;
+            let next = || parts.lock().next();
+            while let Some(part) = next() {
+                step_part(episodes, part, period, (robots, sensors), &mut scene)?;
+            }
+            Ok(())
+        };
         let stepped = py.detach(|| {
             thread::scope(|scope| {
-                let (first, rest) = rows.split_at_mut(share.min(count));
-                let others: Vec<_> = rest
-                    .chunks_mut(share)
-                    .map(|part| scope.spawn(|| step_part(episodes, part, period, (robots, sensors))))
-                    .collect();
-                let first = step_part(episodes, first, period, (robots, sensors));
+                let others: Vec<_> = (1..*threads).map(|_| scope.spawn(work)).collect();
                 let join = |other: thread::ScopedJoinHandle<'_, Result<(), String>>| {
                     other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
                 };
-                others.into_iter().map(join).fold(first, Result::and)
+                others.into_iter().map(join).fold(work(), Result::and)
             })
         });
         stepped.map_err(|failed| error(py, failed))?;
@@ -206,7 +214,7 @@ impl Batch {
             while start.elapsed() < real {
                 let part = Part::Drive(if count == 0 || is_commanded { &actions } else { &[] });
                 let row = Row { simulation: &mut simulation, part, ranges: &mut ranges, state: &mut state };
-                step_part(&self.episodes, &mut [row], period, (robots, sensors))?;
+                step_part(&self.episodes, &mut [row], period, (robots, sensors), &mut None)?;
                 count += 1;
             }
             Ok(count)
@@ -249,13 +257,14 @@ pub fn episode_seed(seed: u64, episode: u64) -> u64 {
     hash("eyesim: seed of an episode", [seed, episode])[0]
 }
 
+/// Steps these simulations and observes them. `scene` is for those that begin an episode: a copy of the scene, made when it is needed.
 fn step_part(
     episodes: &Episodes,
     rows: &mut [Row<'_>],
     period: Time,
     (robots, sensors): (usize, usize),
+    scene: &mut Option<SceneSpec>,
 ) -> Result<(), String> {
-    let mut scene = None;
     for Row { simulation, part, ranges, state } in rows {
         match part {
             Part::Rest => continue,
