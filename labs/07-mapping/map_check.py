@@ -29,13 +29,20 @@ printed = lines[-ROWS:]
 pairs = [pair for row in zip(printed, truth) for pair in zip(*row)]
 known = [pair for pair in pairs if pair[0] != "?"]
 if len(printed) < ROWS:
-    passed, message = False, f"{len(lines)} rows of {COLUMNS} cells are printed, a map has {ROWS}"
+    passed, message = False, f"{len(lines)} rows of {COLUMNS} cells are printed, a map has {ROWS}: rows of `#`, `.` and `?` alone, without blanks"
 elif question == "printed":
     passed, message = 2 * len(known) >= len(pairs), f"{len(known)} of {len(pairs)} cells are known, half are asked for"
 else:
     right = sum(found == true for found, true in known)
     of = len(pairs) if question == "complete" else max(1, len(known))
-    passed = 100 * right >= RIGHT * of and ("#", "#") in known
+    found, there = known.count(("#", "#")), sum(row.count("#") for row in truth)
+    passed = 100 * right >= RIGHT * of and 4 * found >= there
     what = "all cells" if question == "complete" else "the known cells"
     message = f"{100 * right / of:.1f} % of {what} are known and right, {RIGHT} % are asked for"
+    wrong = [(row, column) for row in range(ROWS) for column in range(COLUMNS) if printed[row][column] not in (truth[row][column], "?")]
+    if 4 * found < there:
+        message += f"; of {there} cells of boxes {found} are `#`, a quarter is asked for"
+    if wrong and not passed:
+        row, column = wrong[0]
+        message += f"; row {row + 1} from the top, column {column + 1} is `{truth[row][column]}`, not `{printed[row][column]}`"
 print(json.dumps({"passed": passed, "message": message}))
