@@ -306,6 +306,32 @@ fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
     assert!(scratch.read("out/junit.xml").contains("testsuite"));
 }
 
+/// What `eyesim new --lab` writes beside the program, checks, opponents and the module for editors, is no program of the student.
+#[test]
+fn the_folder_of_a_lab_can_be_handed_in_as_it_is() {
+    if tests::lacks_sandbox() {
+        return;
+    }
+    for (lab, number, language, extension) in [("mapping", "07", "python", "py"), ("relay", "09", "c", "c")] {
+        let scratch = Scratch::new();
+        let ran = scratch.eyesim(&["new", "--lab", lab, "--lang", language]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        let solution = tests::root().join(format!("labs/{number}-{lab}/solutions/{lab}.{extension}"));
+        std::fs::copy(solution, scratch.path().join(format!("{lab}/{lab}.{extension}"))).expect("a solution");
+        let folder = tests::root().join(format!("labs/{number}-{lab}"));
+        let suite = format!("{lab}.suite.toml");
+        for entry in std::fs::read_dir(&folder).expect("a lab").flatten().filter(|entry| entry.path().is_file()) {
+            let text = std::fs::read_to_string(entry.path()).expect("a text");
+            let name = entry.file_name().into_string().expect("plain text");
+            scratch.write(&format!("teacher/{name}"), &text.replace("\"1..20\"", "\"1..2\""));
+        }
+        std::fs::create_dir(scratch.path().join("in")).expect("a folder");
+        std::fs::rename(scratch.path().join(lab), scratch.path().join("in/ana")).expect("a submission");
+        let ran = scratch.eyesim(&["grade", &format!("teacher/{suite}"), "--submissions", "in", "-o", "out"]);
+        assert!(ran.stdout.contains("1 submissions: 1 passed"), "{lab}: {ran:#?}");
+    }
+}
+
 #[test]
 fn replays_have_the_files_that_options_name() {
     if tests::lacks_sandbox() {

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::confine::exit_at_once;
 use super::watchdog::process_time;
+use crate::program::run_folder::RunFolder;
 
 /// A copy of this process, made by [`ForkedWorker::start`]. It is killed when this value is dropped.
 #[derive(Debug)]
@@ -83,7 +84,7 @@ impl ForkedWorker {
         result || unsafe { info.si_pid() } != 0
     }
 
-    /// Waits for the end of the copy; returns how it ended, in words.
+    /// Waits for the end of the copy, and removes the run folders that it leaves if it is killed; returns how it ended, in words.
     pub fn wait(&mut self) -> String {
         let mut status = 0;
         if self.is_over {
@@ -95,6 +96,7 @@ impl ForkedWorker {
         {}
         self.is_over = true;
         if libc::WIFSIGNALED(status) {
+            RunFolder::remove_abandoned();
             let signal = libc::WTERMSIG(status);
             format!("signal {signal}{}", name_of(signal))
         } else {

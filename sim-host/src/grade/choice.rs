@@ -1,6 +1,6 @@
 //! Files of a submission that become programs of robots, by the `submit` of a suite.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -52,18 +52,19 @@ pub fn is_wanted(submit: &[SubmitSpec], path: &str) -> bool {
     Kind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| fits(submit, path))
 }
 
-/// Chooses the files of each program.
+/// Chooses the files of each program. Files with a name in `supplied` are left out: the suite has its own.
 ///
 /// # Errors
 /// Nothing fits, or too much: the reason for the student.
-pub fn choose(submit: &[SubmitSpec], contents: &Contents) -> Result<Choice, String> {
+pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Contents) -> Result<Choice, String> {
     let mut choice = Choice::default();
     let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    let is_supplied = |path: &str| supplied.contains(file_name(path));
     for submit in submit {
-        let fitting: Vec<&str> = contents.files.keys().map(String::as_str).filter(|path| fits(submit, path)).collect();
-        let fitting = without_copies(fitting, contents);
+        let fitting = contents.files.keys().map(String::as_str).filter(|path| fits(submit, path) && !is_supplied(path));
+        let fitting = without_copies(fitting.collect(), contents);
         let expected = || patterns(submit);
-        let Some(first) = fitting.first() else { return Err(nothing_fits(submit, contents)) };
+        let Some(first) = fitting.first() else { return Err(nothing_fits(submit, supplied, contents)) };
         let of_robot = |path: &str| Kind::of(path);
         let Some(kind) = of_robot(first) else {
             return Err(format!(
@@ -106,7 +107,8 @@ pub fn choose(submit: &[SubmitSpec], contents: &Contents) -> Result<Choice, Stri
     }
     let has_python =
         choice.programs.iter().any(|(_, files)| files.iter().any(|path| Kind::of(path) == Some(Kind::Python)));
-    let is_part = |path: &str| is_header(path) || has_python && Kind::of(path) == Some(Kind::Python);
+    let is_module = |path: &str| has_python && Kind::of(path) == Some(Kind::Python) && !is_supplied(path);
+    let is_part = |path: &str| is_header(path) || is_module(path);
     let chosen = |path: &String| owners.contains_key(path.as_str()) || is_part(path);
     let files = contents.files.iter().filter(|(path, _)| chosen(path));
     choice.files = files.map(|(path, bytes)| (path.clone(), bytes.clone())).collect();
@@ -206,10 +208,14 @@ fn without_copies<'p>(mut paths: Vec<&'p str>, contents: &Contents) -> Vec<&'p s
     kept
 }
 
-fn nothing_fits(submit: &SubmitSpec, contents: &Contents) -> String {
+fn nothing_fits(submit: &SubmitSpec, supplied: &BTreeSet<String>, contents: &Contents) -> String {
     let all: Vec<&str> = contents.files.keys().map(String::as_str).collect();
     let has = if all.is_empty() { "no program files".to_owned() } else { names(&all) };
-    let notes = contents.notes.iter().map(|note| format!("\n{note}")).collect::<String>();
+    let left_out = all.iter().find(|path| supplied.contains(file_name(path)) && fits(submit, path));
+    let left_out =
+        left_out.map(|path| format!("\n`{}` is left out: the suite has a file of this name", printable(path)));
+    let notes = contents.notes.iter().map(|note| format!("\n{note}"));
+    let notes: String = left_out.into_iter().chain(notes).collect();
     format!(
         "no file fits {}, for the program of robot `{}`; the submission has {has}{notes}",
         patterns(submit),
@@ -257,7 +263,8 @@ mod tests {
 
     #[track_caller]
     fn check(submits: &[SubmitSpec], files: &[(&str, &str)], expected: Result<&[&[&str]], &str>) {
-        let found = choose(submits, &contents(files));
+        let supplied = ["eye.py", "check.py"].map(str::to_owned).into();
+        let found = choose(submits, &supplied, &contents(files));
         match (found, expected) {
             (Ok(choice), Ok(expected)) => {
                 let programs: Vec<Vec<&str>> =
@@ -286,6 +293,8 @@ mod tests {
         let python = [submit("1", &["*.py"])];
         check(&python, &[("a.py", "1"), ("b.py", "2")], Err("2 files fit"));
         check(&[submit("1", &["main.py"])], &[("main.py", "1"), ("b.py", "2")], Ok(&[&["main.py"]]));
+        check(&python, &[("check.py", "1"), ("lab/eye.py", "2"), ("lab/solve.py", "3")], Ok(&[&["lab/solve.py"]]));
+        check(&python, &[("x/check.py", "1")], Err("`x/check.py` is left out: the suite has a file of this name"));
         check(&[submit("1", &["*"])], &[("main.py", "1"), ("b.c", "2")], Err("several kinds"));
         check(&[submit("1", &["*.txt"])], &[("main.txt", "1")], Err("no program"));
         let two = [submit("1", &["leader.c"]), submit("2", &["roles/*.c"])];
@@ -297,7 +306,7 @@ mod tests {
     fn each_program_gets_its_own_files_and_the_headers() {
         let two = [submit("1", &["leader.c"]), submit("2", &["follower*.c", "b/*.c"])];
         let files = [("leader.c", "1"), ("a/follower, 2.c", "2"), ("b/x.c", "3"), ("map.h", "4")];
-        let choice = choose(&two, &contents(&files)).expect("a choice");
+        let choice = choose(&two, &BTreeSet::new(), &contents(&files)).expect("a choice");
         let folder = tempfile::tempdir().expect("a folder");
         let options = choice.write(folder.path()).expect("programs");
         let relative = |option: &ProgramOption| option.to_string().replace(&format!("{}/", slashed(folder.path())), "");

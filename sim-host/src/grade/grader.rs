@@ -10,6 +10,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use sim_format::{Diagnostic, Severity};
 
+use super::archive::Contents;
 use super::choice::{self, Choice};
 use super::submission::Submission;
 use crate::executive::interrupt::Interrupt;
@@ -72,6 +73,8 @@ pub struct Grader {
     cases: Vec<Case>,
     /// Points of each variant.
     max_points: BTreeMap<String, f64>,
+    /// Names of the files that students have and do not write: those of the suite, and the module that `eyesim new` writes for editors.
+    supplied: BTreeSet<String>,
     /// Hash of everything but the submission.
     key: String,
     builder: Option<Builder>,
@@ -113,6 +116,7 @@ impl Grader {
             suite,
             cases,
             max_points: BTreeMap::new(),
+            supplied: BTreeSet::new(),
             key: String::new(),
             builder: None,
             cache: format!("{}/", slashed(builder.cache().root())),
@@ -129,6 +133,8 @@ impl Grader {
             inputs.extend(built.inputs().iter().map(|input: &Input| (input.path.clone(), input.sha256.clone())));
         }
         grader.max_points = max_points;
+        let names = inputs.keys().filter_map(|path| Some(Path::new(path).file_name()?.to_string_lossy().into_owned()));
+        grader.supplied = names.chain(["eye.py".to_owned()]).collect();
         grader.key = grader.hash(&inputs);
         grader.builder = Some(builder);
         Ok(grader)
@@ -213,7 +219,11 @@ impl Grader {
 
     /// The files of a submission that become programs; none if it is refused.
     pub fn choice(&self, submission: &Submission) -> Option<Choice> {
-        choice::choose(&self.suite.spec.submit, submission.contents.as_ref().ok()?).ok()
+        self.choose(submission.contents.as_ref().ok()?).ok()
+    }
+
+    fn choose(&self, contents: &Contents) -> Result<Choice, String> {
+        choice::choose(&self.suite.spec.submit, &self.supplied, contents)
     }
 
     /// Grades a submission in this process, which must have one thread, on `workers` copies of it. To be called once.
@@ -229,7 +239,7 @@ impl Grader {
     }
 
     fn attempt(&mut self, submission: &Submission, workers: usize) -> Result<Graded, String> {
-        let choice = choice::choose(&self.suite.spec.submit, submission.contents.as_ref()?)?;
+        let choice = self.choose(submission.contents.as_ref()?)?;
         let key = self.key(submission);
         let folder = self.scratch.path().join(&key);
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;

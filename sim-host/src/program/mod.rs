@@ -24,7 +24,7 @@ pub mod load;
 mod plain;
 pub mod prepare;
 pub mod python;
-mod run_folder;
+pub(crate) mod run_folder;
 pub mod sandbox;
 pub mod scene;
 pub(crate) mod share;

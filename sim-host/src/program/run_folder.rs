@@ -27,8 +27,13 @@ impl RunFolder {
         Self::new_in(&std::env::temp_dir())
     }
 
+    /// Removes the folders of this user whose processes have been killed.
+    pub fn remove_abandoned() {
+        remove_abandoned_in(&std::env::temp_dir());
+    }
+
     fn new_in(parent: &Path) -> io::Result<Self> {
-        remove_abandoned(parent);
+        remove_abandoned_in(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
         // The file gets its name once it is locked: without that name nobody takes the folder for an abandoned one.
         let unnamed = folder.path().join("new-lock");
@@ -45,7 +50,7 @@ impl RunFolder {
 }
 
 /// Removes the folders in `parent` whose lock nobody holds. Those of other users cannot be opened and stay.
-fn remove_abandoned(parent: &Path) {
+fn remove_abandoned_in(parent: &Path) {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let of_runs = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));
     for folder in of_runs.map(|entry| entry.path()).filter(is_abandoned) {
