@@ -395,8 +395,11 @@ fn tables_have_what_rows_say() {
     let ran = sweep(&scratch, &["merge", "again", "out", "-o", "both.csv"], 2);
     assert!(ran.stderr.contains("has two results"), "{ran:#?}");
     assert_eq!(scratch.read("both.csv"), csv, "a table is written as a whole or not at all");
-    let ran = sweep(&scratch, &["merge", "out", "-o", "rows.parquet"], 2);
-    assert!(ran.stderr.contains("expected NAME.csv or NAME.jsonl"), "{ran:#?}");
+    sweep(&scratch, &["merge", "out", "-o", "rows.parquet"], 0);
+    let parquet = std::fs::read(scratch.path().join("rows.parquet")).expect("a table");
+    assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
+    let ran = sweep(&scratch, &["merge", "out", "-o", "rows.xlsx"], 2);
+    assert!(ran.stderr.contains("expected NAME.csv, NAME.parquet or NAME.jsonl"), "{ran:#?}");
     let ran = sweep(&scratch, &["merge", "out", "-o", "out/rows-1-of-1.jsonl"], 2);
     assert!(ran.stderr.contains("would overwrite the input"), "{ran:#?}");
 }

@@ -21,7 +21,8 @@ use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 use crate::executive::interrupt::{self, Interrupt};
 use crate::record::log::Printable;
 use crate::record::report::write_atomically;
-use crate::suite::{Case, CaseResult, Keep, Pool, PoolOptions, Preparation, Row, RowOutcome, Session, Suite, table};
+use crate::suite::table::Table;
+use crate::suite::{Case, CaseResult, Keep, Pool, PoolOptions, Preparation, Row, RowOutcome, Session, Suite};
 use crate::sweep::{Head, Lines, Shard, ShardFile, done, merge, read_all};
 
 /// Arguments of `eyesim sweep`.
@@ -81,7 +82,7 @@ enum Command {
         /// Folders of rows
         #[arg(value_name = "OUT", required = true)]
         folders: Vec<PathBuf>,
-        /// Table to write: NAME.csv, or NAME.jsonl with all that rows have
+        /// Table to write: NAME.csv or NAME.parquet, or NAME.jsonl with all that rows have
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
@@ -297,7 +298,11 @@ fn ranges(numbers: &[usize]) -> String {
 
 fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
     let extension = output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    ensure!(["csv", "jsonl"].contains(&extension), "-o `{}`: expected NAME.csv or NAME.jsonl", output.display());
+    let name = output.display();
+    ensure!(
+        ["csv", "parquet", "jsonl"].contains(&extension),
+        "-o `{name}`: expected NAME.csv, NAME.parquet or NAME.jsonl"
+    );
     let mut files = Vec::new();
     for folder in folders {
         files.extend(read_all(folder)?);
@@ -321,12 +326,23 @@ fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
         }
     }
     let bytes = match extension {
-        "csv" => table::table(&rows).into_bytes(),
+        "csv" => Table::of(&rows).csv().into_bytes(),
+        "parquet" => parquet(&Table::of(&rows))?,
         _ => json_lines(&rows)?,
     };
     write_atomically(output, &bytes).with_context(|| format!("cannot write `{}`", output.display()))?;
     println!("{} rows in {}: {}", rows.len(), output.display(), counts(rows.iter().map(|row| row.outcome)));
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(table: &Table) -> anyhow::Result<Vec<u8>> {
+    crate::suite::parquet::parquet(table).context("rows as Parquet")
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: &Table) -> anyhow::Result<Vec<u8>> {
+    bail!("this eyesim is built without Parquet (cargo's feature `parquet`): write NAME.csv or NAME.jsonl")
 }
 
 fn json_lines(rows: &[Row]) -> anyhow::Result<Vec<u8>> {

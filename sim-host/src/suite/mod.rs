@@ -1,9 +1,11 @@
 //! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
 //!
 //! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its [`Row`];
-//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds, [`table`] writes them as CSV.
+//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds, [`table`] makes tables of them, for CSV and Parquet.
 
 mod case;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 mod pool;
 mod prepare;
 mod row;

@@ -2,7 +2,7 @@
 
 use super::Student;
 use super::student::points_of_check;
-use crate::suite::table::{COLUMNS, fields, line};
+use crate::suite::table::{COLUMNS, cells, line, texts};
 
 /// A line for each submission.
 pub(super) fn grades(students: &[Student]) -> String {
@@ -51,13 +51,13 @@ pub(super) fn grades(students: &[Student]) -> String {
 
 /// A line for each case of each submission.
 pub(super) fn rows(students: &[Student]) -> String {
-    let head = ["student"].iter().chain(&COLUMNS).map(|&name| name.to_owned());
+    let head = ["student"].into_iter().chain(COLUMNS.map(|(name, _)| name)).map(str::to_owned);
     let mut csv = line(&head.collect::<Vec<_>>());
     for student in students {
         for result in &student.graded.results {
-            let mut cells = vec![student.submission.folder.clone()];
-            cells.extend(fields(&result.row));
-            csv.push_str(&line(&cells));
+            let mut fields = vec![student.submission.folder.clone()];
+            fields.extend(texts(&cells(&result.row)));
+            csv.push_str(&line(&fields));
         }
     }
     csv
