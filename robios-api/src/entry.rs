@@ -241,8 +241,15 @@ fn report(robot: &Robot, kind: i32, text: &str) {
     if let Some(tables) = robot.tables() {
         // SAFETY: the tables are valid until the robot is closed, the text outlives the call, and the result may be null.
         // The status is ignored: the program ends anyway.
-        let _ =
-            unsafe { ((*tables.support).failed)(tables.context, kind, ByteSlice::from(text), std::ptr::null_mut()) };
+        let _ = unsafe {
+            ((*tables.support).failed)(
+                tables.context,
+                kind,
+                ByteSlice::from(text),
+                ByteSlice::from(""),
+                std::ptr::null_mut(),
+            )
+        };
     }
 }
 

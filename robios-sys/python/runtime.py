@@ -1465,9 +1465,35 @@ def _advice(error, trace):
         return "the last index is one less than the length, len(...) - 1"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
         return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
+    if isinstance(error, SyntaxError) and error.text:
+        return _advice_on_syntax(error.text)
+    if isinstance(error, UnboundLocalError):
+        name = (str(error).split("'") + [None] * 2)[1]
+        return f"a function that sets a variable of the program begins with `global {name}`"
+    if isinstance(error, NameError) and getattr(error, "name", None) in getattr(_sys, "stdlib_module_names", ()):
+        return f"write `import {error.name}` as the first line"
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and not _os.path.isabs(error.filename):
         return "relative paths begin in the folder in which eyesim runs"
     return _missing_import(error, trace)
+
+
+# Words with which lines begin.
+_STARTS = ("while", "for", "if", "elif", "else", "def", "return", "import", "from", "class", "try", "except", "with", "break")
+
+
+def _advice_on_syntax(line):
+    """What to write instead of a line that is no Python; None where nothing is known."""
+    import difflib
+    import re
+
+    if re.match(r"\s*else\s+if\b", line):
+        return "write `elif`"
+    for words, instead in (("++", "+= 1"), ("--", "-= 1"), ("&&", "and"), ("||", "or")):
+        if words in line:
+            return f"Python has no `{words}`: write `{instead}`"
+    word = re.match(r"\s*(\w*)", line).group(1)
+    near = difflib.get_close_matches(word, _STARTS, 1, 0.75) if word not in _STARTS else []
+    return f"did you mean `{near[0]}`?" if near else None
 
 
 def _missing_import(error, trace):
@@ -1510,7 +1536,7 @@ def _tell_error(path):
         frame = (own or frames)[-1]
         said += f" at {_os.path.basename(frame.filename)}:{frame.lineno}"
     try:
-        _call(_support_failed, _FAILED_WITH_ERROR, said)
+        _call(_support_failed, _FAILED_WITH_ERROR, said, b"")
     except _Stop:
         pass
 

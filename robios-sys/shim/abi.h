@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define EYESIM_ABI_VERSION 1
+#define EYESIM_ABI_VERSION 2
 #define EYESIM_STOP 1
 #define EYESIM_EXIT_STOPPED INT32_MIN
 #define EYESIM_EXIT_ABORTED 134
@@ -29,7 +29,7 @@ struct eyesim_support {
     int32_t (*seed)(void *robot, uint32_t purpose, uint64_t seed, int32_t *result);
     int32_t (*time_us)(void *robot, int64_t *result);
     int32_t (*sleep_us)(void *robot, int64_t span_us, int32_t *result);
-    int32_t (*failed)(void *robot, int32_t kind, struct eyesim_bytes text, int32_t *result);
+    int32_t (*failed)(void *robot, int32_t kind, struct eyesim_bytes text, struct eyesim_bytes stack, int32_t *result);
     int32_t (*program_name)(void *robot, struct eyesim_room name, int32_t *result);
     int32_t (*task_self)(void *robot, int32_t *result);
     int32_t (*task_spawn)(void *robot, struct eyesim_callback code, int32_t *result);
@@ -41,6 +41,7 @@ struct eyesim_support {
     int32_t (*task_turn)(void *robot, int32_t *result);
     int32_t (*input)(void *robot, struct eyesim_room bytes, int32_t *result);
     int32_t (*unopened)(void *robot, struct eyesim_bytes name, int32_t error, int32_t *result);
+    int32_t (*noticed)(void *robot, struct eyesim_bytes text, int32_t *result);
 };
 
 /* Version 1. */

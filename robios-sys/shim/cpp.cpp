@@ -19,7 +19,7 @@ struct frame;
 // Defined in shim.c.
 extern "C" {
 HIDDEN [[noreturn]] void eyesim_jump(struct frame *frame);
-HIDDEN [[noreturn]] void eyesim_uncaught(const char *text);
+HIDDEN [[noreturn]] void eyesim_uncaught(const char *text, const void *const *stack, std::size_t depth);
 HIDDEN bool eyesim_is_left();
 HIDDEN std::uint32_t eyesim_entropy();
 }
@@ -58,15 +58,33 @@ const char *name_of(const std::type_info &type)
     return status == 0 && name != nullptr ? name : type.name();
 }
 
+// Return addresses of the calls in progress, the innermost first.
+struct CallStack {
+    const void *addresses[64];
+    std::size_t depth;
+};
+
+_Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
+{
+    CallStack &to = *static_cast<CallStack *>(stack);
+    if (to.depth == sizeof to.addresses / sizeof *to.addresses)
+        return _URC_END_OF_STACK;
+    to.addresses[to.depth++] = reinterpret_cast<const void *>(_Unwind_GetIP(context));
+    return _URC_NO_REASON;
+}
+
+// Nothing is unwound yet, since no handler was found: the stack is that of the `throw`.
 [[noreturn]] void uncaught()
 {
     char text[512];
+    CallStack stack = {};
     // Unwinding has met a function that throws nothing: a destructor, or one that is `noexcept`.
     if (eyesim_is_left())
-        eyesim_uncaught(nullptr);
+        eyesim_uncaught(nullptr, nullptr, 0);
+    _Unwind_Backtrace(add_to, &stack);
     const std::type_info *type = abi::__cxa_current_exception_type();
     if (type == nullptr)
-        eyesim_uncaught("std::terminate was called");
+        eyesim_uncaught("std::terminate was called", stack.addresses, stack.depth);
     try {
         throw;
     } catch (const std::exception &exception) {
@@ -76,7 +94,7 @@ const char *name_of(const std::type_info &type)
     } catch (...) {
         std::snprintf(text, sizeof text, "uncaught exception `%s`", name_of(*type));
     }
-    eyesim_uncaught(text);
+    eyesim_uncaught(text, stack.addresses, stack.depth);
 }
 
 } // namespace

@@ -28,7 +28,14 @@
 
 /* The numbers of robios_sys::support. */
 enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
-enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4, FAILED_EXCEPTION = 6, FAILED_IMAGE = 7 };
+enum {
+    FAILED_ABORT = 1,
+    FAILED_ASSERTION = 2,
+    FAILED_STACK = 4,
+    FAILED_EXCEPTION = 6,
+    FAILED_IMAGE = 7,
+    FAILED_HEAP = 8
+};
 
 /* ---- console: lines go to the host; no text is left in a FILE ---- */
 
@@ -352,12 +359,16 @@ LIBC(size_t, fread, (void *to, size_t size, size_t count, FILE *stream))
     end_reading(stream);
     return count;
 }
+static int is_overrun(void *memory, size_t *len);
 extern ssize_t __getdelim(char **line, size_t *room, int end, FILE *stream);
 LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
 {
     ssize_t len;
+    size_t unused;
     READER;
     begin_reading(stream);
+    if (line != NULL)
+        (void)is_overrun(*line, &unused); /* the C library makes the block longer by itself */
     len = __getdelim(line, room, end, stream);
     end_reading(stream);
     return len;
@@ -567,14 +578,17 @@ static _Noreturn void end_program(int exit_code)
     leave(exit_code);
 }
 
-/* Reports that the program cannot go on, and leaves it without running any more of its code. */
-static _Noreturn void fail(int32_t kind, const char *text)
+/* Reports that the program cannot go on, and leaves it without running any more of its code. `stack` has `depth` return
+   addresses of the calls in progress, the innermost first. */
+static _Noreturn void fail_in(const void *const *stack, size_t depth, int32_t kind, const char *text)
 {
     int32_t result;
     flush_console();
-    SUPPORT(failed, kind, text_of(text), &result);
+    SUPPORT(failed, kind, text_of(text), bytes_of(stack, depth * sizeof *stack), &result);
     leave(EYESIM_EXIT_ABORTED);
 }
+static _Noreturn void fail_at(const void *address, int32_t kind, const char *text) { fail_in(&address, 1, kind, text); }
+static _Noreturn void fail(int32_t kind, const char *text) { fail_in(NULL, 0, kind, text); }
 
 LIBC_NORETURN(exit, (int exit_code)) { end_program(exit_code); }
 LIBC_NORETURN(_exit, (int exit_code)) { leave(exit_code); }
@@ -585,7 +599,7 @@ LIBC_NORETURN(quick_exit, (int exit_code))
         call_at_end(&self.at_quick_exit, exit_code);
     leave(exit_code);
 }
-LIBC_NORETURN(abort, (void)) { fail(FAILED_ABORT, "abort() was called"); }
+LIBC_NORETURN(abort, (void)) { fail_at(__builtin_return_address(0), FAILED_ABORT, "abort() was called"); }
 
 LIBC(int, atexit, (void (*function)(void)))
 {
@@ -633,7 +647,7 @@ LIBC_NORETURN(__assert_perror_fail, (int number, const char *file, unsigned line
 LIBC_NORETURN(__stack_chk_fail, (void))
 {
     check_frame();
-    fail(FAILED_STACK, "stack smashing detected: a local array was overrun");
+    fail_at(__builtin_return_address(0), FAILED_STACK, "stack smashing detected: a local array was overrun");
 }
 LIBC_NORETURN(__chk_fail, (void)) { fail(FAILED_STACK, "buffer overflow detected"); }
 
@@ -703,6 +717,120 @@ LIBC(void, error, (int exit_code, int number, const char *format, ...))
     va_end(arguments);
     if (exit_code != 0)
         end_program(exit_code);
+}
+
+/* ---- memory: behind each block lies a guard, which tells of an overrun when the block is given back ---- */
+
+extern void *__libc_malloc(size_t len);
+extern void *__libc_calloc(size_t count, size_t len);
+extern void *__libc_realloc(void *memory, size_t len);
+extern void __libc_free(void *memory);
+
+/* Last bytes of a guarded block; those between the program's bytes and these are GUARD_BYTE. */
+struct guard {
+    size_t len; /* what the program has asked for */
+    uintptr_t mark;
+};
+#define GUARD_BYTE 0xa5
+#define GUARD_LEN (32 + sizeof(struct guard))
+#define MARK_OF_BLOCK(memory) ((uintptr_t)(memory) ^ (uintptr_t)0x9e3779b97f4a7c15)
+
+static char *end_of_block(void *memory) { return (char *)memory + malloc_usable_size(memory) - sizeof(struct guard); }
+
+/* Sets the guard of a block of `len` bytes for the program; passes the block on. */
+static void *guarded(void *memory, size_t len)
+{
+    struct guard guard = {len, MARK_OF_BLOCK(memory)};
+    char *end;
+    if (memory != NULL) {
+        end = end_of_block(memory);
+        memset((char *)memory + len, GUARD_BYTE, (size_t)(end - (char *)memory) - len);
+        memcpy(end, &guard, sizeof guard);
+    }
+    return memory;
+}
+
+/* Removes the guard of a block that has one. Returns 1 if it was written to: then `len` is the length of the block. */
+static int is_overrun(void *memory, size_t *len)
+{
+    struct guard guard;
+    const char *end, *byte;
+    if (memory == NULL || malloc_usable_size(memory) < sizeof guard)
+        return 0;
+    end = end_of_block(memory);
+    memcpy(&guard, end, sizeof guard);
+    if (guard.mark != MARK_OF_BLOCK(memory) || guard.len > (size_t)(end - (char *)memory))
+        return 0; /* of a function of the C library, or overrun beyond the guard */
+    memset((char *)end, 0, sizeof guard);
+    for (byte = (char *)memory + guard.len; byte < end; byte++)
+        if (*byte != (char)GUARD_BYTE) {
+            *len = guard.len;
+            return 1;
+        }
+    return 0;
+}
+
+/* The word that the C library keeps in front of a block, its size and three bits, can be none: sizes are multiples of 16 from 32 on, and
+   those of 4 GiB and more whole pages with a bit for them. */
+static int is_lost(void *memory)
+{
+    size_t size;
+    if (memory == NULL)
+        return 0;
+    memcpy(&size, (char *)memory - sizeof size, sizeof size);
+    return size < 32 || (size & 8) != 0 || (size >> 32 != 0 && (size & 0xfff) != 2);
+}
+
+#define TELL_OVERRUN(memory)                                                                                            \
+    do {                                                                                                                \
+        char text_[96];                                                                                                 \
+        size_t len_;                                                                                                    \
+        int32_t result_;                                                                                                \
+        if (is_lost(memory))                                                                                            \
+            fail_at(__builtin_return_address(0), FAILED_HEAP,                                                           \
+                    "memory before this block of `malloc` was written beyond its end, or the pointer is none of `malloc`"); \
+        if (is_overrun(memory, &len_)) {                                                                                \
+            snprintf(text_, sizeof text_, "the program has written beyond the end of these %zu bytes of `malloc`", len_);  \
+            SUPPORT(noticed, text_of(text_), &result_);                                                                 \
+        }                                                                                                               \
+    } while (0)
+
+static int has_room_for_guard(size_t len) { return len <= PTRDIFF_MAX - GUARD_LEN; }
+
+LIBC(void *, malloc, (size_t len))
+{
+    return has_room_for_guard(len) ? guarded(__libc_malloc(len + GUARD_LEN), len) : __libc_malloc(len);
+}
+LIBC(void *, calloc, (size_t count, size_t len))
+{
+    size_t whole;
+    if (__builtin_mul_overflow(count, len, &whole) || !has_room_for_guard(whole))
+        return __libc_calloc(count, len);
+    return guarded(__libc_calloc(1, whole + GUARD_LEN), whole);
+}
+LIBC(void *, realloc, (void *memory, size_t len))
+{
+    void *moved;
+    TELL_OVERRUN(memory);
+    if (len == 0 || !has_room_for_guard(len))
+        return __libc_realloc(memory, len);
+    moved = __libc_realloc(memory, len + GUARD_LEN);
+    return guarded(moved, len);
+}
+LIBC(void *, reallocarray, (void *memory, size_t count, size_t len))
+{
+    size_t whole;
+    if (__builtin_mul_overflow(count, len, &whole)) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    TELL_OVERRUN(memory);
+    return libc_realloc(memory, whole);
+}
+LIBC(void, free, (void *memory))
+{
+    TELL_OVERRUN(memory);
+    __libc_free(memory);
 }
 
 /* ---- checked functions of -D_FORTIFY_SOURCE: a failed check would end the host ---- */

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -337,10 +338,10 @@ WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
 
 #ifdef EYESIM_CPP
 /* Ends the program by an uncaught exception, or silently (NULL) while the program is ending anyway. */
-HIDDEN _Noreturn void eyesim_uncaught(const char *text)
+HIDDEN _Noreturn void eyesim_uncaught(const char *text, const void *const *stack, size_t depth)
 {
     if (text != NULL)
-        fail(FAILED_EXCEPTION, text);
+        fail_in(stack, depth, FAILED_EXCEPTION, text);
     if (!self.is_leaving && self.frame->jump_value == TASK_ENDS)
         _longjmp(self.frame->place, TASK_ENDS);
     leave(EYESIM_EXIT_STOPPED);

@@ -9,7 +9,7 @@ use crate::{robios6::Robios6Table, robios7::Robios7Table, support::SupportTable}
 ///
 /// Increased when an existing layout changes, but not when functions are appended to a table: see
 /// [`Program::support_size`].
-pub const ABI_VERSION: u32 = 1;
+pub const ABI_VERSION: u32 = 2;
 
 /// The name of the one symbol that a program's library exports: a constant [`Program`].
 pub const PROGRAM_SYMBOL: &str = "eyesim_program";

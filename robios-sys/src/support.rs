@@ -41,6 +41,8 @@ pub mod failure {
     pub const EXCEPTION: i32 = 6;
     /// A C program gave an image less room on its stack than the image takes.
     pub const IMAGE: i32 = 7;
+    /// A C program lost the heap: it wrote beyond the end of a block, or gave back what is none.
+    pub const HEAP: i32 = 8;
 }
 
 /// Reason for a task's wait, the second argument of [`Support::task_wait`].
@@ -89,8 +91,9 @@ crate::table::function_table! {
         fn sleep_us(span_us: i64) -> i32 = 0;
 
         /// Reports that the program has failed and will return from `run` next: kind of the failure and message for the user.
-        /// The message of a failed assertion is `file:line: function: text`. Returns 0.
-        fn failed(kind: i32, text: Text) -> i32 = 0;
+        /// The message of a failed assertion is `file:line: function: text`. `stack` has return addresses of the calls in progress, the
+        /// innermost first, each of the size of a pointer; it is empty if they are not known. Returns 0.
+        fn failed(kind: i32, text: Text, stack: Bytes) -> i32 = 0;
 
         /// Name of the program's sources without folder and extension, not terminated by 0.
         /// Returns its length in bytes; as many bytes as fit are written.
@@ -137,5 +140,8 @@ crate::table::function_table! {
         /// Tells that the program could not open the file of this name, with the number of the system's error, so that a fault by the null
         /// pointer which it got can be explained. No time passes. Returns 0.
         fn unopened(name: Text, error: i32) -> i32 = 0;
+
+        /// Tells the user of a mistake in the program that it survives, once for each place. No time passes. Returns 0.
+        fn noticed(text: Text) -> i32 = 0;
     }
 }

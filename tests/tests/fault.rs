@@ -142,3 +142,51 @@ fn a_library_that_cannot_be_loaded_fails_the_robot_by_name() {
         assert!(ran.stderr.contains(word), "`{word}`: {ran:#?}");
     }
 }
+
+/// Runs `source` alone in a robot, in a scene that lasts 5 s; returns its report.
+fn run_alone(source: &str, args: &[&str]) -> Value {
+    let scratch = Scratch::new();
+    scratch.write("alone.c", source);
+    write_scene(&scratch, &["alone.c"]);
+    let mut all = vec!["run", "scene.sim", "--report", "r.json", "--until", "5"];
+    all.extend(args);
+    let ran = scratch.eyesim(&all);
+    assert!(ran.code.is_some_and(|code| code < 2), "{ran:#?}");
+    serde_json::from_str(&scratch.read("r.json")).expect("a report")
+}
+
+#[test]
+fn a_program_that_prints_without_end_comes_to_the_end_of_its_run() {
+    for printing in ["printf(\"x\")", "puts(\"a line\")", "fprintf(stderr, \"far? \")"] {
+        let source =
+            format!("#include \"eyebot.h\"\n#include <stdio.h>\nint main(void) {{\n  for (;;)\n    {printing};\n}}\n");
+        let report = run_alone(&source, &["--output-limit", "0.01"]);
+        assert_eq!(report["robots"][0]["outcome"], "running", "{report:#}");
+        assert_eq!(report["sim_time_s"], 5.0);
+    }
+}
+
+#[test]
+fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
+    let source = |bytes: usize| {
+        format!(
+            "#include \"eyebot.h\"\nint main(void) {{\n  volatile int n = {bytes};\n  char *a = malloc(10), *b = malloc(10);\n\
+             \x20 for (int i = 0; i < n; i++)\n    ((volatile char *)a)[i] = 'x';\n  free(a);\n  free(b);\n  LCDPrintf(\"end\\n\");\n\
+             \x20 return 0;\n}}\n"
+        )
+    };
+    for exec in ["auto", "thread", "process"] {
+        let robot = |bytes: usize| run_alone(&source(bytes), &["--exec", exec])["robots"][0].clone();
+        let inside = robot(10);
+        let hints = inside["hints"].as_array().expect("a list");
+        assert!(inside["outcome"] == "finished" && hints.is_empty(), "{exec}: {inside:#}");
+        let small = robot(11);
+        assert_eq!(small["outcome"], "finished", "{exec}: {small:#}");
+        let hint = small["hints"].to_string();
+        assert!(hint.contains("beyond the end of these 10 bytes") && hint.contains("alone.c:7"), "{exec}: {hint}");
+        let large = robot(400);
+        assert_eq!(large["outcome"], "failed", "{exec}: {large:#}");
+        let reason = large["reason"].as_str().expect("a reason");
+        assert!(reason.contains("written beyond its end") && reason.contains("alone.c:8"), "{exec}: {reason}");
+    }
+}

@@ -118,6 +118,11 @@ const CASES: &[Case] = &[
         "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  int *map = malloc(4 * sizeof(int));\n  for (int i = 0; i <= 400; i++)\n    map[i] = i;\n  printf(\"%d\\n\", map[3]);\n  free(map);\n  return 0;\n}\n",
     ),
     case(
+        "an index just beyond memory of `malloc`",
+        "mine.c",
+        "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  int *map = malloc(4 * sizeof(int));\n  for (int i = 0; i <= 4; i++)\n    map[i] = i;\n  printf(\"%d\\n\", map[3]);\n  free(map);\n  return 0;\n}\n",
+    ),
+    case(
         "freed twice",
         "mine.c",
         "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  char *map = malloc(100);\n  sprintf(map, \"a map\");\n  puts(map);\n  free(map);\n  free(map);\n  return 0;\n}\n",

@@ -573,7 +573,7 @@ int main(void)
     assert_eq!(reason_of(&program.replace("WHAT", "OSPanic(\"out\")")), "task `breaks`: OSPanic: out");
     assert_eq!(reason_of(&program.replace("WHAT", "OSError(\"out\", 7, TRUE)")), "task `breaks`: OSError 7: out");
     assert_eq!(reason_of(&program.replace("WHAT", "exit(3)")), "task `breaks`: exit code 3");
-    assert_eq!(reason_of(&program.replace("WHAT", "abort()")), "task `breaks`: the program called abort");
+    assert_eq!(reason_of(&program.replace("WHAT", "abort()")), "task `breaks`: the program called abort at prog.c:6");
 }
 
 #[test]

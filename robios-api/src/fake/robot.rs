@@ -387,7 +387,7 @@ impl Support for FakeRobot {
         self.sleep_until("sleep", end_us)
     }
 
-    fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+    fn failed(&self, kind: i32, text: Option<&[u8]>, _: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
         let kind = if kind == robios_sys::support::failure::PANIC { "panicked at " } else { "" };
         self.state.borrow_mut().failure.get_or_insert(format!("{kind}{text}"));

@@ -96,12 +96,14 @@ pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 /// Flags for compiling a program's files. Source: design, section 8.
 ///
 /// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: the same bits on every
-/// processor. `-fno-strict-aliasing`: old programs read images through other types.
+/// processor. `-fno-strict-aliasing`: old programs read images through other types. `-pipe`: the assembler's messages
+/// name no temporary file, whose name differs each time.
 ///
 /// `-fno-builtin-...`: functions outside of the C standards, which programs may define themselves; given the same type, a
 /// compiler would substitute its own.
 pub const COMPILE_FLAGS: &[&str] = &[
     "-g",
+    "-pipe",
     "-fPIC",
     "-fcommon",
     "-ffp-contract=off",

@@ -37,6 +37,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 - **Time.** Virtual time 0 is 1 January 2000, 0:00 UTC; clocks without a date start at 0. CPU time is virtual
   time. Local time is UTC everywhere. Asking for the time costs virtual time (at least 1 us), so that a loop that waits
   for a time ends.
+- **Memory** of `malloc`, `calloc` and `realloc` has 32 bytes or more behind its end that the program does not own: what is written there harms
+  nothing, and is told with the line at which the block is given back to `free` or `realloc`.
 - **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; an incomplete
   last line is shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
   everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.

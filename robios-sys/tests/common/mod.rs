@@ -204,7 +204,7 @@ impl Support for Robot {
         self.pass(span_us.max(0))?;
         Ok(0)
     }
-    fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+    fn failed(&self, kind: i32, text: Option<&[u8]>, _: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default()).into_owned();
         self.failures.borrow_mut().push((kind, text));
         Ok(0)

@@ -9,8 +9,6 @@ use std::cell::Cell;
 
 use libc::{BPF_ABS, BPF_JEQ, BPF_JMP, BPF_JUMP, BPF_K, BPF_LD, BPF_RET, BPF_STMT, BPF_W, sock_filter, sock_fprog};
 
-use crate::program::command;
-
 /// The system calls that are refused, with their names.
 const REFUSED: [(libc::c_long, &str); 4] = [
     (libc::SYS_exit_group, "exit_group"),
@@ -107,8 +105,6 @@ pub fn confine_thread() {
     if IS_CONFINED.replace(true) {
         return;
     }
-    // Commands that the host runs for a program must not have the filter. Without the thread they are refused.
-    let _ = command::start_spawner();
     let own = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
     let refused = REFUSED.len() as u8;
     // Calls of another architecture have other numbers.

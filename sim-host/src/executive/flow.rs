@@ -9,6 +9,7 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_core::world::World;
 
+use super::program_status;
 use super::run::{Member, Run};
 use super::signal::FlowBlock;
 use crate::program::site::Site;
@@ -97,6 +98,10 @@ impl Flow for RobotFlow {
 
     fn call_site(&self) -> Site {
         self.run.call_site(self.id)
+    }
+
+    fn line_of(&self, stack: &[usize]) -> Option<String> {
+        program_status::line_of_stack(stack, self.run.program(self.id)?)
     }
 
     fn note_hint(&self, text: &str, site: &Site) {

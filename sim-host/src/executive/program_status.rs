@@ -286,6 +286,13 @@ pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<Str
     program.own_source_line(&without_stale(addresses, program)).map(|line| line.to_string())
 }
 
+/// The line in the program's own sources to which return addresses lead, the innermost first.
+pub(super) fn line_of_stack(addresses: &[usize], program: &RobotProgram) -> Option<String> {
+    // In place of a program counter a number that points nowhere.
+    let addresses: Vec<usize> = std::iter::once(0).chain(addresses.iter().copied()).collect();
+    program.own_source_line(&addresses).map(|line| line.to_string())
+}
+
 /// The line at which a program in a process of its own computes.
 pub(super) fn line_of_computing(place: &ComputingPlace, program: &RobotProgram) -> Option<String> {
     match place {

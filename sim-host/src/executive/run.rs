@@ -23,6 +23,7 @@ use super::program::RobotProgram;
 use super::program_status::{self, PossibleSenders};
 use super::scheduler::{Limits, RunParts};
 use super::spawn::Spawner;
+use crate::program::command;
 use crate::program::site::Site;
 use crate::record::HintPlaces;
 use crate::robios::call::Call;
@@ -170,6 +171,10 @@ impl Run {
     /// # Errors
     /// The system has no room for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
+        if matches!(program, RobotProgram::InHost { .. }) {
+            // The processes that it starts inherit nothing of a thread of programs, and its own memory comes from no heap that these damage.
+            command::start_spawner()?;
+        }
         let weak_self = Weak::clone(&self.weak_self);
         self.executor.admit(id, program, self.members.get(id.index()));
         self.executor.start(id, MAIN, Box::new(move || weak_self.upgrade()?.run_main_flow(id)))?;

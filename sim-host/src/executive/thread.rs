@@ -121,6 +121,24 @@ impl ThreadExecutor {
     }
 }
 
+/// Joins `thread`, whose own block is `block` and which ends soon; false if it breaks or has not ended after `timeout`: it is lost.
+pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration) -> bool {
+    /// Interval of the checks for a break.
+    const POLL_INTERVAL: Duration = Duration::from_millis(20);
+    let thread = thread.into_pthread_t();
+    let start = Instant::now();
+    while block.fault().is_none() && start.elapsed() < timeout {
+        let until = (SystemTime::now() + POLL_INTERVAL).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let until =
+            libc::timespec { tv_sec: until.as_secs() as libc::time_t, tv_nsec: until.subsec_nanos() as libc::c_long };
+        // SAFETY: no other code has the handle, which has been neither joined nor detached; `until` is valid.
+        if unsafe { libc::pthread_timedjoin_np(thread, ptr::null_mut(), &until) } == 0 {
+            return true;
+        }
+    }
+    false
+}
+
 impl ThreadFlow {
     fn new(notifier: Arc<Notifier>) -> io::Result<Self> {
         Ok(Self {
@@ -151,26 +169,13 @@ impl ThreadFlow {
 
     /// Joins the thread, which has adopted this flow and ends soon; false if it breaks or has not ended after `timeout`: it is lost.
     fn join(self: &Arc<Self>, timeout: Duration) -> bool {
-        /// Interval of the checks for a break.
-        const POLL_INTERVAL: Duration = Duration::from_millis(20);
-        let Some(thread) = self.thread.lock().take().map(JoinHandle::into_pthread_t) else { return false };
-        let start = Instant::now();
-        while self.block.fault().is_none() && start.elapsed() < timeout {
-            let until = (SystemTime::now() + POLL_INTERVAL).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-            let until = libc::timespec {
-                tv_sec: until.as_secs() as libc::time_t,
-                tv_nsec: until.subsec_nanos() as libc::c_long,
-            };
-            // SAFETY: no other code has the handle, which has been neither joined nor detached; `until` is valid. After the join the
-            // thread has ended, and no other code gives back the count that it took when it adopted the flow.
-            unsafe {
-                if libc::pthread_timedjoin_np(thread, ptr::null_mut(), &until) == 0 {
-                    Arc::decrement_strong_count(Arc::as_ptr(self));
-                    return true;
-                }
-            }
+        let Some(thread) = self.thread.lock().take() else { return false };
+        let is_joined = join(thread, &self.block, timeout);
+        if is_joined {
+            // SAFETY: the thread has ended, and no other code gives back the count that it took when it adopted the flow.
+            unsafe { Arc::decrement_strong_count(Arc::as_ptr(self)) };
         }
-        false
+        is_joined
     }
 
     /// Begins a new release, for which the watchdog measures anew.

@@ -357,7 +357,7 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 /// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`, `maze.c++`, the
 /// folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have elsewhere.
 fn places_beside(path: &Path) -> Vec<PathBuf> {
-    const REPLACED: [&str; 7] = ["dll", "exe", "x", "so", "py", "hex", "o"];
+    const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|wanted| has_extension(path, wanted));
     if !is_replaced || path.file_name().is_none() {
         return Vec::new();
@@ -386,10 +386,7 @@ fn source_language(path: &Path) -> Option<&'static str> {
 }
 
 fn looks_like_program(path: &Path) -> bool {
-    let by_name = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("so"));
+    let by_name = ["so", "py"].iter().any(|wanted| has_extension(path, wanted));
     by_name || Language::of(path).is_some() || path.is_dir() && path.join("Cargo.toml").is_file()
 }
 
@@ -564,7 +561,7 @@ mod tests {
             ("sims/mix/map.c", b""),
             ("sims/mix/map.h", b""),
         ]);
-        for name in ["a.x", "a.exe", "a.dll", "a.so", "a.py", "a", "a.cpp"] {
+        for name in ["a.x", "a.exe", "a.dll", "a.so", "a", "a.cpp"] {
             place.check(name, &["sims/a.cpp"]);
         }
         place.check("b.x", &["sims/b.cc"]);

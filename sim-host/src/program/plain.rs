@@ -137,7 +137,9 @@ impl Message<'_> {
                 Some(format!("`{name}` has no value yet: give it one where it is declared, such as `{name} = 0`"))
             }
             text if text.starts_with("format '") || text.starts_with("format specifies") => self.format(),
-            text if text.contains("expected ';'") || text.contains("expected ',' or ';'") => Some(self.missing(";")),
+            text if text.contains("expected ';'") || text.contains("expected ',' or ';'") => {
+                Some(self.misspelt_start().unwrap_or_else(|| self.missing(";")))
+            }
             text if text.starts_with("expected '=', ',', ';'") => {
                 Some("a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned())
             }
@@ -173,8 +175,15 @@ impl Message<'_> {
             {
                 self.argument()
             }
+            text if text.starts_with("expected ") => self.misspelt_start(),
             _ => None,
         }
+    }
+
+    /// A line that begins with nearly a word of C: `whlie (x)`.
+    fn misspelt_start(&self) -> Option<String> {
+        let code = self.more.first()?.split_once(" | ")?.1.trim_start();
+        misspelt(code.split(|c: char| !c.is_alphanumeric() && c != '_').next()?)
     }
 
     /// A missing `mark`: the compiler points behind the last word before it.
@@ -221,6 +230,9 @@ impl Message<'_> {
         let name = self.quoted(0)?;
         let header = self.more.iter().find_map(|line| line.split_once("defined in header '")?.1.split('\'').next());
         if let Some(header) = header {
+            if header.ends_with(".h>") {
+                return Some(format!("`{name}` is not defined: write `#include {header}` as the first line"));
+            }
             return Some(format!(
                 "`{name}` is of the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
@@ -228,6 +240,7 @@ impl Message<'_> {
         let near = self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next());
         Some(match near {
             Some(near) => format!("`{name}` is not defined; did you mean `{near}`?"),
+            None if near_keyword(name).is_some() => misspelt(name)?,
             None => format!(
                 "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or look how it is spelt"
             ),
@@ -265,6 +278,23 @@ impl Message<'_> {
     }
 }
 
+/// Words with which statements begin, and `printf`.
+const KEYWORDS: [&str; 18] = [
+    "while", "for", "return", "if", "else", "switch", "case", "break", "continue", "double", "float", "int", "char",
+    "void", "unsigned", "static", "struct", "printf",
+];
+
+/// The keyword that `word` nearly is: one letter differs or is in its neighbour's place, in long words two.
+fn near_keyword(word: &str) -> Option<&'static str> {
+    let most = |keyword: &str| if keyword.len() > 5 { 2 } else { 1 };
+    let is_near = |keyword: &&&str| strsim::osa_distance(&word.to_lowercase(), keyword) <= most(keyword);
+    KEYWORDS.iter().find(is_near).copied().filter(|keyword| *keyword != word && word.len() > 2)
+}
+
+fn misspelt(word: &str) -> Option<String> {
+    near_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
+}
+
 const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
 
 /// A text or an index beyond its array; `text` tells sizes in bytes.
@@ -276,7 +306,15 @@ fn overflow(text: &str) -> String {
     let room = ["region of size ", "destination of size ", "has size "].iter().find_map(|words| number_behind(words));
     if let Some((_, rest)) = text.split_once("array subscript ") {
         let index = rest.split(' ').next().unwrap_or_default();
-        return format!("the index {index} is outside of its array: an array of 3 has the indices 0 to 2");
+        // `int[3]`; of memory without a type `void[12]`, which counts bytes.
+        let size = quoted(rest, 0).and_then(|kind| kind.split_once('[')).filter(|(base, _)| !base.starts_with("void"));
+        let len: Option<u64> = size.and_then(|(_, size)| size.split(']').next()?.parse().ok());
+        return match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
+            Some((len, last)) => {
+                format!("the index {index} is outside of its array: an array of {len} has the indices 0 to {last}")
+            }
+            None => format!("the index {index} is outside of its array: the last index is one less than the length"),
+        };
     }
     match (number_behind("writing "), room) {
         (Some(count), Some(room)) if !text.contains("directive") => {
@@ -369,6 +407,18 @@ mod tests {
         check("mine.c:3:2: error: something new\nmine.c:4:2: error: lvalue required as left operand\n", "");
         let unknown = "mine.cpp:4:3: error: 'VWStraigt' was not declared in this scope; did you mean 'VWStraight'?\n";
         check(unknown, "mine.cpp:4: `VWStraigt` is not defined; did you mean `VWStraight`?\n");
+    }
+
+    #[test]
+    fn words_of_c_that_are_misspelt_are_told() {
+        let start = "mine.c:2:17: error: expected ';' before '{' token\n    2 |   whlie (i < 5) {\n";
+        check(start, "mine.c:2: `whlie` is not defined; did you mean `while`?\n");
+        let name = "mine.c:2:3: error: 'retrun' undeclared (first use in this function)\n    2 |   retrun 0;\n";
+        check(name, "mine.c:2: `retrun` is not defined; did you mean `return`?\n");
+        let other = "mine.c:2:3: error: 'sped' undeclared (first use in this function)\n    2 |   sped = 0;\n";
+        let declare =
+            "`sped` is not defined: declare it before this line, such as `int sped = 0;`, or look how it is spelt";
+        check(other, &format!("mine.c:2: {declare}\n"));
     }
 
     #[test]

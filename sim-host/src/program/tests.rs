@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use robios_sys::{CallContext, Robios6, Robios7, Support, c};
+use robios_sys::{ABI_VERSION, CallContext, Robios6, Robios7, Support, c};
 
 use super::build::{BuildError, Builder, BuiltProgram, Tools};
 use super::cache::Cache;
@@ -401,9 +401,12 @@ fn addresses_lead_to_source_lines() {
 fn libraries_that_do_not_fit_are_told_why() {
     let classic = "extern int VWDriveStraight(void); int main(void) { return VWDriveStraight(); }\n";
     let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99, { 6 } };\n";
-    let short = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 8, 1 };\n";
-    let missing = "extern int Plan(void); const struct { unsigned size, abi, rest[3]; int (*f)(void); char room[80]; } eyesim_program = { 96, 1, { 6, 0, 1 }, Plan, {0} };\n";
-    let files = [("classic.c", classic), ("number.c", number), ("short.c", short), ("missing.c", missing)];
+    let short = format!("const struct {{ unsigned size, abi, rest[8]; }} eyesim_program = {{ 8, {ABI_VERSION} }};\n");
+    let missing = format!(
+        "extern int Plan(void); const struct {{ unsigned size, abi, rest[3]; int (*f)(void); char room[80]; }} \
+         eyesim_program = {{ 96, {ABI_VERSION}, {{ 6, 0, 1 }}, Plan, {{0}} }};\n"
+    );
+    let files = [("classic.c", classic), ("number.c", number), ("short.c", &short), ("missing.c", &missing)];
     let Some(bench) = Bench::with(&files) else { return };
     let message = |name: &str| {
         let library = bench.path(name).with_extension("so");
@@ -418,9 +421,8 @@ fn libraries_that_do_not_fit_are_told_why() {
         classic.contains("does not export `eyesim_program`, and expects `VWDriveStraight` in the simulator"),
         "{classic}"
     );
-    assert!(
-        message("number.c").contains("built for version 99 of the program interface, and this eyesim has version 1")
-    );
+    let versions = format!("built for version 99 of the program interface, and this eyesim has version {ABI_VERSION}");
+    assert!(message("number.c").contains(&versions));
     assert!(message("short.c").contains("its description is too short"));
     assert!(message("missing.c").contains("needs `Plan`, which neither it nor any library"));
 }

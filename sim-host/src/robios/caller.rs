@@ -356,11 +356,17 @@ impl<F: Flow> Caller<F> {
     /// Lets the virtual time that `call` costs pass.
     #[inline]
     pub(super) fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
+        self.spend_time(self.flow.cost(call))
+    }
+
+    /// Lets `span` of virtual time pass, as the work of the call in progress.
+    #[inline]
+    pub(super) fn spend_time(&self, span: Time) -> Result<MutexGuard<'_, Robot>, Stop> {
         let mut robot = self.robot();
         if robot.ending.is_some() {
             return Err(Stop);
         }
-        let end = robot.now + self.flow.cost(call);
+        let end = robot.now + span;
         // Most calls end within their slot, and nothing falls due before.
         if end < self.flow.slot_end().min(robot.timers.next_due()).min(robot.devices.due()) {
             robot.now = end;

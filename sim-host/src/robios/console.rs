@@ -1,11 +1,19 @@
 //! Output of a program, limited so that an endless loop floods neither terminal nor disk.
 
-use super::robot::Robot;
 use robios_sys::support::stream;
+use robios_sys::{Stop, SupportCall};
 use sim_core::record::Event;
+use sim_core::time::Time;
+
+use super::caller::Caller;
+use super::flow::Flow;
+use super::robot::Robot;
 
 /// Default limit of a program's output in a run, in bytes; our choice.
 pub const DEFAULT_OUTPUT_LIMIT: u64 = 10_000_000;
+
+/// Virtual time of a line beyond the limit, 1 ms; our choice.
+const CUT_LINE: Time = Time(1000);
 
 /// Counters of a program's output in bytes.
 #[derive(Clone, Debug)]
@@ -37,6 +45,20 @@ impl Console {
         let fits = self.cut == 0 && self.printed + bytes <= self.limit;
         *(if fits { &mut self.printed } else { &mut self.cut }) += bytes;
         fits
+    }
+}
+
+impl<F: Flow> Caller<F> {
+    /// Lets the time of a line pass: more beyond the limit, so that a program which only prints comes to the end of its run.
+    ///
+    /// # Errors
+    /// [`Stop`] if the program must end.
+    pub(super) fn spend_on_console(&self) -> Result<(), Stop> {
+        let call = SupportCall::console;
+        if self.call(call, |robot, _| robot.robios.console.cut > 0)? {
+            self.within(call.into(), |caller| caller.spend_time(CUT_LINE).map(drop))?;
+        }
+        Ok(())
     }
 }
 

@@ -71,6 +71,9 @@ pub trait Flow: Send + Sync + 'static {
     /// Place in the program of the call in progress.
     fn call_site(&self) -> Site;
 
+    /// The line of the program to which a call stack leads: return addresses, the innermost first.
+    fn line_of(&self, stack: &[usize]) -> Option<String>;
+
     /// Notes that the hint `text` was given in the call in progress, made at `site`.
     fn note_hint(&self, text: &str, site: &Site);
 

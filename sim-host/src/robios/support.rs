@@ -47,7 +47,7 @@ impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // The output of a program that must stop is still recorded; it costs no more virtual time.
-        let result = if self.flow().is_exiting() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
+        let result = if self.flow().is_exiting() { Ok(()) } else { self.spend_on_console() };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }
@@ -71,8 +71,10 @@ impl<F: Flow> Support for Caller<F> {
         self.sleep(Time(span_us.max(0))).map(|()| 0)
     }
 
-    fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+    fn failed(&self, kind: i32, text: Option<&[u8]>, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
+        let stack = stack.unwrap_or_default().as_chunks().0.iter().map(|address| usize::from_ne_bytes(*address));
+        let place = self.flow().line_of(&stack.collect::<Vec<_>>()).map(|line| format!(" at {line}"));
         let reason = match kind {
             failure::ABORT => "the program called abort".to_owned(),
             failure::ASSERTION => format!("assertion failed: {text}"),
@@ -81,7 +83,7 @@ impl<F: Flow> Support for Caller<F> {
             _ => text.into_owned(),
         };
         self.at_once(SupportCall::failed, |robot| {
-            let reason = robot.tasks.prefix() + &reason;
+            let reason = robot.tasks.prefix() + &reason + &place.unwrap_or_default();
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
         Ok(0)
@@ -90,6 +92,12 @@ impl<F: Flow> Support for Caller<F> {
     fn unopened(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
         self.at_once(SupportCall::unopened, |robot| robot.robios.storage.note_unopened(&name, error));
+        Ok(0)
+    }
+
+    fn noticed(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
+        let text = String::from_utf8_lossy(text.unwrap_or_default());
+        self.at_once(SupportCall::noticed, |robot| robot.hint(&text));
         Ok(0)
     }
 

@@ -36,7 +36,7 @@ use super::signal::{self, FlowBlock, Handlers, Leave};
 use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
-use super::{Executor, damage};
+use super::{Executor, damage, interrupt};
 use crate::program::float::{self, Environment};
 use crate::program::shared::Variables;
 
@@ -231,6 +231,8 @@ impl RunningWorker {
             let _ = adopted.send(result);
             if is_adopted {
                 own.run();
+                // SAFETY: no fiber runs any more. A break in what the C library does at the end of the thread is one of this thread.
+                unsafe { signal::set_current(&raw const own.block) };
             }
         };
         let thread = thread::Builder::new().name(format!("worker {number}")).spawn(life)?;
@@ -263,11 +265,15 @@ impl RunningWorker {
         if damage::is_heap_lost() {
             return false;
         }
-        // It does not panic: the process would have aborted.
-        let _ = thread.join();
-        // SAFETY: the thread has ended, and with it the use of the count that it took.
-        unsafe { Arc::decrement_strong_count(Arc::as_ptr(&worker)) };
-        true
+        // A program may have damaged the heap that it gives back.
+        let is_joined = threads::join(thread, &worker.block, JOIN_TIMEOUT);
+        if is_joined {
+            // SAFETY: the thread has ended, and with it the use of the count that it took.
+            unsafe { Arc::decrement_strong_count(Arc::as_ptr(&worker)) };
+        } else {
+            interrupt::disarm_last_resort();
+        }
+        is_joined
     }
 }
 
