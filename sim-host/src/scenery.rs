@@ -4,8 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use parking_lot::Mutex;
 pub use sim_core::build::SpawnedEntity;
-use sim_core::build::Visuals;
+use sim_core::build::{MeshSource as _, Visuals};
 use sim_core::camera::{Light, Scenery, Sky};
+use sim_core::scene::Texture;
 use sim_core::spec::SceneSpec;
 use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 
@@ -89,6 +90,12 @@ impl LazyScenery {
     /// Adds a spawned robot or object, which is visible from now on.
     pub fn add(&self, spawned: SpawnedEntity) {
         self.state.lock().spawned.push(spawned);
+    }
+
+    /// The image on the floor, for a picture from above; `None` if there is none that can be read, which diagnostics of the scene tell.
+    pub fn floor(&self) -> Option<Arc<Texture>> {
+        let Source { scene, files, .. } = self.source.as_ref()?;
+        MeshReader::new(&**files).floor(&scene.world)
     }
 
     /// Diagnostics and files of the scenery; `None` until it is built.

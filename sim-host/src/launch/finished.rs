@@ -65,6 +65,7 @@ impl Finished {
         plot::draw_run(&RunPicture {
             title: &self.scene.file,
             world: &self.scene.world,
+            floor: self.scenery.floor(),
             markers: &self.scene.markers,
             robots: &robots,
             objects: &objects,

@@ -18,6 +18,8 @@ pub const TITLE: f64 = 14.0;
 
 /// Share of white mixed into an image on the floor, so that bodies on it remain visible.
 const WHITENESS: f64 = 0.35;
+/// Sum of the turns of a line that is drawn as one, in radians: our choice, below half a turn.
+const MOST_TURNED: f64 = 2.3;
 
 /// A backend that can show an image.
 pub trait Surface: DrawingBackend {
@@ -117,13 +119,16 @@ impl<'b, B: Surface> Canvas<'b, B> {
             return Ok(());
         }
         let style = self.stroke(line);
-        // The pixel backend joins segments with mitres, which are long spikes where a path turns back: the path is cut
-        // there.
-        let turns_back = |at: &usize| {
-            let [before, after] = [points[*at] - points[at - 1], points[at + 1] - points[*at]];
-            before.dot(after) < -0.7 * before.length() * after.length()
+        // The pixel backend fills the outline of a stroke by the even-odd rule, so that a path which meets itself would have gaps, and
+        // joins segments with mitres, which are long spikes where a path turns back. So the path is cut before its turns add up to half
+        // a turn: until then it advances in one direction.
+        let mut turned = 0.0;
+        let is_cut = |at: &usize| {
+            let turn = (points[*at] - points[at - 1]).angle_to(points[at + 1] - points[*at]).abs();
+            turned = if turned + turn > MOST_TURNED { 0.0 } else { turned + turn };
+            turn > 0.0 && turned == 0.0
         };
-        let cuts = (1..points.len().saturating_sub(1)).filter(turns_back).chain([points.len().saturating_sub(1)]);
+        let cuts = (1..points.len().saturating_sub(1)).filter(is_cut).chain([points.len().saturating_sub(1)]);
         let mut from = 0;
         for cut in cuts {
             let part = self.units(points.get(from..=cut).unwrap_or(points));

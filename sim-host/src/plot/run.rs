@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::pose::Pose;
+use sim_core::scene::Texture;
 use sim_core::spec::{MarkerSpec, ObjectType, RobiSpec, SceneSpec, WorldSpec};
 
 use super::colour::{self, INK, SHADE};
@@ -55,6 +56,8 @@ pub struct RunPicture<'a> {
     pub title: &'a str,
     /// The world.
     pub world: &'a WorldSpec,
+    /// Image of its floor.
+    pub floor: Option<Arc<Texture>>,
     /// Its markers.
     pub markers: &'a [MarkerSpec],
     /// The robots in the order of their numbers.
@@ -65,11 +68,11 @@ pub struct RunPicture<'a> {
     pub contacts: &'a [DVec2],
 }
 
-/// Draws the world, the paths of robots and objects, and the contacts. Reads no images and meshes.
+/// Draws the world, the paths of robots and objects, and the contacts. Reads no meshes.
 pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     let RunPicture { robots, contacts, .. } = run;
     let mut drawing = Drawing::new(run.title);
-    ground::draw_world(&mut drawing, run.world, None);
+    ground::draw_world(&mut drawing, run.world, run.floor.clone());
     ground::draw_markers(&mut drawing, run.markers);
     draw_objects(&mut drawing, run.objects);
     let line = |index: usize| Line::solid(colour::robot(index), 1.5);
@@ -111,10 +114,14 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     drawing
 }
 
-/// Draws the world of a scene with the paths of several runs, each in a colour, and the places that matter in them.
-pub fn draw_trials(scene: &SceneSpec, trials: &[(Vec<Vec<DVec2>>, Option<DVec2>)]) -> Drawing {
+/// Draws the world of a scene, `floor` the image on its floor, with the paths of several runs, each in a colour, and the places that matter in them.
+pub fn draw_trials(
+    scene: &SceneSpec,
+    floor: Option<Arc<Texture>>,
+    trials: &[(Vec<Vec<DVec2>>, Option<DVec2>)],
+) -> Drawing {
     let mut drawing = Drawing::new(scene.file.as_str());
-    ground::draw_world(&mut drawing, &scene.world, None);
+    ground::draw_world(&mut drawing, &scene.world, floor);
     ground::draw_markers(&mut drawing, &scene.markers);
     for (index, (lines, place)) in trials.iter().enumerate() {
         let line = Line { paint: Paint::translucent(colour::robot(index), 0.7), width: 1.5 };

@@ -53,7 +53,7 @@ fn drawing(side: f64, count: u32) -> Drawing {
 }
 
 fn picture(title: &str, world: &WorldSpec, robots: &[RunRobot], contacts: &[DVec2]) -> Drawing {
-    draw_run(&RunPicture { title, world, markers: &[], robots, objects: &[], contacts })
+    draw_run(&RunPicture { title, world, floor: None, markers: &[], robots, objects: &[], contacts })
 }
 
 fn svg(drawing: &Drawing) -> String {
@@ -128,7 +128,8 @@ fn objects_are_shown_where_they_came_to_and_where_they_were() {
     };
     let count = |x: f64| {
         let (world, objects) = (square(2.0), [object(x)]);
-        let run = RunPicture { title: "", world: &world, markers: &[], robots: &[], objects: &objects, contacts: &[] };
+        let (floor, objects) = (None, objects.as_slice());
+        let run = RunPicture { title: "", world: &world, floor, markers: &[], robots: &[], objects, contacts: &[] };
         let svg = svg(&draw_run(&run));
         (elements(&svg, "circle", "#F0E442").len(), svg.contains("\nwhere an object was\n"))
     };

@@ -4,9 +4,12 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use glam::DVec2;
+use sim_core::build::MeshSource as _;
+use sim_format::MeshReader;
 
 use super::SuiteRun;
 use super::screen::{number, of_seeds, percent};
+use crate::files::DiskFiles;
 use crate::launch::Scene;
 use crate::plot::{PictureKind, draw_trials};
 use crate::record::log::is_terminal_control;
@@ -159,7 +162,8 @@ fn trials(sheet: &Sheet<'_>, results: &[&CaseResult]) -> Option<String> {
             (lines, result.row.x_m.zip(result.row.y_m).map(DVec2::from))
         })
         .collect();
-    let drawing = draw_trials(scene.spec(), &trials);
+    let floor = MeshReader::new(&DiskFiles::of_environment()).floor(&scene.spec().world);
+    let drawing = draw_trials(scene.spec(), floor, &trials);
     let svg = String::from_utf8(PictureKind::Svg.render(&drawing, Some((720, 480))).ok()?).ok()?;
     let begin = svg.find("<svg")?;
     Some(format!(
