@@ -55,6 +55,14 @@ fn place_text(place: &Place) -> String {
     }
 }
 
+/// Returns true for a distance, as the judge measures it, of a body that is in the place.
+fn is_inside(place: &Place, distance: f64) -> bool {
+    match place {
+        Place::Disc { radius, .. } => distance <= *radius,
+        Place::Polygon(_) => distance < 1e-6,
+    }
+}
+
 /// Result of a check on motion in words.
 pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
     let (value, is_met) = (finding.value.unwrap_or_default(), finding.is_met);
@@ -66,6 +74,9 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
         }
         CheckKind::Reach { .. } if is_met => format!("at {when}"),
         CheckKind::Reach { body, place, by, stay } => match (finding.at, finding.value) {
+            (Some(_), Some(distance)) if is_inside(place, distance) => {
+                format!("{body} was {}, but never for {} s", place_text(place), stay.seconds())
+            }
             (Some(_), Some(distance)) => {
                 let to = if matches!(place, Place::Disc { .. }) { "its centre" } else { "its border" };
                 format!(

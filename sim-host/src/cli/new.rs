@@ -18,7 +18,8 @@ pub struct NewArgs {
     /// Name of the program and of its folder; with `--lab` of the folder alone, which has the lab's name if this is left out
     #[arg(value_name = "NAME", required_unless_present = "lab")]
     pub name: Option<String>,
-    /// Write a lab of the course: its page, scene, suite, and a program to begin with
+    /// Write a lab of the course, with a program to begin with in C or Python: lawn, waypoints, distbug, quadtree, brushfire, astar,
+    /// mapping, lane, relay or maze
     #[arg(long, value_name = "LAB", conflicts_with_all = ["api", "suite"])]
     pub lab: Option<String>,
     /// Language of the program

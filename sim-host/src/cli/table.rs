@@ -59,7 +59,10 @@ pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
     }
     let passed = report.checks.iter().filter(|check| check.passed).count();
     let (points, whole) = (points(report.points), points(report.max_points));
-    let mut lines = vec![format!("checks: {passed} of {} passed, {points} of {whole} points", report.checks.len())];
+    let is_failed = report.robots.iter().any(|robot| robot.outcome.is_failure());
+    let but = if is_failed { " (none in `eyesim test`, since a program failed)" } else { "" };
+    let mut lines =
+        vec![format!("checks: {passed} of {} passed, {points} of {whole} points{but}", report.checks.len())];
     let width = |cell: &dyn Fn(&CheckReport) -> String| {
         report.checks.iter().map(|check| measure_text_width(&cell(check))).max().unwrap_or_default()
     };

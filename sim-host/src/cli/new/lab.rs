@@ -79,3 +79,20 @@ fn files_of(source: &Path, lab: &str, extension: &str) -> anyhow::Result<Vec<(St
     }
     Ok(files)
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Args as _;
+
+    use super::*;
+
+    #[test]
+    fn the_help_names_every_lab() {
+        let help = NewArgs::augment_args(clap::Command::new("new")).render_long_help().to_string();
+        let names = all(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../labs"))).expect("the labs");
+        let names: Vec<String> = names.into_iter().map(|(name, _)| name).collect();
+        let (last, others) = names.split_last().expect("labs");
+        let named = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(named.contains(&format!("{} or {last}", others.join(", "))), "{help}");
+    }
+}

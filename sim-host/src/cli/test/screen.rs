@@ -12,7 +12,7 @@ use super::{SuiteRun, picture};
 use crate::cli::diagnostic::{Colour, Screen};
 use crate::record::log::Printable;
 use crate::suite::summary::{Rate, Variant};
-use crate::suite::{CaseResult, Row, RowOutcome};
+use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
 /// Most failures with details.
 const MOST_DETAILED: usize = 10;
@@ -249,7 +249,7 @@ impl Console {
         ];
         let parts: Vec<String> =
             counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
-        let mut parts = if parts.is_empty() { "no cases ran".to_owned() } else { parts.join(", ") };
+        let mut parts = if parts.is_empty() { none_ran(runs) } else { parts.join(", ") };
         if missing > 0 {
             parts.push_str(&format!(", {missing} not run"));
         }
@@ -314,6 +314,15 @@ impl Failure<'_> {
         };
         format!("{}::{}{others}", self.run.name(), self.result.row.case)
     }
+}
+
+/// `no cases ran: `a.suite.toml` has 20, from `seed=1` to `seed=20``.
+fn none_ran(runs: &[SuiteRun]) -> String {
+    let cases = runs.iter().find_map(|run| Some((run, run.cases.first()?, run.cases.last()?)));
+    let of = |(run, first, last): (&SuiteRun, &Case, &Case)| {
+        format!(": `{}` has {}, from `{}` to `{}`", run.name(), run.cases.len(), first.name, last.name)
+    };
+    format!("no cases ran{}", cases.map(of).unwrap_or_default())
 }
 
 /// The failures; cases that could not be run for one reason count as one, as do cases of a variant in which the same checks are not met and
