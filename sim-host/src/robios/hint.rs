@@ -30,7 +30,7 @@ pub enum Mistake {
     Metres,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees a second.
     Radians,
-    /// A drive of RoBIOS-7 that replaces the one before as soon as it has begun.
+    /// A drive that replaces the one before as soon as it has begun.
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,
@@ -92,9 +92,7 @@ impl Mistake {
             }
             Self::Metres => "a drive of less than 5 mm at less than 5 mm/s: RoBIOS-7 takes millimetres, not metres",
             Self::Radians => "a turn by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians",
-            Self::MissingWait => {
-                "a drive replaces the one before, which has just begun: `VWWait` waits for the end of a drive"
-            }
+            Self::MissingWait => "a drive replaces the one before, which has just begun",
             Self::UnknownAddress => "a message to an address that no robot has",
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",
         }

@@ -123,8 +123,9 @@ impl Robot {
 
     /// Tells the user if the program has ended before a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
-        if self.motion.drive_end().is_some_and(|end| end > self.now) {
-            let wait = if self.robios.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
+        if self.motion.drive_end().is_some_and(|end| end > self.now)
+            && let Some((_, wait)) = self.robios.vw.begun
+        {
             self.state.hint(&format!(
                 "the program ended while it drove, which stops the motors: `{wait}` waits for the end of a drive"
             ));

@@ -18,13 +18,16 @@ use sim_core::record::Event;
 /// The only handle: a number that no other family returns, so that a mixed-up handle is detected.
 pub const HANDLE: i32 = 0x56;
 
+/// A drive that is replaced within this time of its start was probably to be waited for.
+const IMMEDIATE_REPLACEMENT: Time = Time::from_millis(20);
+
 /// State of a robot's driving interface.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vw {
     /// The interface is open, from `VWInit` to `VWRelease` of RoBIOS 6: motors are reserved.
     pub is_open: bool,
-    /// Start of the last drive of RoBIOS-7.
-    pub begun: Option<Time>,
+    /// Start of the last drive, and the function that waits for its end.
+    pub begun: Option<(Time, &'static str)>,
 }
 
 /// Reason why a command is refused.
@@ -220,7 +223,7 @@ fn start(
     if !is_handle(robot, handle) {
         return robot.failed(call, -1);
     }
-    let accepted = start_drive(robot, world, displacement, seconds, event);
+    let accepted = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
     robot.answered(call, -1, accepted)
 }
 
@@ -236,19 +239,27 @@ pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
     if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
-/// Starts a drive of `seconds`; its sign, that of the speed, is ignored.
+/// Starts a drive of `seconds`; its sign, that of the speed, is ignored. `wait` waits for its end.
 pub(super) fn start_drive(
     robot: &mut Robot,
     world: &World,
     displacement: Twist,
     seconds: f64,
-    event: Event<'_>,
+    (event, wait): (Event<'_>, &'static str),
 ) -> Result<(), DriveRefusal> {
     // A speed of 0 gives an infinite time, or NaN for a distance of 0.
     if !seconds.is_finite() {
         return Err(DriveRefusal::Endless);
     }
+    let replaces_immediately =
+        robot.robios.vw.begun.is_some_and(|(begun, _)| robot.now - begun <= IMMEDIATE_REPLACEMENT);
+    if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
+        let text =
+            format!("a drive replaces the one before, which has just begun: `{wait}` waits for the end of a drive");
+        robot.hint_once(Mistake::MissingWait, &text);
+    }
     robot.command(world, Command::Drive { displacement, duration: seconds.abs() })?;
+    robot.robios.vw.begun = Some((robot.now, wait));
     robot.record(event);
     Ok(())
 }

@@ -5,7 +5,6 @@
 use robios_sys::{Out, Robios7Call as Call};
 use sim_core::drive::{Gains, arc_to};
 use sim_core::pose::Twist;
-use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::caller::Poll;
@@ -14,9 +13,6 @@ use super::robot::Robot;
 use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
 use super::vw::{self, DriveRefusal};
 use sim_core::record::Event;
-
-/// A drive that is replaced within this time of its start was probably to be waited for.
-const IMMEDIATE_REPLACEMENT: Time = Time::from_millis(20);
 
 /// A length and a speed both below this are probably meant in metres.
 const SHORT_MM: i32 = 5;
@@ -128,15 +124,8 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
 
 /// Starts a drive of `seconds`, whose sign is ignored.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
-    let replaces_immediately = robot.robios.vw.begun.is_some_and(|begun| robot.now - begun <= IMMEDIATE_REPLACEMENT);
-    if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
-        robot.hint_at(Mistake::MissingWait);
-    }
-    match vw::start_drive(robot, world, displacement, seconds, event) {
-        Ok(()) => {
-            robot.robios.vw.begun = Some(robot.now);
-            0
-        }
+    match vw::start_drive(robot, world, displacement, seconds, (event, Call::VWWait.name())) {
+        Ok(()) => 0,
         Err(DriveRefusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
             robot.refused(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
         }
