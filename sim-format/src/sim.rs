@@ -134,6 +134,21 @@ impl Reader {
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
             return;
         };
+        let names = rest.iter().take_while(|word| !is_number(word)).count();
+        if names > 2 && count_numbers(&rest[names..]) >= 3 {
+            let message = format!("`{}` is followed by {names} names, not 2", keyword.text);
+            let text = |words: &[Word<'_>]| {
+                let text = words.iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
+                if words.len() > 1 { format!("\"{text}\"") } else { text }
+            };
+            let ends_type = |word: &Word<'_>| word.text.to_ascii_lowercase().ends_with(".robi");
+            let of_type = rest[..names - 1].iter().position(ends_type).map_or(1, |place| place + 1);
+            let line = [text(&rest[..of_type]), text(&rest[of_type..names])].join(" ");
+            let numbers = rest[names..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM).suggestion =
+                Some(format!("put a file name with blanks between double quotes: `{} {line} {numbers}`", keyword.text));
+            return;
+        }
         if matches!(pose.len(), 1 | 2) {
             let message = format!("the start pose of `{}` has {} of 3 numbers", program.text, pose.len());
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
@@ -254,6 +269,13 @@ impl Reader {
             None if is_short(rest) => {
                 let message = short_pose(name, count_numbers(rest));
                 self.sink.error(Code::SimPlaceArity, span, message, form);
+                return None;
+            }
+            None if !is_number(&rest[0]) && count_numbers(&rest[1..]) >= 3 => {
+                let message = format!("`{}` stands before the start pose", rest[0].text);
+                let pose = rest[1..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
+                self.sink.error(Code::SimPlaceArity, span, message, form).suggestion =
+                    Some(format!("write `{} {pose} {}`", name.text, rest[0].text));
                 return None;
             }
             None => {

@@ -103,11 +103,15 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::RobiWheelArity, "a.robi", "wheel 54 3600\n"),
     (Code::RobiWheelMissing, "a.robi", ""),
     (Code::SimMarkerArity, "a.sim", "marker 5\nmarker 1 2 3 4\nmarker 1 2 3 4 5 6 7\n"),
-    (Code::SimPlaceArity, "a.sim", "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\n"),
+    (
+        Code::SimPlaceArity,
+        "a.sim",
+        "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\nS4 a.c 500 500 0\n",
+    ),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
-    (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\n"),
+    (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\n"),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
     (
         Code::TomlKey,
