@@ -283,10 +283,18 @@ fn undefined_hint(undefined: &[Undefined], generation: Generation) -> String {
     hints
 }
 
-/// The function of `generation` whose name is most similar to `name`, within an edit distance of a quarter of its length.
+/// Functions of the C library that beginners use.
+const OF_C: [&str; 14] = [
+    "printf", "scanf", "puts", "getchar", "malloc", "free", "strlen", "strcmp", "strcpy", "atoi", "abs", "rand",
+    "sqrt", "exit",
+];
+
+/// The function of RoBIOS, first of `generation`, or of C whose name is most similar to `name`, within an edit distance of a quarter of
+/// its length.
 fn near_function(name: &str, generation: Generation) -> Option<&'static str> {
     let distance = |function: &&str| strsim::osa_distance(&function.to_lowercase(), &name.to_lowercase());
-    let nearest = generation.functions().into_iter().min_by_key(distance)?;
+    let functions = generation.functions().into_iter().chain(generation.other().functions()).chain(OF_C);
+    let nearest = functions.min_by_key(distance)?;
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
