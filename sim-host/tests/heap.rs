@@ -15,14 +15,14 @@ use sim_host::executive::interrupt::Interrupt;
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Frees memory that it never allocated.
+/// Frees memory that it never allocated, past the shim's `free`, which looks at it first.
 const FREE: &str = r#"
-#include <stdlib.h>
 #include "eyebot.h"
+extern void __libc_free(void *memory);
 int main(void) {
     void *volatile memory = (void *)4096;
     OSWait(10);
-    free(memory);
+    __libc_free(memory);
     return 0;
 }
 "#;

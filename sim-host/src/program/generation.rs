@@ -245,8 +245,8 @@ const MAX_SHOWN: usize = 3;
 pub enum GenerationError {
     /// The sources call functions of both.
     #[error(
-        "`{}` is written for two generations: RoBIOS 6 has {} and RoBIOS-7 has {}, and neither has both; `--api 6` or `--api 7` \
-         says which one is meant",
+        "`{}` mixes two generations: {} of RoBIOS 6, whose devices have handles, and {} of RoBIOS-7, whose devices have none; write all \
+         of it for one of them",
         source_file.display(), quoted(of_6), quoted(of_7)
     )]
     Both {
@@ -476,11 +476,8 @@ mod tests {
     fn calls_of_both_generations_are_an_error_with_their_names() {
         let mixed = [("maze.c", "f() { VWInit(1, 1); }"), ("map.cpp", "g() { VWStraight(1, 2); VWWait(); }")];
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
-        assert!(
-            error.contains("RoBIOS 6 has `VWInit` and RoBIOS-7 has `VWStraight`, `VWWait`, and neither"),
-            "{error}"
-        );
-        assert!(error.contains("`--api 6` or `--api 7`"), "{error}");
+        assert!(error.contains("mixes two generations: `VWInit` of RoBIOS 6, "), "{error}");
+        assert!(error.contains("`VWStraight`, `VWWait` of RoBIOS-7, "), "{error}");
     }
 
     #[test]

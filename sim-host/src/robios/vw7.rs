@@ -130,7 +130,7 @@ fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seco
             robot.refused(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
         }
         Err(DriveRefusal::Endless) => robot.refused(call, 1, |_| {
-            "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, and C cuts 0.3 to 0".to_owned()
+            "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, such as 300; 0.3 becomes 0".to_owned()
         }),
         Err(refusal) => robot.refused(call, 1, |_| refusal.to_string()),
     }
