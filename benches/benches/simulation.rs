@@ -5,12 +5,12 @@ use sim_core::RobotId;
 use sim_core::drive::Command;
 use sim_core::pose::Twist;
 use sim_core::simulation::{Options, Simulation};
-use sim_core::spec::SceneSpec;
+use sim_core::spec::{NoiseRef, SceneSpec};
 use sim_core::time::Time;
-use sim_format::{MemoryFiles, load_scene};
+use sim_format::{MemoryFiles, load_scene, preset};
 
-/// A closed room of 20 m with a robot that looks in eight directions.
-fn scene() -> SceneSpec {
+/// A closed room of 20 m with a robot that looks in eight directions, with the noise profile of this name.
+fn scene(noise: &str) -> SceneSpec {
     let corners = ["[0, 0]", "[20000, 0]", "[20000, 20000]", "[0, 20000]"];
     let wall = |place: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[place], corners[(place + 1) % 4]);
     let walls: Vec<String> = (0..4).map(wall).collect();
@@ -25,13 +25,14 @@ fn scene() -> SceneSpec {
         sensors.join(", ")
     );
     let files: MemoryFiles = [("eight.scene.toml", scene)].into_iter().collect();
-    let loaded = load_scene("eight.scene.toml", &files);
+    let mut loaded = load_scene("eight.scene.toml", &files);
     assert!(!loaded.has_errors(), "{:#?}", loaded.diagnostics);
+    loaded.scene.robots[0].noise = preset(noise).map(NoiseRef::Preset);
     loaded.scene
 }
 
-fn simulation() -> Simulation {
-    let mut simulation = Simulation::new(&scene(), &Options::default()).expect("a robot that can be simulated");
+fn simulation(noise: &str) -> Simulation {
+    let mut simulation = Simulation::new(&scene(noise), &Options::default()).expect("a robot that can be simulated");
     // The robot drives a circle for ever.
     simulation.command(RobotId(1), Command::Twist(Twist::new(0.3, 0.5))).expect("it drives");
     simulation
@@ -45,13 +46,15 @@ fn step(simulation: &mut Simulation) -> f64 {
 
 fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("simulation");
-    let mut stepped = simulation();
-    group.bench_function("step", |bencher| bencher.iter(|| step(&mut stepped)));
-    let mut restored = simulation();
+    for (name, noise) in [("step", "none"), ("noisy-step", "mild")] {
+        let mut stepped = simulation(noise);
+        group.bench_function(name, |bencher| bencher.iter(|| step(&mut stepped)));
+    }
+    let mut restored = simulation("none");
     restored.advance_to(Time::from_millis(5_000));
     let snapshot = restored.clone();
     group.bench_function("restore", |bencher| bencher.iter(|| restored.clone_from(&snapshot)));
-    let scene = scene();
+    let scene = scene("none");
     group.bench_function("restart", |bencher| {
         bencher.iter(|| restored.restarted(&scene, &Options::default()).expect("robots that can be simulated"))
     });

@@ -131,26 +131,18 @@ class Rows:
         self.batch = _native.Batch(native, count, list(task.starts), task.jitter, threads)
         self.robots, sensors = self.batch.shape
         self.limits = Limits(*native.limits(1))
-        rows = count * self.robots
         self._reach = np.tile(np.array(self.batch.reach()).reshape(self.robots, sensors), (count, 1))
-        self._ranges = np.empty((rows, sensors))
-        self._state = np.zeros((rows, 7))
-        self._contacts = np.zeros(rows)
-        self._steps = np.zeros(count, np.int64)
-        self._episodes = np.zeros(count, np.uint64)
-        self._roots = np.zeros(count, np.uint64)
-        self._seeds = np.zeros(count, np.uint64)
-        self._still = np.zeros((rows, 2))
-        self.seed(int(np.random.SeedSequence().generate_state(1, np.uint64)[0]))
+        self._still = np.zeros((count * self.robots, 2))
+        self._drive = np.zeros(count, np.uint8)
+        self._begin = np.full(count, _BEGIN, np.uint8)
         self.action_space = task.action_space or spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = task.observation_space or self._observation_space(sensors)
+        self.seed(int(np.random.SeedSequence().generate_state(1, np.uint64)[0]))
 
     def _observation_space(self, sensors: int) -> spaces.Box:
         if self.task.observe is relative_ranges:
             return spaces.Box(0.0, 1.0, (sensors,), np.float32)
-        self.begin(np.ones(self.count, np.uint8))
-        shape = self.task.observe(self.readings()).shape[1:]
-        self._episodes[:] = 0
+        shape = self.task.observe(self.begin()).shape[1:]
         return spaces.Box(-np.inf, np.inf, shape, np.float32)
 
     def seed(self, seed: int | Sequence[int | None] | None) -> None:
@@ -160,43 +152,33 @@ class Rows:
         seeds = [seed + index for index in range(self.count)] if isinstance(seed, int) else list(seed)
         for index, own in enumerate(seeds):
             if own is not None:
-                self._roots[index] = own % 2**64
-                self._episodes[index] = 0
+                self.batch.seed(index, int(own) % 2**64)
 
-    def begin(self, begins: npt.NDArray[np.uint8]) -> None:
-        """Begins new episodes in the simulations that are marked; the others stay as they are."""
-        self._begin(begins)
-        self._step(self._still, np.where(begins, _BEGIN, _REST).astype(np.uint8))
+    def begin(self, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
+        """Begins new episodes in the simulations that are marked, by default in all; the others stay as they are."""
+        parts = self._begin if begins is None else np.where(begins, _BEGIN, _REST).astype(np.uint8)
+        return self._step(self._still, parts)
 
-    def step(self, commands: Floats, begins: npt.NDArray[np.uint8]) -> None:
+    def step(self, commands: Floats, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
         """Steps all simulations; those that are marked begin a new episode instead."""
-        self._steps += 1
-        self._contacts[:] = self._state[:, 5]
-        self._begin(begins)
-        self._step(np.ascontiguousarray(commands, np.float64), begins)
+        return self._step(np.ascontiguousarray(commands, np.float64), self._drive if begins is None else begins)
 
-    def _begin(self, begins: npt.NDArray[np.uint8]) -> None:
-        for index in np.flatnonzero(begins):
-            self._seeds[index] = _native.episode_seed(int(self._roots[index]), int(self._episodes[index]))
-        self._episodes += begins
-        self._steps[begins != 0] = 0
-        self._contacts[np.repeat(begins, self.robots) != 0] = 0.0
-
-    def _step(self, commands: Floats, parts: npt.NDArray[np.uint8]) -> None:
-        self.batch.step(self.task.period, commands, parts, self._seeds, self._ranges, self._state)
-
-    def readings(self) -> Readings:
-        """Readings after the last step; they keep their values."""
-        state = self._state.copy()
+    def _step(self, commands: Floats, parts: npt.NDArray[np.uint8]) -> Readings:
+        rows, sensors = self._reach.shape
+        numbers = np.empty((rows, sensors + 5))
+        flags = np.empty((rows, 2), np.uint8)
+        steps = np.empty(self.count, np.int64)
+        self.batch.step(self.task.period, commands, parts, numbers, flags, steps)
+        is_flagged = flags.view(np.bool_)
         return Readings(
-            ranges=self._ranges.copy(),
+            ranges=numbers[:, :sensors],
             reach=self._reach,
-            pose=state[:, :3],
-            speed=state[:, 3],
-            turn=state[:, 4],
-            touched=state[:, 5] > self._contacts,
-            stalled=state[:, 6] > 0.0,
-            steps=np.repeat(self._steps, self.robots),
+            pose=numbers[:, sensors : sensors + 3],
+            speed=numbers[:, sensors + 3],
+            turn=numbers[:, sensors + 4],
+            touched=is_flagged[:, 0],
+            stalled=is_flagged[:, 1],
+            steps=steps if self.robots == 1 else np.repeat(steps, self.robots),
         )
 
     def observations(self, readings: Readings) -> npt.NDArray[Any]:
@@ -233,14 +215,12 @@ class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
         """Begins the next episode; with `seed`, the first one of that seed."""
         super().reset(seed=seed)
         self._rows.seed(seed)
-        self._rows.begin(np.ones(1, np.uint8))
-        return self._rows.observations(self._rows.readings())[0], {}
+        return self._rows.observations(self._rows.begin())[0], {}
 
     def step(self, action: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float, bool, bool, dict[str, Any]]:
         """Drives for one period."""
         actions = np.asarray(action)[None]
-        self._rows.step(self.task.act(actions, self._rows.limits), np.zeros(1, np.uint8))
-        readings = self._rows.readings()
+        readings = self._rows.step(self.task.act(actions, self._rows.limits))
         terminated = bool(self.task.terminated(readings)[0])
         truncated = bool(readings.steps[0] >= self.task.horizon)
         reward = float(self.task.reward(readings, actions)[0])
@@ -283,8 +263,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], n
         super().reset(seed=seed if isinstance(seed, int) else None)
         self._rows.seed(seed)
         self._done[:] = 0
-        self._rows.begin(np.ones(self.num_envs, np.uint8))
-        return self._rows.observations(self._rows.readings()), {}
+        return self._rows.observations(self._rows.begin()), {}
 
     def step(
         self, actions: npt.NDArray[Any]
@@ -292,8 +271,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], n
         """Drives all robots for one period; those whose episode has ended begin the next one."""
         actions = np.asarray(actions)
         begins = self._done
-        self._rows.step(self.task.act(actions, self._rows.limits), begins)
-        readings = self._rows.readings()
+        readings = self._rows.step(self.task.act(actions, self._rows.limits), begins)
         going = begins == 0
         terminated = self.task.terminated(readings) & going
         truncated = (readings.steps >= self.task.horizon) & going

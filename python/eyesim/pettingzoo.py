@@ -45,9 +45,9 @@ class ParallelEnv(_ParallelEnv[str, npt.NDArray[Any], npt.NDArray[Any]]):  # typ
     ) -> tuple[dict[str, npt.NDArray[Any]], dict[str, dict[str, Any]]]:
         """Begins the next episode; with `seed`, the first one of that seed."""
         self._rows.seed(seed)
-        self._rows.begin(np.ones(1, np.uint8))
+        readings = self._rows.begin()
         self.agents = list(self.possible_agents)
-        return self._of_agents(self._rows.observations(self._rows.readings())), {agent: {} for agent in self.agents}
+        return self._of_agents(self._rows.observations(readings)), {agent: {} for agent in self.agents}
 
     def step(
         self, actions: dict[str, npt.NDArray[Any]]
@@ -61,8 +61,7 @@ class ParallelEnv(_ParallelEnv[str, npt.NDArray[Any], npt.NDArray[Any]]):  # typ
         all_actions[rows] = given
         commands = np.zeros((self._rows.robots, 2))
         commands[rows] = self.task.act(all_actions, self._rows.limits)[rows]
-        self._rows.step(commands, np.zeros(1, np.uint8))
-        readings = self._rows.readings()
+        readings = self._rows.step(commands)
         observations = self._of_agents(self._rows.observations(readings))
         rewards = self._of_agents(self.task.reward(readings, all_actions).tolist())
         terminated = self._of_agents(self.task.terminated(readings).tolist())

@@ -38,8 +38,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         self._reset_seeds()
         self._reset_options()
         self._returns[:] = 0.0
-        self._rows.begin(np.ones(self.num_envs, np.uint8))
-        return self._rows.observations(self._rows.readings())
+        return self._rows.observations(self._rows.begin())
 
     def step_async(self, actions: npt.NDArray[Any]) -> None:
         """Keeps the actions for `step_wait`."""
@@ -48,8 +47,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
     def step_wait(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float32], npt.NDArray[np.bool_], list[dict[str, Any]]]:
         """Drives all robots for one period; where an episode has ended the next one begins."""
         rows = self._rows
-        rows.step(self.task.act(self._actions, rows.limits), np.zeros(self.num_envs, np.uint8))
-        readings = rows.readings()
+        readings = rows.step(self.task.act(self._actions, rows.limits))
         terminated = self.task.terminated(readings)
         done = terminated | (readings.steps >= self.task.horizon)
         rewards = self.task.reward(readings, self._actions)
@@ -65,9 +63,9 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
                     "episode": {"r": float(self._returns[index]), "l": int(readings.steps[index])},
                 }
             self._returns[done] = 0.0
-            rows.begin(done.astype(np.uint8))
+            begun = rows.begin(done.astype(np.uint8))
             observations = observations.copy()
-            observations[done] = rows.observations(rows.readings())[done]
+            observations[done] = rows.observations(begun)[done]
         return observations, rewards.astype(np.float32), done, infos
 
     def close(self) -> None:

@@ -5,8 +5,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
-use pyo3::buffer::PyBuffer;
+use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use sim_core::RobotId;
 use sim_core::build::range_sensors;
 use sim_core::drive::Command;
@@ -16,29 +18,44 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use super::error::error;
-use super::simulation::{self as python, fill, length, range, range_count, reach};
+use super::simulation::{self as python, length, range, range_count, reach};
 
-/// Simulations that a thread takes at a time.
-const ROWS_AT_ONCE: usize = 4;
+/// Least number of simulations that a thread takes at a time.
+const MIN_SHARE: usize = 2;
 
-/// Numbers of a robot in the state: x, y, heading, speed ahead, turning speed, contacts so far, 1 if stalled.
-const STATE: usize = 7;
+/// Numbers of a robot behind its ranges: x, y, heading, speed ahead, turning speed.
+const STATE: usize = 5;
+
+/// Flags of a robot: a contact has begun in this step, and it is stalled.
+const FLAGS: usize = 2;
 
 /// Simulations of one scene, side by side. Entry i of a buffer belongs to simulation i.
 #[pyclass(module = "eyesim._native")]
 pub struct Batch {
-    episodes: Episodes,
-    simulations: Vec<simulation::Simulation>,
+    beginnings: Beginnings,
+    members: Vec<Member>,
+    size: Size,
+    workers: Workers,
+}
+
+/// Robots of each simulation, and range sensors of the robot that has most.
+#[derive(Clone, Copy)]
+struct Size {
     robots: usize,
-    /// Range sensors of the robot that has most.
     sensors: usize,
-    threads: usize,
-    ranges: Vec<f64>,
-    state: Vec<f64>,
+}
+
+impl Size {
+    /// Numbers of a robot that are observed.
+    fn numbers(self) -> usize {
+        self.sensors + STATE
+    }
 }
 
 /// Beginnings of episodes.
-struct Episodes {
+struct Beginnings {
+    /// Copies of the scene that nobody uses: the starts of its robots are overwritten.
+    scenes: Mutex<Vec<SceneSpec>>,
     scene: Arc<SceneSpec>,
     slot: Option<Time>,
     /// Poses at which robots begin; empty: those of the scene.
@@ -47,33 +64,69 @@ struct Episodes {
     jitter: [f64; 3],
 }
 
-/// One simulation's part of a step.
-struct Row<'a> {
-    simulation: &'a mut simulation::Simulation,
-    part: Part<'a>,
-    ranges: &'a mut [f64],
-    state: &'a mut [f64],
+/// A simulation, its episodes, and what was observed of it last.
+#[derive(Clone)]
+struct Member {
+    simulation: simulation::Simulation,
+    /// Seed of the environment.
+    root: u64,
+    /// Number of episodes that have begun since it was seeded.
+    episodes: u64,
+    /// Number of steps of the episode.
+    steps: i64,
+    /// Of each robot: ranges and state.
+    numbers: Vec<f64>,
+    /// Of each robot.
+    flags: Vec<u8>,
+    /// Of each robot: contacts of the episode.
+    contacts: Vec<u32>,
 }
 
-/// What happens to a simulation in a step.
-enum Part<'a> {
-    /// Its robots drive with these speeds and turning speeds.
-    Drive(&'a [f64]),
-    /// The episode of this seed begins.
-    Begin(u64),
+/// Part of a member in a step.
+#[derive(Clone, Copy)]
+enum Part {
+    /// Its robots drive.
+    Drive,
+    /// Its next episode begins.
+    Begin,
     /// It stays as it is.
     Rest,
 }
 
-impl<'a> Part<'a> {
+impl Part {
     /// The part with this number in a buffer.
-    fn of_number(number: u8, actions: &'a [f64], seed: u64) -> Result<Self, String> {
+    fn of_number(number: u8) -> Result<Self, String> {
         match number {
-            0 => Ok(Self::Drive(actions)),
-            1 => Ok(Self::Begin(seed)),
+            0 => Ok(Self::Drive),
+            1 => Ok(Self::Begin),
             2 => Ok(Self::Rest),
             other => Err(format!("part {other} of a step: expected 0 (drive), 1 (begin) or 2 (rest)")),
         }
+    }
+}
+
+/// Threads that step members beside the caller's; they wait between steps.
+struct Workers {
+    threads: usize,
+    /// The pool, and the process that has made it: a child process has none of its threads.
+    pool: Option<(u32, ThreadPool)>,
+}
+
+impl Workers {
+    /// The pool of this process; `None` for one thread.
+    fn pool(&mut self) -> Result<Option<&ThreadPool>, String> {
+        if self.threads == 1 {
+            return Ok(None);
+        }
+        let process = std::process::id();
+        if self.pool.as_ref().is_none_or(|(maker, _)| *maker != process) {
+            let named = |index| format!("eyesim-batch-{index}");
+            let pool = ThreadPoolBuilder::new().num_threads(self.threads).thread_name(named).build();
+            let pool = pool.map_err(|failed| format!("no threads for a batch: {failed}"))?;
+            // The end of a pool waits for its threads, which are those of another process.
+            self.pool.replace((process, pool)).map(std::mem::forget);
+        }
+        Ok(self.pool.as_ref().map(|(_, pool)| pool))
     }
 }
 
@@ -100,37 +153,51 @@ impl Batch {
         }
         let sensors = (1..=robots).map(|id| range_count(&of.value, RobotId(id as u32))).max().unwrap_or_default();
         let processors = || thread::available_parallelism().map_or(1, usize::from);
-        let value = &of.value;
-        let simulations = py.detach(|| vec![value.clone(); count]);
+        let size = Size { robots, sensors };
+        let member = Member {
+            simulation: of.value.clone(),
+            root: 0,
+            episodes: 0,
+            steps: 0,
+            numbers: vec![0.0; robots * size.numbers()],
+            flags: vec![0; robots * FLAGS],
+            contacts: vec![0; robots],
+        };
         Ok(Self {
-            episodes: Episodes { scene, slot: of.options.slot, starts, jitter },
-            simulations,
-            robots,
-            sensors,
-            threads: threads.unwrap_or_else(processors).clamp(1, count),
-            ranges: vec![0.0; count * robots * sensors],
-            state: vec![0.0; count * robots * STATE],
+            beginnings: Beginnings { scenes: Mutex::default(), scene, slot: of.options.slot, starts, jitter },
+            members: py.detach(|| vec![member; count]),
+            size,
+            workers: Workers { threads: threads.unwrap_or_else(processors).clamp(1, count), pool: None },
         })
     }
 
     /// Number of robots of each simulation, and of range sensors of each robot.
     #[getter]
     fn shape(&self) -> (usize, usize) {
-        (self.robots, self.sensors)
+        (self.size.robots, self.size.sensors)
     }
 
     /// Range of each range sensor of each robot, m; sensors that a robot lacks have range 0.
     fn reach(&self) -> Vec<Vec<f64>> {
         let reach_of = |id: u32| {
-            let sensors = range_sensors(&self.simulations[0].robot(RobotId(id)).spec);
+            let sensors = range_sensors(&self.members[0].simulation.robot(RobotId(id)).spec);
             let reached = sensors.iter().map(|sensor| reach(&sensor.model)).chain(std::iter::repeat(0.0));
-            reached.take(self.sensors).collect()
+            reached.take(self.size.sensors).collect()
         };
-        (1..=self.robots as u32).map(reach_of).collect()
+        (1..=self.size.robots as u32).map(reach_of).collect()
     }
 
-    /// Steps the simulations by `seconds`, each with its part (see `Part`): 0 drives every robot as its two numbers of `actions` say, 1
-    /// begins the episode of its seed instead, 2 leaves it as it is. Then `ranges` and `state` are filled.
+    /// The next episode of simulation `index` is the first one of the seed `root`.
+    fn seed(&mut self, py: Python<'_>, index: usize, root: u64) -> PyResult<()> {
+        let member = self.members.get_mut(index).ok_or_else(|| missing(py, index))?;
+        (member.root, member.episodes) = (root, 0);
+        Ok(())
+    }
+
+    /// Steps the simulations by `seconds`, each with its part: 0 drives every robot as its two numbers of `actions` say, 1 begins its next
+    /// episode instead, 2 leaves it as it is. Then fills, for each robot, `numbers` (its ranges, m; x and y, m; heading, rad; speed ahead,
+    /// m/s; turning speed, rad/s) and `flags` (1 if a contact has begun in this step, 1 if it is stalled), and for each simulation
+    /// `steps`, those of its episode.
     #[expect(clippy::too_many_arguments, reason = "one buffer for each kind of number")]
     fn step(
         &mut self,
@@ -138,55 +205,34 @@ impl Batch {
         seconds: f64,
         actions: PyBuffer<f64>,
         parts: PyBuffer<u8>,
-        seeds: PyBuffer<u64>,
-        ranges: PyBuffer<f64>,
-        state: PyBuffer<f64>,
+        numbers: PyBuffer<f64>,
+        flags: PyBuffer<u8>,
+        steps: PyBuffer<i64>,
     ) -> PyResult<()> {
         let period = length(py, "seconds", seconds)?;
-        let (actions, parts, seeds) = (actions.to_vec(py)?, parts.to_vec(py)?, seeds.to_vec(py)?);
-        let (count, robots, sensors) = (self.simulations.len(), self.robots, self.sensors);
-        if actions.len() != count * robots * 2 || parts.len() != count || seeds.len() != count {
-            let expected = format!("actions {} numbers, parts and seeds {count}", count * robots * 2);
+        let (actions, parts) = (actions.to_vec(py)?, parts.to_vec(py)?);
+        let (count, size) = (self.members.len(), self.size);
+        if actions.len() != count * size.robots * 2 || parts.len() != count {
+            let expected = format!("actions {} numbers, parts {count}", count * size.robots * 2);
             return Err(error(py, format!("buffers of another size: expected {expected}")));
         }
-        let Self { episodes, simulations, threads, ranges: own_ranges, state: own_state, .. } = self;
-        let mut ranges_of = own_ranges.chunks_mut((robots * sensors).max(1));
-        let parts = parts.iter().zip(actions.chunks(robots * 2)).zip(&seeds);
-        let parts = parts.map(|((part, actions), seed)| Part::of_number(*part, actions, *seed));
-        let parts = parts.collect::<Result<Vec<_>, _>>().map_err(|failed| error(py, failed))?;
-        let mut rows: Vec<Row<'_>> = simulations
-            .iter_mut()
-            .zip(parts)
-            .zip(own_state.chunks_mut(robots * STATE))
-            .map(|((simulation, part), state)| Row {
-                simulation,
-                part,
-                ranges: ranges_of.next().unwrap_or_default(),
-                state,
-            })
-            .collect();
-        // A thread takes a few rows at a time: those that begin an episode take longer than others.
-        let parts = Mutex::new(rows.chunks_mut(ROWS_AT_ONCE));
-        let work = || {
-            let mut scene = None;
-            let next = || parts.lock().next();
-            while let Some(part) = next() {
-                step_part(episodes, part, period, (robots, sensors), &mut scene)?;
-            }
-            Ok(())
+        let parts = parts.into_iter().map(Part::of_number).collect::<Result<Vec<_>, _>>();
+        let parts = parts.map_err(|failed| error(py, failed))?;
+        let Self { beginnings, members, workers, .. } = self;
+        let step = |((member, part), actions): ((&mut Member, &Part), &[f64])| {
+            member.step(beginnings, *part, actions, period, size)
         };
-        let stepped = py.detach(|| {
-            thread::scope(|scope| {
-                let others: Vec<_> = (1..*threads).map(|_| scope.spawn(work)).collect();
-                let join = |other: thread::ScopedJoinHandle<'_, Result<(), String>>| {
-                    other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-                };
-                others.into_iter().map(join).fold(work(), Result::and)
-            })
+        let stepped = py.detach(|| match workers.pool()? {
+            None => members.iter_mut().zip(&parts).zip(actions.chunks(size.robots * 2)).try_for_each(step),
+            Some(pool) => pool.install(|| {
+                let members = members.par_iter_mut().zip(&parts).zip(actions.par_chunks(size.robots * 2));
+                members.with_min_len(MIN_SHARE).try_for_each(step)
+            }),
         });
         stepped.map_err(|failed| error(py, failed))?;
-        fill(py, &ranges, own_ranges)?;
-        fill(py, &state, own_state)
+        fill_from(py, &numbers, self.members.iter().map(|member| &member.numbers[..]))?;
+        fill_from(py, &flags, self.members.iter().map(|member| &member.flags[..]))?;
+        fill_from(py, &steps, self.members.iter().map(|member| std::slice::from_ref(&member.steps)))
     }
 
     /// Steps copies of the first simulation by `seconds` on so many threads, without Python, for the real time `real`: each step reads the
@@ -204,17 +250,14 @@ impl Batch {
         const CIRCLE: [f64; 2] = [0.05, 1.0];
         let period = length(py, "seconds", seconds)?;
         let real = Duration::try_from_secs_f64(real).map_err(|failed| error(py, failed))?;
-        let (robots, sensors) = (self.robots, self.sensors);
         let steps_of = || -> Result<u64, String> {
-            let mut simulation = self.simulations[0].clone();
-            let (mut ranges, mut state) = (vec![0.0; robots * sensors], vec![0.0; robots * STATE]);
+            let mut member = self.members[0].clone();
             let start = Instant::now();
-            let actions = CIRCLE.repeat(robots);
+            let actions = CIRCLE.repeat(self.size.robots);
             let mut count = 0;
             while start.elapsed() < real {
-                let part = Part::Drive(if count == 0 || is_commanded { &actions } else { &[] });
-                let row = Row { simulation: &mut simulation, part, ranges: &mut ranges, state: &mut state };
-                step_part(&self.episodes, &mut [row], period, (robots, sensors), &mut None)?;
+                let actions = if count == 0 || is_commanded { &actions[..] } else { &[] };
+                member.step(&self.beginnings, Part::Drive, actions, period, self.size)?;
                 count += 1;
             }
             Ok(count)
@@ -234,9 +277,8 @@ impl Batch {
 
     /// Digest of simulation `index`.
     fn digest(&self, py: Python<'_>, index: usize) -> PyResult<String> {
-        let simulation = self.simulations.get(index);
-        let simulation = simulation.ok_or_else(|| error(py, format!("no simulation {index}")))?;
-        Ok(simulation.digest().to_string())
+        let member = self.members.get(index).ok_or_else(|| missing(py, index))?;
+        Ok(member.simulation.digest().to_string())
     }
 
     /// Simulation `index` as a value of its own.
@@ -246,9 +288,22 @@ impl Batch {
         index: usize,
         of: PyRef<'_, python::Simulation>,
     ) -> PyResult<python::Simulation> {
-        let value = self.simulations.get(index).ok_or_else(|| error(py, format!("no simulation {index}")))?;
-        Ok(of.with_value(value.clone()))
+        let member = self.members.get(index).ok_or_else(|| missing(py, index))?;
+        Ok(of.with_value(member.simulation.clone()))
     }
+}
+
+fn missing(py: Python<'_>, index: usize) -> PyErr {
+    error(py, format!("no simulation {index}"))
+}
+
+/// Fills a buffer with these parts, one after the other.
+fn fill_from<'a, T: Element + 'a>(
+    py: Python<'_>,
+    out: &PyBuffer<T>,
+    parts: impl Iterator<Item = &'a [T]>,
+) -> PyResult<()> {
+    out.copy_from_slice(py, &parts.flatten().copied().collect::<Vec<T>>())
 }
 
 /// Seed of an episode: a hash of the user's seed and the number of the episode.
@@ -257,42 +312,68 @@ pub fn episode_seed(seed: u64, episode: u64) -> u64 {
     hash("eyesim: seed of an episode", [seed, episode])[0]
 }
 
-/// Steps these simulations and observes them. `scene` is for those that begin an episode: a copy of the scene, made when it is needed.
-fn step_part(
-    episodes: &Episodes,
-    rows: &mut [Row<'_>],
-    period: Time,
-    (robots, sensors): (usize, usize),
-    scene: &mut Option<SceneSpec>,
-) -> Result<(), String> {
-    for Row { simulation, part, ranges, state } in rows {
+impl Member {
+    /// Does its part of a step and observes; `actions` are the speed and turning speed of each robot, none for those that keep theirs.
+    fn step(
+        &mut self,
+        beginnings: &Beginnings,
+        part: Part,
+        actions: &[f64],
+        period: Time,
+        size: Size,
+    ) -> Result<(), String> {
         match part {
-            Part::Rest => continue,
-            Part::Begin(seed) => {
-                let scene = scene.get_or_insert_with(|| SceneSpec::clone(&episodes.scene));
-                **simulation = episodes.begin(simulation, scene, *seed)?;
+            Part::Rest => return Ok(()),
+            Part::Begin => {
+                let seed = episode_seed(self.root, self.episodes);
+                self.simulation = beginnings.begin(&self.simulation, seed)?;
+                self.episodes += 1;
+                self.steps = 0;
+                self.contacts.fill(0);
             }
-            Part::Drive(actions) => {
+            Part::Drive => {
                 for (action, id) in actions.chunks(2).zip(1..) {
                     let command = Command::Twist(Twist::new(action[0], action[1]));
-                    simulation.command(RobotId(id), command).map_err(|failed| format!("robot {id}: {failed}"))?;
+                    self.simulation
+                        .command(RobotId(id), command)
+                        .map_err(|failed| format!("robot {id}: {failed}"))?;
                 }
-                simulation.advance_to(simulation.now().saturating_add(period));
+                self.simulation.advance_to(self.simulation.now().saturating_add(period));
+                self.steps += 1;
             }
         }
-        observe(simulation, (robots, sensors), ranges, state);
+        self.observe(size);
+        Ok(())
     }
-    Ok(())
+
+    /// Fills what is observed of each robot.
+    fn observe(&mut self, size: Size) {
+        let now = self.simulation.now();
+        for (index, numbers) in self.numbers.chunks_mut(size.numbers()).enumerate() {
+            let id = RobotId::from_index(index);
+            let own = range_count(&self.simulation, id);
+            let (readings, state) = numbers.split_at_mut(size.sensors);
+            for (sensor, reading) in readings.iter_mut().enumerate() {
+                *reading = if sensor < own { range(&mut self.simulation, id, sensor) } else { f64::INFINITY };
+            }
+            let (contacts, is_stalled) = self.simulation.with_robot(id, |robot, _| {
+                let motion = &mut robot.motion;
+                let (Pose { position, heading }, speed) = (motion.pose(now), motion.speed(now));
+                state.copy_from_slice(&[position.x, position.y, heading.remainder(), speed.vx, speed.omega]);
+                (motion.contacts(now), motion.is_stalled(now))
+            });
+            let before = std::mem::replace(&mut self.contacts[index], contacts);
+            let flags = [contacts > before, is_stalled].map(u8::from);
+            self.flags[index * FLAGS..(index + 1) * FLAGS].copy_from_slice(&flags);
+        }
+    }
 }
 
-impl Episodes {
-    /// The episode of `seed`, after another one; `scene` is a copy of the scene, whose starts are overwritten.
-    fn begin(
-        &self,
-        before: &simulation::Simulation,
-        scene: &mut SceneSpec,
-        seed: u64,
-    ) -> Result<simulation::Simulation, String> {
+impl Beginnings {
+    /// The episode of `seed`, after another one.
+    fn begin(&self, before: &simulation::Simulation, seed: u64) -> Result<simulation::Simulation, String> {
+        let spare = self.scenes.lock().pop();
+        let mut scene = spare.unwrap_or_else(|| SceneSpec::clone(&self.scene));
         let of_scene = self.scene.robots.iter().map(|robot| robot.start);
         let first = hash("eyesim: start of an episode", [seed, 0])[0];
         for (index, (robot, start)) in scene.robots.iter_mut().zip(of_scene).enumerate() {
@@ -307,34 +388,9 @@ impl Episodes {
             robot.start = Pose::new(x + dx * unit(drawn[0]), y + dy * unit(drawn[1]), phi + dphi * unit(drawn[2]));
         }
         let options = Options { seed: Some(seed), slot: self.slot };
-        before.restarted(scene, &options).map_err(|failed| failed.to_string())
-    }
-}
-
-/// Fills the numbers that are observed of one simulation.
-fn observe(
-    simulation: &mut simulation::Simulation,
-    (robots, sensors): (usize, usize),
-    ranges: &mut [f64],
-    state: &mut [f64],
-) {
-    let now = simulation.now();
-    for index in 0..robots {
-        let id = RobotId::from_index(index);
-        let own = range_count(simulation, id);
-        let readings = &mut ranges[index * sensors..(index + 1) * sensors];
-        for (sensor, reading) in readings.iter_mut().enumerate() {
-            *reading = if sensor < own { range(simulation, id, sensor) } else { f64::INFINITY };
-        }
-        let numbers = simulation.with_robot(id, |robot, _| {
-            let motion = &mut robot.motion;
-            let (pose, speed) = (motion.pose(now), motion.speed(now));
-            let Pose { position, heading } = pose;
-            let (contacts, stalled) = (motion.contacts(now), motion.is_stalled(now));
-            let stalled = f64::from(u8::from(stalled));
-            [position.x, position.y, heading.remainder(), speed.vx, speed.omega, f64::from(contacts), stalled]
-        });
-        state[index * STATE..(index + 1) * STATE].copy_from_slice(&numbers);
+        let begun = before.restarted(&scene, &options).map_err(|failed| failed.to_string());
+        self.scenes.lock().push(scene);
+        begun
     }
 }
 
