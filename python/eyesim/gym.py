@@ -213,8 +213,9 @@ class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
         """Begins the next episode; with `seed`, the first one of that seed."""
-        super().reset(seed=seed)
-        self._rows.seed(seed)
+        if seed is not None:
+            super().reset(seed=seed)
+            self._rows.seed(seed)
         return self._rows.observations(self._rows.begin())[0], {}
 
     def step(self, action: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float, bool, bool, dict[str, Any]]:
