@@ -45,7 +45,7 @@ WEAK FILE *stdout;
 WEAK FILE *stderr;
 
 /* Sends the collected text. Never leaves the program, since a FILE may be in use. */
-static void send_line(struct console *console)
+static void send_line(struct eyesim_console *console)
 {
     int32_t result = 0;
     if (console->used > 0 && self.host != NULL) {
@@ -62,14 +62,14 @@ static void send_line(struct console *console)
     console->used = 0;
 }
 
-static void write_console(struct console *console, const char *bytes, size_t len)
+static void write_console(struct eyesim_console *console, const char *bytes, size_t len)
 {
     size_t i;
-    if (console->line == NULL && (console->line = malloc(CONSOLE_LINE)) == NULL)
+    if (console->line == NULL && (console->line = malloc(EYESIM_CONSOLE_LINE)) == NULL)
         return;
     for (i = 0; i < len; i++) {
         console->line[console->used++] = bytes[i];
-        if (bytes[i] == '\n' || console->used == CONSOLE_LINE)
+        if (bytes[i] == '\n' || console->used == EYESIM_CONSOLE_LINE)
             send_line(console);
     }
 }
@@ -89,7 +89,7 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
         struct frame *frame = self.frame;
         const void *site = self.call_site.address;
         int32_t status;
-        send_line(&self.out); /* a prompt */
+        send_line(OUT); /* a prompt */
         self.call_site.address = self.reader != NULL ? self.reader : __builtin_return_address(0);
         status = self.host->support->input(self.robot, room_of(bytes, len), &count);
         self.call_site.address = site;
@@ -102,7 +102,7 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
     return count;
 }
 
-static FILE *opened(struct console *console, const char *mode)
+static FILE *opened(struct eyesim_console *console, const char *mode)
 {
     cookie_io_functions_t functions = {.read = cookie_read, .write = cookie_write};
     FILE *stream = fopencookie(console, mode, functions);
@@ -119,8 +119,8 @@ static FILE *opened(struct console *console, const char *mode)
 __attribute__((constructor(50))) static void open_console(void)
 {
     stdin = opened(NULL, "r");
-    stdout = opened(&self.out, "w");
-    stderr = opened(&self.err, "w");
+    stdout = opened(OUT, "w");
+    stderr = opened(ERR, "w");
 }
 
 __attribute__((destructor(101))) static void close_console(void)
@@ -134,9 +134,9 @@ __attribute__((destructor(101))) static void close_console(void)
     if (stderr != NULL)
         fclose(stderr);
     stdin = stdout = stderr = NULL;
-    free(self.out.line);
-    free(self.err.line);
-    self.out.line = self.err.line = NULL;
+    free(OUT->line);
+    free(ERR->line);
+    OUT->line = ERR->line = NULL;
 }
 
 static void flush_console(void)
@@ -146,8 +146,8 @@ static void flush_console(void)
         fflush_unlocked(stdout);
     if (stderr != NULL)
         fflush_unlocked(stderr);
-    send_line(&self.out);
-    send_line(&self.err);
+    send_line(OUT);
+    send_line(ERR);
 }
 
 /* Runs after output, with no FILE in use: leaves the program if the host has stopped it, and lets other tasks run. */
@@ -159,9 +159,9 @@ static int written(int result)
     return result;
 }
 
-static struct console *console_of(int descriptor)
+static struct eyesim_console *console_of(int descriptor)
 {
-    return descriptor == 1 ? &self.out : descriptor == 2 ? &self.err : NULL;
+    return descriptor == 1 ? OUT : descriptor == 2 ? ERR : NULL;
 }
 
 /* Passes the variable arguments on to a function that takes a va_list. */
@@ -408,10 +408,12 @@ LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments))
     return scan(stdin, format, arguments);
 }
 
+extern FILE *_IO_fopen(const char *name, const char *mode); /* the C library's other name for it */
+
 /* Tells the host which file there is not: the program may go on with the null pointer. */
 LIBC(FILE *, fopen, (const char *name, const char *mode))
 {
-    FILE *stream = fopen64(name, mode);
+    FILE *stream = _IO_fopen(name, mode);
     if (stream == NULL) {
         int error = errno;
         int32_t result = 0;
@@ -420,6 +422,23 @@ LIBC(FILE *, fopen, (const char *name, const char *mode))
     }
     return stream;
 }
+
+#ifdef EYESIM_CPP
+/* The C++ library's streams open their files by it, and a program that does not ask them reads nothing. */
+LIBC(FILE *, fopen64, (const char *name, const char *mode))
+{
+    FILE *stream = _IO_fopen(name, mode);
+    if (stream == NULL) {
+        int error = errno;
+        int32_t result = 0;
+        const void *stack[16];
+        const size_t depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
+        SUPPORT(unopened_by, text_of(name), error, bytes_of(stack, depth * sizeof *stack), &result);
+        errno = error;
+    }
+    return stream;
+}
+#endif
 
 static ssize_t read_input(void *bytes, size_t len)
 {
@@ -436,7 +455,7 @@ extern int __close(int descriptor);
 
 LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 {
-    struct console *console = console_of(descriptor);
+    struct eyesim_console *console = console_of(descriptor);
     if (console == NULL)
         return __write(descriptor, bytes, len);
     write_console(console, bytes, len);
@@ -445,7 +464,7 @@ LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 }
 LIBC(ssize_t, writev, (int descriptor, const struct iovec *parts, int count))
 {
-    struct console *console = console_of(descriptor);
+    struct eyesim_console *console = console_of(descriptor);
     ssize_t len = 0;
     int i;
     for (i = 0; i < count; i++) {

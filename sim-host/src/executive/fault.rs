@@ -20,6 +20,8 @@ pub struct Broken {
     pub place: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
+    /// What the program has printed since the last end of a line, to standard output and to standard error.
+    pub unfinished: [String; 2],
 }
 
 /// Depth of the search for return addresses from the stack pointer, in words.
@@ -95,7 +97,14 @@ impl Broken {
             task: None,
             place: String::new(),
             addresses,
+            unfinished: Default::default(),
         }
+    }
+
+    /// Adds what the program has printed since the last end of a line.
+    #[must_use]
+    pub(super) fn with_unfinished(self, unfinished: [String; 2]) -> Self {
+        Self { unfinished, ..self }
     }
 
     /// Adds what the program itself said of its end before it broke.
@@ -123,6 +132,7 @@ impl Broken {
             task: None,
             place: String::new(),
             addresses: Vec::new(),
+            unfinished: Default::default(),
         }
     }
 

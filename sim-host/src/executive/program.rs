@@ -10,6 +10,7 @@ use super::embedded::EmbeddedRobot;
 use super::fault::Broken;
 use super::process::Child;
 use super::process::serve::RemoteProgram;
+use super::signal::FlowBlock;
 use crate::program::embedded::EmbeddedCode;
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
@@ -66,10 +67,18 @@ impl RobotProgram {
         match self {
             Self::InHost { program, .. } => {
                 confine_thread();
+                self.collect_lines();
                 Ok(program.run(host))
             }
             Self::Process(program) => program.run(host),
             Self::Embedded(program) => program.run(host),
+        }
+    }
+
+    /// Lets the calling flow find what the program has printed without an end of a line, if the program breaks on it.
+    pub fn collect_lines(&self) {
+        if let Self::InHost { program, .. } = self {
+            FlowBlock::current().set_consoles(program.consoles());
         }
     }
 
@@ -142,7 +151,7 @@ impl RobotProgram {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
             (Self::Process(program), Site::Told(site)) => program.place_of(site),
-            (Self::Embedded(_), Site::Told(site)) => site.line(),
+            (Self::InHost { .. } | Self::Embedded(_), Site::Told(site)) => site.line(),
             _ => None,
         }
     }

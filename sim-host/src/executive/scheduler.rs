@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use robios_sys::support::stream;
 use sim_core::check::Monitor;
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Outcome, Recorder};
@@ -24,6 +25,7 @@ use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
 use crate::record::{HintPlaces, Sinks};
+use crate::robios::console::print_lines;
 use crate::robios::cost::Costs;
 use crate::robios::forbidden::Forbidden;
 use crate::robios::panel::Panel;
@@ -405,6 +407,9 @@ impl Scheduler {
             let broken = {
                 let mut robot = run.robot(id);
                 let broken = broken.with_reason(robot.ending.as_ref());
+                for (stream, line) in [stream::OUT, stream::ERR].into_iter().zip(&broken.unfinished) {
+                    print_lines(&mut robot, stream, line);
+                }
                 robot.ending.get_or_insert(broken.ending());
                 broken
             };
