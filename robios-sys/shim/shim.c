@@ -118,6 +118,7 @@ static inline int may_call(void)
     }
 TRAP(eyesim_trap_stack_smashed)
 TRAP(eyesim_trap_off_task)
+TRAP(eyesim_trap_heap_lost)
 
 /* Stops here if the frame that is the target of the way out has been overwritten. */
 static inline void check_frame(void)

@@ -256,7 +256,10 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
 }
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
-    let location = if broken.place.is_empty() {
+    let location = if has_lost_heap(broken, program) {
+        // The reason tells where the block comes from; the overrun itself lies anywhere between.
+        String::new()
+    } else if broken.place.is_empty() {
         line_of(&broken.addresses, program).unwrap_or_default()
     } else {
         broken.place.clone()
@@ -311,6 +314,13 @@ fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let call = thread.call_site().address.addr();
     let in_progress = words.iter().position(|word| *word == call && call != 0).unwrap_or(0);
     std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
+}
+
+/// Returns true if the program broke because it has written over what the heap keeps between its blocks, as its shim has found (`TRAP` in
+/// shim.c).
+pub(super) fn has_lost_heap(broken: &Broken, program: &RobotProgram) -> bool {
+    let function = || program.function_at(*broken.addresses.first()?);
+    function().as_deref() == Some("eyesim_trap_heap_lost")
 }
 
 /// The reason for a trap of the shim, by the name of the function in which the program broke (`TRAP` in shim.c).

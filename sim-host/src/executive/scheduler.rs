@@ -404,6 +404,9 @@ impl Scheduler {
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
+            if run.program(id).is_some_and(|program| program_status::has_lost_heap(&broken, program)) {
+                damage::lose_heap();
+            }
             let broken = {
                 let mut robot = run.robot(id);
                 let broken = broken.with_reason(robot.ending.as_ref());
