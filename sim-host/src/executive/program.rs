@@ -127,6 +127,15 @@ impl RobotProgram {
         }
     }
 
+    /// The text of a line of the program's own sources; `None` if it cannot be read.
+    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        match self {
+            Self::InHost { program, .. } => program.text_of(line),
+            Self::Process(program) => program.text_of(line),
+            Self::Embedded(_) => None,
+        }
+    }
+
     /// Name of the function in the program's library at a program counter, if the debug information contains it.
     pub fn function_at(&self, address: usize) -> Option<String> {
         let line = match self {

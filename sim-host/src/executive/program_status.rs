@@ -4,7 +4,7 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::End;
-use super::fault::{Broken, NULL_POINTER, STACK_OVERFLOW};
+use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW};
 use super::process::ComputingPlace;
 use super::program::RobotProgram;
 use crate::robios::call::Call;
@@ -265,8 +265,23 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
         broken.place.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    let what = reason_of_trap(broken, program).map_or_else(|| broken.what.clone(), str::to_owned);
+    let what = match reason_of_trap(broken, program) {
+        Some(reason) => reason,
+        None if broken.what == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
+        None => &broken.what,
+    };
+    let what = what.to_owned();
     FaultReport { what, location, last_call }
+}
+
+/// Returns true if the line at which the program broke divides, and uses no pointer.
+fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
+    let line = program.own_source_line(&without_stale(&broken.addresses, program));
+    let text = line.and_then(|line| program.text_of(&line)).unwrap_or_default();
+    let code = text.split("//").next().unwrap_or_default();
+    // What stands between quotes is no code.
+    let code: String = code.split('"').step_by(2).collect();
+    code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
 /// What the user may do about a break, appended to its report.

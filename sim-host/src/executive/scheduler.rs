@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use robios_sys::support::stream;
 use sim_core::check::Monitor;
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Outcome, Recorder};
@@ -410,9 +409,7 @@ impl Scheduler {
             let broken = {
                 let mut robot = run.robot(id);
                 let broken = broken.with_reason(robot.ending.as_ref());
-                for (stream, line) in [stream::OUT, stream::ERR].into_iter().zip(&broken.unfinished) {
-                    print_lines(&mut robot, stream, line);
-                }
+                broken.unfinished.iter().for_each(|(stream, line)| print_lines(&mut robot, *stream, line));
                 robot.ending.get_or_insert(broken.ending());
                 broken
             };

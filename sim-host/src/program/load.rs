@@ -232,6 +232,11 @@ impl LoadedProgram {
         self.image.own_source_line(offsets)
     }
 
+    /// See [`ProgramImage::text_of`].
+    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        self.image.text_of(line)
+    }
+
     /// Address of the program's console streams, see [`Program::consoles`].
     pub fn consoles(&self) -> usize {
         self.library.description().consoles()

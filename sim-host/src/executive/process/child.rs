@@ -420,7 +420,7 @@ impl Child {
             last_call,
             task: None,
             place: String::new(),
-            unfinished: Default::default(),
+            unfinished: Vec::new(),
             addresses: Vec::new(),
         }
     }
