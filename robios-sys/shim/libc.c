@@ -800,6 +800,8 @@ static void check_newest(void)
     memcpy(&guard, newest.end, sizeof guard);
     if (guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len)
         return;
+    if (is_lost(newest.memory))
+        return; /* written over from below: a block before it was too short */
     newest.memory = NULL;
     snprintf(text, sizeof text, "the program has written far beyond the end of the %zu bytes that `malloc` gives", newest.len);
     self.call_site.address = newest.caller;
