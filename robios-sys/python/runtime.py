@@ -564,6 +564,17 @@ def _has_threads():
 _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
 
 
+_has_told_cut = False
+
+
+def _tell_cut(name, value):
+    """A hint, once a program: a fraction is cut to 0."""
+    global _has_told_cut
+    if not _has_told_cut:
+        _has_told_cut = True
+        _call(_support_noticed, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, such as mm, degrees and ms".encode())
+
+
 def _request(row, values):
     global _raised, _is_stopped
     name, function_list, number, kinds, result = row
@@ -576,8 +587,10 @@ def _request(row, values):
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
     for kind, value in zip(kinds, values):
         if kind == "i":
-            value = _int(value, -(1 << 31), (1 << 32) - 1, name)
-            body.append(_struct.pack("<I", value & 0xFFFFFFFF))
+            number = _int(value, -(1 << 31), (1 << 32) - 1, name)
+            if number == 0 and isinstance(value, float) and value != 0:
+                _tell_cut(name, value)
+            body.append(_struct.pack("<I", number & 0xFFFFFFFF))
         elif kind in "tb":
             body.append(_bytes(value, name))
         elif kind == "B":

@@ -13,6 +13,7 @@
 #define EYESIM_LANGUAGE_C 1
 #define EYESIM_LANGUAGE_CPP 3
 #define EYESIM_FLAG_VOID_MAIN 1
+#define EYESIM_CONSOLE_LINE 1024
 #define EYESIM_CONSTRUCTORS 0x65790001
 #define EYESIM_CONSTRUCTORS_SIZE 0x65790002
 
@@ -42,6 +43,8 @@ struct eyesim_support {
     int32_t (*input)(void *robot, struct eyesim_room bytes, int32_t *result);
     int32_t (*unopened)(void *robot, struct eyesim_bytes name, int32_t error, int32_t *result);
     int32_t (*noticed)(void *robot, struct eyesim_bytes text, int32_t *result);
+    int32_t (*unopened_by)(void *robot, struct eyesim_bytes name, int32_t error, struct eyesim_bytes stack, int32_t *result);
+    int32_t (*unfinished)(void *robot, int32_t stream, struct eyesim_bytes bytes, int32_t *result);
 };
 
 /* Version 1. */
@@ -415,6 +418,13 @@ struct eyesim_call_site {
     uint32_t line;
 };
 
+/* A console stream: the text since the last end of a line. */
+struct eyesim_console {
+    int32_t number;
+    size_t used;
+    char *line;
+};
+
 struct eyesim_program {
     uint32_t size;
     uint32_t abi;
@@ -425,6 +435,7 @@ struct eyesim_program {
     uint32_t robios_size;
     int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);
     const struct eyesim_call_site *call_site;
+    const struct eyesim_console *consoles;
 };
 
 #endif

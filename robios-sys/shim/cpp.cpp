@@ -22,6 +22,7 @@ HIDDEN [[noreturn]] void eyesim_jump(struct frame *frame);
 HIDDEN [[noreturn]] void eyesim_uncaught(const char *text, const void *const *stack, std::size_t depth);
 HIDDEN bool eyesim_is_left();
 HIDDEN std::uint32_t eyesim_entropy();
+HIDDEN std::size_t eyesim_stack(const void **addresses, std::size_t room);
 }
 
 namespace {
@@ -60,14 +61,14 @@ const char *name_of(const std::type_info &type)
 
 // Return addresses of the calls in progress, the innermost first.
 struct CallStack {
-    const void *addresses[64];
-    std::size_t depth;
+    const void **addresses;
+    std::size_t depth, room;
 };
 
 _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
 {
     CallStack &to = *static_cast<CallStack *>(stack);
-    if (to.depth == sizeof to.addresses / sizeof *to.addresses)
+    if (to.depth == to.room)
         return _URC_END_OF_STACK;
     to.addresses[to.depth++] = reinterpret_cast<const void *>(_Unwind_GetIP(context));
     return _URC_NO_REASON;
@@ -77,14 +78,14 @@ _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
 [[noreturn]] void uncaught()
 {
     char text[512];
-    CallStack stack = {};
+    const void *stack[64];
     // Unwinding has met a function that throws nothing: a destructor, or one that is `noexcept`.
     if (eyesim_is_left())
         eyesim_uncaught(nullptr, nullptr, 0);
-    _Unwind_Backtrace(add_to, &stack);
+    const std::size_t depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
     const std::type_info *type = abi::__cxa_current_exception_type();
     if (type == nullptr)
-        eyesim_uncaught("std::terminate was called", stack.addresses, stack.depth);
+        eyesim_uncaught("std::terminate was called", stack, depth);
     try {
         throw;
     } catch (const std::exception &exception) {
@@ -94,10 +95,18 @@ _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
     } catch (...) {
         std::snprintf(text, sizeof text, "uncaught exception `%s`", name_of(*type));
     }
-    eyesim_uncaught(text, stack.addresses, stack.depth);
+    eyesim_uncaught(text, stack, depth);
 }
 
 } // namespace
+
+// Return addresses of the calls in progress, the innermost first; returns their number.
+extern "C" HIDDEN std::size_t eyesim_stack(const void **addresses, std::size_t room)
+{
+    CallStack stack = {addresses, 0, room};
+    _Unwind_Backtrace(add_to, &stack);
+    return stack.depth;
+}
 
 extern "C" HIDDEN void eyesim_report_uncaught()
 {

@@ -45,7 +45,7 @@ WEAK FILE *stdout;
 WEAK FILE *stderr;
 
 /* Sends the collected text. Never leaves the program, since a FILE may be in use. */
-static void send_line(struct console *console)
+static void send_line(struct eyesim_console *console)
 {
     int32_t result = 0;
     if (console->used > 0 && self.host != NULL) {
@@ -62,14 +62,17 @@ static void send_line(struct console *console)
     console->used = 0;
 }
 
-static void write_console(struct console *console, const char *bytes, size_t len)
+static void check_newest(void);
+
+static void write_console(struct eyesim_console *console, const char *bytes, size_t len)
 {
     size_t i;
-    if (console->line == NULL && (console->line = malloc(CONSOLE_LINE)) == NULL)
+    check_newest();
+    if (console->line == NULL && (console->line = malloc(EYESIM_CONSOLE_LINE)) == NULL)
         return;
     for (i = 0; i < len; i++) {
         console->line[console->used++] = bytes[i];
-        if (bytes[i] == '\n' || console->used == CONSOLE_LINE)
+        if (bytes[i] == '\n' || console->used == EYESIM_CONSOLE_LINE)
             send_line(console);
     }
 }
@@ -89,7 +92,7 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
         struct frame *frame = self.frame;
         const void *site = self.call_site.address;
         int32_t status;
-        send_line(&self.out); /* a prompt */
+        send_line(OUT); /* a prompt */
         self.call_site.address = self.reader != NULL ? self.reader : __builtin_return_address(0);
         status = self.host->support->input(self.robot, room_of(bytes, len), &count);
         self.call_site.address = site;
@@ -102,7 +105,7 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
     return count;
 }
 
-static FILE *opened(struct console *console, const char *mode)
+static FILE *opened(struct eyesim_console *console, const char *mode)
 {
     cookie_io_functions_t functions = {.read = cookie_read, .write = cookie_write};
     FILE *stream = fopencookie(console, mode, functions);
@@ -119,8 +122,8 @@ static FILE *opened(struct console *console, const char *mode)
 __attribute__((constructor(50))) static void open_console(void)
 {
     stdin = opened(NULL, "r");
-    stdout = opened(&self.out, "w");
-    stderr = opened(&self.err, "w");
+    stdout = opened(OUT, "w");
+    stderr = opened(ERR, "w");
 }
 
 __attribute__((destructor(101))) static void close_console(void)
@@ -134,9 +137,9 @@ __attribute__((destructor(101))) static void close_console(void)
     if (stderr != NULL)
         fclose(stderr);
     stdin = stdout = stderr = NULL;
-    free(self.out.line);
-    free(self.err.line);
-    self.out.line = self.err.line = NULL;
+    free(OUT->line);
+    free(ERR->line);
+    OUT->line = ERR->line = NULL;
 }
 
 static void flush_console(void)
@@ -146,8 +149,8 @@ static void flush_console(void)
         fflush_unlocked(stdout);
     if (stderr != NULL)
         fflush_unlocked(stderr);
-    send_line(&self.out);
-    send_line(&self.err);
+    send_line(OUT);
+    send_line(ERR);
 }
 
 /* Runs after output, with no FILE in use: leaves the program if the host has stopped it, and lets other tasks run. */
@@ -159,9 +162,9 @@ static int written(int result)
     return result;
 }
 
-static struct console *console_of(int descriptor)
+static struct eyesim_console *console_of(int descriptor)
 {
-    return descriptor == 1 ? &self.out : descriptor == 2 ? &self.err : NULL;
+    return descriptor == 1 ? OUT : descriptor == 2 ? ERR : NULL;
 }
 
 /* Passes the variable arguments on to a function that takes a va_list. */
@@ -360,6 +363,7 @@ LIBC(size_t, fread, (void *to, size_t size, size_t count, FILE *stream))
     return count;
 }
 static int is_overrun(void *memory, size_t *len);
+static void forget_block(const void *memory);
 extern ssize_t __getdelim(char **line, size_t *room, int end, FILE *stream);
 LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
 {
@@ -367,8 +371,10 @@ LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
     size_t unused;
     READER;
     begin_reading(stream);
-    if (line != NULL)
+    if (line != NULL) {
         (void)is_overrun(*line, &unused); /* the C library makes the block longer by itself */
+        forget_block(*line);
+    }
     len = __getdelim(line, room, end, stream);
     end_reading(stream);
     return len;
@@ -408,10 +414,12 @@ LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments))
     return scan(stdin, format, arguments);
 }
 
+extern FILE *_IO_fopen(const char *name, const char *mode); /* the C library's other name for it */
+
 /* Tells the host which file there is not: the program may go on with the null pointer. */
 LIBC(FILE *, fopen, (const char *name, const char *mode))
 {
-    FILE *stream = fopen64(name, mode);
+    FILE *stream = _IO_fopen(name, mode);
     if (stream == NULL) {
         int error = errno;
         int32_t result = 0;
@@ -420,6 +428,23 @@ LIBC(FILE *, fopen, (const char *name, const char *mode))
     }
     return stream;
 }
+
+#ifdef EYESIM_CPP
+/* The C++ library's streams open their files by it, and a program that does not ask them reads nothing. */
+LIBC(FILE *, fopen64, (const char *name, const char *mode))
+{
+    FILE *stream = _IO_fopen(name, mode);
+    if (stream == NULL) {
+        int error = errno;
+        int32_t result = 0;
+        const void *stack[16];
+        const size_t depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
+        SUPPORT(unopened_by, text_of(name), error, bytes_of(stack, depth * sizeof *stack), &result);
+        errno = error;
+    }
+    return stream;
+}
+#endif
 
 static ssize_t read_input(void *bytes, size_t len)
 {
@@ -436,7 +461,7 @@ extern int __close(int descriptor);
 
 LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 {
-    struct console *console = console_of(descriptor);
+    struct eyesim_console *console = console_of(descriptor);
     if (console == NULL)
         return __write(descriptor, bytes, len);
     write_console(console, bytes, len);
@@ -445,7 +470,7 @@ LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
 }
 LIBC(ssize_t, writev, (int descriptor, const struct iovec *parts, int count))
 {
-    struct console *console = console_of(descriptor);
+    struct eyesim_console *console = console_of(descriptor);
     ssize_t len = 0;
     int i;
     for (i = 0; i < count; i++) {
@@ -737,8 +762,66 @@ struct guard {
 
 static char *end_of_block(void *memory) { return (char *)memory + malloc_usable_size(memory) - sizeof(struct guard); }
 
-/* Sets the guard of a block of `len` bytes for the program; passes the block on. */
-static void *guarded(void *memory, size_t len)
+/* The word that the C library keeps in front of a block, its size and three bits, can be none: sizes are multiples of 16 from 32 on, and
+   those of 4 GiB and more whole pages with a bit for them. */
+static int is_lost(const void *memory)
+{
+    size_t size;
+    if (memory == NULL)
+        return 0;
+    memcpy(&size, (const char *)memory - sizeof size, sizeof size);
+    return size < 32 || (size & 8) != 0 || (size >> 32 != 0 && (size & 0xfff) != 2);
+}
+
+/* The block that the program has got last. What it writes far beyond the end of this one, the C library finds first, and ends the
+ * program with words of its own: it is looked at before. */
+static struct {
+    void *memory; /* NULL for none */
+    const char *end;
+    size_t len;
+    const void *caller;
+} newest;
+
+/* Blocks from this length on may be mapped alone, and vanish while they are looked at. */
+#define LONG_BLOCK ((size_t)64 << 10)
+
+/* Tells, at the line that has got it, that the newest block was written beyond its guard; breaks the program if the C library's word
+ * behind the block is lost, too. Never leaves the program, since a FILE may be in use. */
+static void check_newest(void)
+{
+    char text[128];
+    struct guard guard;
+    int32_t result;
+    const char *const next = newest.end + sizeof guard + sizeof(size_t);
+    struct frame *const frame = self.frame;
+    const void *const site = self.call_site.address;
+    if (newest.memory == NULL || !may_call() || self.is_leaving)
+        return;
+    memcpy(&guard, newest.end, sizeof guard);
+    if (guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len)
+        return;
+    if (is_lost(newest.memory))
+        return; /* written over from below: a block before it was too short */
+    newest.memory = NULL;
+    snprintf(text, sizeof text, "the program has written far beyond the end of the %zu bytes that `malloc` gives", newest.len);
+    self.call_site.address = newest.caller;
+    if (is_lost(next)) {
+        self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
+        eyesim_trap_heap_lost();
+    }
+    self.host->support->noticed(self.robot, text_of(text), &result);
+    self.call_site.address = site;
+    self.frame = frame;
+}
+
+static void forget_block(const void *memory)
+{
+    if (memory == newest.memory)
+        newest.memory = NULL;
+}
+
+/* Sets the guard of a block of `len` bytes, which the program gets for a call that returns to `caller`; passes the block on. */
+static void *guarded(void *memory, size_t len, const void *caller)
 {
     struct guard guard = {len, MARK_OF_BLOCK(memory)};
     char *end;
@@ -746,6 +829,12 @@ static void *guarded(void *memory, size_t len)
         end = end_of_block(memory);
         memset((char *)memory + len, GUARD_BYTE, (size_t)(end - (char *)memory) - len);
         memcpy(end, &guard, sizeof guard);
+        if (len < LONG_BLOCK && may_call()) {
+            newest.memory = memory;
+            newest.end = end;
+            newest.len = len;
+            newest.caller = caller;
+        }
     }
     return memory;
 }
@@ -770,17 +859,6 @@ static int is_overrun(void *memory, size_t *len)
     return 0;
 }
 
-/* The word that the C library keeps in front of a block, its size and three bits, can be none: sizes are multiples of 16 from 32 on, and
-   those of 4 GiB and more whole pages with a bit for them. */
-static int is_lost(void *memory)
-{
-    size_t size;
-    if (memory == NULL)
-        return 0;
-    memcpy(&size, (char *)memory - sizeof size, sizeof size);
-    return size < 32 || (size & 8) != 0 || (size >> 32 != 0 && (size & 0xfff) != 2);
-}
-
 #define TELL_OVERRUN(memory)                                                                                            \
     do {                                                                                                                \
         char text_[96];                                                                                                 \
@@ -799,23 +877,27 @@ static int has_room_for_guard(size_t len) { return len <= PTRDIFF_MAX - GUARD_LE
 
 LIBC(void *, malloc, (size_t len))
 {
-    return has_room_for_guard(len) ? guarded(__libc_malloc(len + GUARD_LEN), len) : __libc_malloc(len);
+    check_newest();
+    return has_room_for_guard(len) ? guarded(__libc_malloc(len + GUARD_LEN), len, __builtin_return_address(0)) : __libc_malloc(len);
 }
 LIBC(void *, calloc, (size_t count, size_t len))
 {
     size_t whole;
     if (__builtin_mul_overflow(count, len, &whole) || !has_room_for_guard(whole))
         return __libc_calloc(count, len);
-    return guarded(__libc_calloc(1, whole + GUARD_LEN), whole);
+    check_newest();
+    return guarded(__libc_calloc(1, whole + GUARD_LEN), whole, __builtin_return_address(0));
 }
 LIBC(void *, realloc, (void *memory, size_t len))
 {
     void *moved;
+    check_newest();
     TELL_OVERRUN(memory);
+    forget_block(memory);
     if (len == 0 || !has_room_for_guard(len))
         return __libc_realloc(memory, len);
     moved = __libc_realloc(memory, len + GUARD_LEN);
-    return guarded(moved, len);
+    return guarded(moved, len, __builtin_return_address(0));
 }
 LIBC(void *, reallocarray, (void *memory, size_t count, size_t len))
 {
@@ -829,7 +911,9 @@ LIBC(void *, reallocarray, (void *memory, size_t count, size_t len))
 }
 LIBC(void, free, (void *memory))
 {
+    check_newest();
     TELL_OVERRUN(memory);
+    forget_block(memory);
     __libc_free(memory);
 }
 

@@ -28,7 +28,6 @@
 
 #define WEAK __attribute__((weak))
 #define HIDDEN __attribute__((visibility("hidden")))
-#define CONSOLE_LINE 1024
 #define MOST_IGNORED_CALLS 10000
 
 /* Marks a function as the outermost frame: unwinding, also in search of exception handlers, stops there. */
@@ -69,13 +68,6 @@ struct at_end {
     void *data;
 };
 
-/* A console stream: the text since the last end of a line. */
-struct console {
-    int32_t number;
-    size_t used;
-    char *line; /* of CONSOLE_LINE bytes, NULL before the first text */
-};
-
 static struct {
     const struct eyesim_host *host; /* NULL while the program does not run */
     void *robot;
@@ -86,10 +78,13 @@ static struct {
     int exit_code;
     int ignored_calls; /* of destructors of a program that is being left */
     int stop_pending; /* the host has stopped the program while it could not be left */
-    struct console out, err;
+    struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
     const void *reader; /* where the program has called the function that reads standard input */
     struct eyesim_call_site call_site;
-} self = {.out = {.number = 1}, .err = {.number = 2}};
+} self = {.consoles = {{.number = 1}, {.number = 2}}};
+
+#define OUT (&self.consoles[0])
+#define ERR (&self.consoles[1])
 
 /* The calling thread. A flow (the program's main, or a task) stays on one thread, which it may share with others. */
 static inline const void *this_thread(void)
@@ -123,6 +118,7 @@ static inline int may_call(void)
     }
 TRAP(eyesim_trap_stack_smashed)
 TRAP(eyesim_trap_off_task)
+TRAP(eyesim_trap_heap_lost)
 
 /* Stops here if the frame that is the target of the way out has been overwritten. */
 static inline void check_frame(void)
@@ -134,6 +130,9 @@ static inline void check_frame(void)
 #ifdef EYESIM_CPP
 /* In cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns if it cannot. */
 HIDDEN void eyesim_unwind(struct frame *frame);
+
+/* In cpp.cpp: stores the return addresses of the calls in progress, the innermost first; returns their number. */
+HIDDEN size_t eyesim_stack(const void **addresses, size_t room);
 
 /* In cpp.cpp: reports exceptions that the program does not catch, those of constructors included. */
 HIDDEN void eyesim_report_uncaught(void);
@@ -468,4 +467,5 @@ __attribute__((visibility("default"))) const struct eyesim_program eyesim_progra
 #endif
     .run = run,
     .call_site = &self.call_site,
+    .consoles = self.consoles,
 };

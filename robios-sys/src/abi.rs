@@ -143,6 +143,22 @@ impl CallSite {
     pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
 }
 
+/// Text that a program has printed to a stream since the last end of a line, which its shim has not passed on yet. The host reads it if the
+/// program breaks.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Console {
+    /// One of [`stream`](crate::support::stream).
+    pub stream: i32,
+    /// Length of the text in bytes, at most [`CONSOLE_LINE`].
+    pub used: usize,
+    /// The text; null before the first one.
+    pub line: *const u8,
+}
+
+/// Longest text of a [`Console`], in bytes; longer lines are passed on in pieces.
+pub const CONSOLE_LINE: usize = 1024;
+
 /// Description of a program, exported by its library as [`PROGRAM_SYMBOL`]. Fields are only appended.
 #[repr(C)]
 pub struct Program {
@@ -165,9 +181,12 @@ pub struct Program {
     /// Call site of the program in this copy of the library; null if its shim does not record it. Read only while the program
     /// is suspended in a call.
     pub call_site: *const CallSite,
+    /// Console streams of the program in this copy of the library, standard output and standard error; null if its shim collects no text.
+    /// Read by [`Program::consoles`].
+    consoles: *const [Console; 2],
 }
 
-// SAFETY: `call_site` leads to a variable of the image in which this constant lies; it is read only as its doc says.
+// SAFETY: the pointers lead to variables of the image in which this constant lies; they are read only as their docs say.
 unsafe impl Sync for Program {}
 // SAFETY: as above.
 unsafe impl Send for Program {}
@@ -194,7 +213,13 @@ impl Program {
             robios_size: table as u32,
             run,
             call_site,
+            consoles: std::ptr::null(),
         }
+    }
+
+    /// Address of the program's console streams, two values of [`Console`]; 0 if it has none. The program may have overwritten them.
+    pub fn consoles(&self) -> usize {
+        if self.size as usize >= size_of::<Self>() { self.consoles.addr() } else { 0 }
     }
 
     /// Checks that a host built with this crate can run the program.

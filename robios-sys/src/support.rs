@@ -143,5 +143,12 @@ crate::table::function_table! {
 
         /// Tells the user of a mistake in the program that it survives, once for each place. No time passes. Returns 0.
         fn noticed(text: Text) -> i32 = 0;
+
+        /// As `unopened`, for a file of which the program learns nothing by itself, such as that of a `std::ifstream`: the user is told at
+        /// once. `stack` is as for `failed`. No time passes. Returns 0.
+        fn unopened_by(name: Text, error: i32, stack: Bytes) -> i32 = 0;
+
+        /// As `console`, for the text since the last end of a line of a program that breaks. No time passes. Returns 0.
+        fn unfinished(stream: i32, bytes: Bytes) -> i32 = 0;
     }
 }

@@ -167,6 +167,32 @@ fn a_program_that_prints_without_end_comes_to_the_end_of_its_run() {
 }
 
 #[test]
+fn an_unfinished_line_is_shown_before_the_break_of_its_own_robot() {
+    let source = "#include \"eyebot.h\"\n#include <stdio.h>\nint main(void) {\n  int id = OSMachineID(), *none = NULL;\n  printf(\"robot %d\", id);\n\
+                  \x20 fprintf(stderr, \"error %d\", id);\n  OSWait(100);\n  if (id == 2)\n    return *none;\n  OSWait(1000);\n  printf(\" ends\\n\");\n\
+                  \x20 return 0;\n}\n";
+    let digests = ["fiber", "thread"].map(|exec| {
+        let scratch = Scratch::new();
+        scratch.write("part.c", source);
+        write_scene(&scratch, &["part.c", "part.c", "part.c"]);
+        let ran = scratch.eyesim(&["run", "scene.sim", "--exec", exec]);
+        let shown: Vec<&str> = ran.stdout.lines().filter(|line| line.starts_with('[')).collect();
+        assert_eq!(shown, ["[r2 1.000 s] robot 2"], "{exec}: {ran:#?}");
+        assert!(ran.stderr.contains("[r2 1.000 s] error 2\n"), "{exec}: {ran:#?}");
+        ran.stdout.lines().find(|line| line.starts_with("digest")).map(str::to_owned)
+    });
+    assert_eq!(digests[0], digests[1]);
+    let alone = ["fiber", "process"].map(|exec| {
+        let report = run_alone(
+            "#include <stdio.h>\nint main(void) { printf(\"part\"); for (;;); }\n",
+            &["--exec", exec, "--timeout", "0.3"],
+        );
+        report["digest"].clone()
+    });
+    assert_eq!(alone[0], alone[1]);
+}
+
+#[test]
 fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
     let source = |bytes: usize| {
         format!(
@@ -175,6 +201,9 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
              \x20 return 0;\n}}\n"
         )
     };
+    // What lies behind the newest block is the C library's own, which it looks at when the program asks for more.
+    let newest = "#include \"eyebot.h\"\nint main(void) {\n  volatile int *a = malloc(16), n = 400;\n  for (int i = 0; i < n; i++)\n    a[i] = i;\n\
+                  \x20 char *b = malloc(100);\n  LCDPrintf(\"%d %d\\n\", a[0], b != 0);\n  return 0;\n}\n";
     for exec in ["auto", "thread", "process"] {
         let robot = |bytes: usize| run_alone(&source(bytes), &["--exec", exec])["robots"][0].clone();
         let inside = robot(10);
@@ -184,6 +213,10 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
         assert_eq!(small["outcome"], "finished", "{exec}: {small:#}");
         let hint = small["hints"].to_string();
         assert!(hint.contains("beyond the end of these 10 bytes") && hint.contains("alone.c:7"), "{exec}: {hint}");
+        let far = run_alone(newest, &["--exec", exec])["robots"][0].clone();
+        let reason = far["reason"].as_str().expect("a reason");
+        let told = "far beyond the end of the 16 bytes that `malloc` gives at alone.c:3";
+        assert!(far["outcome"] == "failed" && reason.contains(told), "{exec}: {reason}");
         let large = robot(400);
         assert_eq!(large["outcome"], "failed", "{exec}: {large:#}");
         let reason = large["reason"].as_str().expect("a reason");

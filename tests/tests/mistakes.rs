@@ -50,6 +50,194 @@ const CASES: &[Case] = &[
     ),
     case("a semicolon or colon missing", "mine.py", "from eye import *\nwhile True\n    OSWait(100)\n"),
     case("a semicolon or colon missing", "mine", "let near = 0.3.metres()\n    let far = near;"),
+    case(
+        "a `}` missing",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  while (PSDGet(1) > 200) {\n    OSWait(10);\n  return 0;\n}\n",
+    ),
+    case(
+        "a `}` missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  while (PSDGet(1) > 200) {\n    OSWait(10);\n  return 0;\n}\n",
+    ),
+    case(
+        "a `}` too many",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) < 200)\n    VWSetSpeed(0, 0);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a `}` too many",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) < 200)\n    VWSetSpeed(0, 0);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a parenthesis missing",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) < 200 {\n    VWSetSpeed(0, 0);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a parenthesis missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) < 200 {\n    VWSetSpeed(0, 0);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a condition without parentheses",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  while PSDGet(1) > 200 {\n    OSWait(10);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a condition without parentheses",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  while PSDGet(1) > 200 {\n    OSWait(10);\n  }\n  return 0;\n}\n",
+    ),
+    case(
+        "a comma missing",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100 100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a comma missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100 100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a quote missing",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(\"hello\\n);\n  return 0;\n}\n",
+    ),
+    case(
+        "a quote missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(\"hello\\n);\n  return 0;\n}\n",
+    ),
+    case("a value missing", "mine.c", "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100);\n  return 0;\n}\n"),
+    case(
+        "a value missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a variable not declared",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  speed = 300;\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case(
+        "a variable not declared",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  speed = 300;\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case(
+        "a value of a wrong type",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int speed = \"fast\";\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case(
+        "a value of a wrong type",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int speed = \"fast\";\n  return VWSetSpeed(speed, 0);\n}\n",
+    ),
+    case(
+        "an array set by `=`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  char name[10];\n  name = \"S4\";\n  LCDPrintf(\"%s\", name);\n  return 0;\n}\n",
+    ),
+    case(
+        "an array set by `=`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  char name[10];\n  name = \"S4\";\n  LCDPrintf(\"%s\", name);\n  return 0;\n}\n",
+    ),
+    case(
+        "`=` where `==` is meant",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key = KEY1)\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`=` where `==` is meant",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key = KEY1)\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "the sides of `=` exchanged",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int way;\n  100 = way;\n  return VWStraight(way, 100);\n}\n",
+    ),
+    case(
+        "the sides of `=` exchanged",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int way;\n  100 = way;\n  return VWStraight(way, 100);\n}\n",
+    ),
+    case(
+        "square brackets around a sensor",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet[1];\n}\n",
+    ),
+    case(
+        "square brackets around a sensor",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet[1];\n}\n",
+    ),
+    case(
+        "a function used before it is known",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  home();\n  return 0;\n}\nvoid home(void)\n{\n  VWStraight(100, 100);\n}\n",
+    ),
+    case(
+        "a function used before it is known",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  home();\n  return 0;\n}\nvoid home(void)\n{\n  VWStraight(100, 100);\n}\n",
+    ),
+    case(
+        "a function written twice",
+        "mine.c",
+        "#include \"eyebot.h\"\nint home(void) { return 1; }\nint home(void) { return 2; }\nint main(void)\n{\n  return home();\n}\n",
+    ),
+    case(
+        "a function written twice",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint home(void) { return 1; }\nint home(void) { return 2; }\nint main(void)\n{\n  return home();\n}\n",
+    ),
+    case(
+        "a function within a function",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  void home()\n  {\n    VWStraight(100, 100);\n\n  home();\n  return 0;\n}\n",
+    ),
+    case(
+        "a function within a function",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  void home()\n  {\n    VWStraight(100, 100);\n\n  home();\n  return 0;\n}\n",
+    ),
+    case(
+        "a `;` behind the name of a function",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void);\n{\n  return 0;\n}\n",
+    ),
+    case(
+        "a `;` behind the name of a function",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void);\n{\n  return 0;\n}\n",
+    ),
+    case(
+        "`elseif`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key == KEY1) VWSetSpeed(0, 0);\n  elseif (key == KEY2) VWSetSpeed(100, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`elseif`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key == KEY1) VWSetSpeed(0, 0);\n  elseif (key == KEY2) VWSetSpeed(100, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "a word with a capital",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  If (KEYRead()) OSWait(1);\n  return 0;\n}\n",
+    ),
+    case(
+        "a word with a capital",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  If (KEYRead()) OSWait(1);\n  return 0;\n}\n",
+    ),
+    case("no `main`", "mine.c", "#include \"eyebot.h\"\nint drive(void)\n{\n  return VWStraight(100, 100);\n}\n"),
+    case("no `main`", "mine.cpp", "#include \"eyebot.h\"\nint drive(void)\n{\n  return VWStraight(100, 100);\n}\n"),
     case("a loop without an end", "mine.c", "int main(void)\n{\n  while (1)\n    ;\n}\n"),
     case("a loop without an end", "mine.cpp", "int main()\n{\n  while (true)\n    ;\n}\n"),
     case("a loop without an end", "mine.py", "while True:\n    pass\n"),
@@ -156,6 +344,11 @@ const CASES: &[Case] = &[
     case("a file that is not there", "mine.py", "print(open(\"map.txt\").read())\n"),
     case("a file that is not there", "mine", "println!(\"{}\", std::fs::read_to_string(\"map.txt\").unwrap());"),
     case(
+        "a file of a program that goes on",
+        "mine.cpp",
+        "#include <fstream>\n#include <iostream>\n#include <string>\nint main()\n{\n  std::string line;\n  std::ifstream map(\"map.txt\");\n  while (std::getline(map, line))\n    std::cout << line << '\\n';\n}\n",
+    ),
+    case(
         "a sensor that the robot has not",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(\"%d\\n\", PSDGet(9));\n  return 0;\n}\n",
@@ -209,6 +402,36 @@ const CASES: &[Case] = &[
     ),
     case("0.3 cut to 0", "mine.cpp", "#include \"eyebot.h\"\nint main()\n{\n  VWStraight(1000, 0.3);\n}\n"),
     case("0.3 cut to 0", "mine.py", "from eye import *\nVWStraight(1000, 0.3)\n"),
+    case("half a second", "mine.c", "#include \"eyebot.h\"\nint main(void)\n{\n  OSWait(0.5);\n  return 0;\n}\n"),
+    case("half a second", "mine.cpp", "#include \"eyebot.h\"\nint main()\n{\n  OSWait(0.5);\n}\n"),
+    case("half a second", "mine.py", "from eye import *\nOSWait(0.5)\n"),
+    case(
+        "a drive of no length",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(1000 * (1 / 2), 300);\n  return VWWait();\n}\n",
+    ),
+    case(
+        "a drive of no length",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  VWStraight(1000 * (1 / 2), 300);\n  VWWait();\n}\n",
+    ),
+    case("a drive of no length", "mine.py", "from eye import *\nVWStraight(1000 * (1 // 2), 300)\nVWWait()\n"),
+    case(
+        "a drive of no length with RoBIOS 6",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWDriveStraight(vw, 1 / 2, 0.3);\n  return VWDriveWait(vw);\n}\n",
+    ),
+    case(
+        "a speed that is no number",
+        "mine.c",
+        "#include <math.h>\n#include \"eyebot.h\"\nint main(void)\n{\n  double left = LCDClear() - 1;\n  VWSetSpeed(100 * sqrt(left), 0);\n  OSWait(100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a speed that is no number",
+        "mine.cpp",
+        "#include <cmath>\n#include \"eyebot.h\"\nint main()\n{\n  double left = LCDClear() - 1;\n  VWSetSpeed(100 * std::sqrt(left), 0);\n  OSWait(100);\n}\n",
+    ),
+    case("a speed that is no number", "mine.py", "from eye import *\nVWSetSpeed(float(\"nan\"), 0)\n"),
     case(
         "functions of both generations",
         "mine.c",
@@ -271,6 +494,17 @@ const CASES: &[Case] = &[
         "#include <stdio.h>\nint main(void)\n{\n  printf(\"shown\");\n  return 0;\n}\n",
     ),
     case("text without an end of line", "mine.py", "print(\"shown\", end=\"\")\n"),
+    case(
+        "text without an end of line before a break",
+        "mine.c",
+        "#include <stdio.h>\nint main(void)\n{\n  int *place = NULL;\n  printf(\"at the start\");\n  printf(\", in %d\", *place);\n  return 0;\n}\n",
+    ),
+    case(
+        "text without an end of line before a break",
+        "mine.cpp",
+        "#include <iostream>\nint main()\n{\n  int *place = nullptr;\n  std::cout << \"at the start\";\n  std::cout << *place;\n}\n",
+    ),
+    case("text without an end of line before a break", "mine.py", "print(\"at the start\", end=\"\")\nprint(1 // 0)\n"),
 ];
 
 /// Name and version of a tool, without the last number: `gcc 12`, `Python 3.11`.
@@ -316,7 +550,8 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let printed = String::from_utf8_lossy(&output.stdout).replace(&folder, "FOLDER");
     // Not the note on the generation, the table's head and robot, and what a traceback has above its last line.
     let is_message = |line: &&str| {
-        let note = line.contains(": RoBIOS-7 (") || line.contains(", as the sim file is; ");
+        let note = [": RoBIOS-7 (", ": RoBIOS 6 ("].iter().any(|note| line.contains(note))
+            || line.contains(", as the sim file is; ");
         let table = line.trim().is_empty() || line.starts_with("robot ") || line.starts_with("r1 S4");
         let traceback = line.contains("s] Traceback")
             || line.contains(" s]     ")
@@ -336,7 +571,11 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
         let words = ["error: ", "error[", "did you mean", "--> "];
         words.iter().any(|word| line.contains(word)) && !line.starts_with("collect2")
     };
-    let more = if ["not compile", "not link", "not build"].iter().any(|word| first.contains(word)) {
+    let place =
+        lines.iter().find(|line| line.trim_start().starts_with("--> ")).filter(|_| first.starts_with("warning: "));
+    let more = if let Some(place) = place {
+        vec![*place]
+    } else if ["not compile", "not link", "not build"].iter().any(|word| first.contains(word)) {
         lines[1..].iter().filter(is_error).take(if case.program == "mine" { 2 } else { 1 }).copied().collect()
     } else {
         Vec::new()

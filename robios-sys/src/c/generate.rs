@@ -234,12 +234,13 @@ fn abi_header(support: &[&Function], robios6: &[&Function], robios7: &[&Function
          #ifndef EYESIM_ABI_H\n#define EYESIM_ABI_H\n\n#include <stddef.h>\n#include <stdint.h>\n\n\
          #define EYESIM_ABI_VERSION {}\n#define EYESIM_STOP 1\n#define EYESIM_EXIT_STOPPED INT32_MIN\n\
          #define EYESIM_EXIT_ABORTED {}\n#define EYESIM_LANGUAGE_C {}\n#define EYESIM_LANGUAGE_CPP {}\n\
-         #define EYESIM_FLAG_VOID_MAIN {}\n#define EYESIM_CONSTRUCTORS {:#x}\n#define EYESIM_CONSTRUCTORS_SIZE {:#x}\n\n",
+         #define EYESIM_FLAG_VOID_MAIN {}\n#define EYESIM_CONSOLE_LINE {}\n#define EYESIM_CONSTRUCTORS {:#x}\n#define EYESIM_CONSTRUCTORS_SIZE {:#x}\n\n",
         abi::ABI_VERSION,
         abi::EXIT_ABORTED,
         abi::language::C,
         abi::language::CPP,
         abi::flag::VOID_MAIN,
+        abi::CONSOLE_LINE,
         abi::CONSTRUCTOR_TAGS[0],
         abi::CONSTRUCTOR_TAGS[1],
     );
@@ -254,10 +255,12 @@ fn abi_header(support: &[&Function], robios6: &[&Function], robios7: &[&Function
              /* Where the program called the function that it is in: an address in its code, or file and line. */\n\
              struct eyesim_call_site {\n    const void *address;\n    const char *file;\n    size_t file_len;\n    \
              uint32_t line;\n};\n\n\
+             /* A console stream: the text since the last end of a line. */\n\
+             struct eyesim_console {\n    int32_t number;\n    size_t used;\n    char *line;\n};\n\n\
              struct eyesim_program {\n    uint32_t size;\n    uint32_t abi;\n    uint32_t generation;\n    \
              uint32_t flags;\n    uint32_t language;\n    uint32_t support_size;\n    uint32_t robios_size;\n    \
              int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);\n    \
-             const struct eyesim_call_site *call_site;\n};\n\n#endif\n";
+             const struct eyesim_call_site *call_site;\n    const struct eyesim_console *consoles;\n};\n\n#endif\n";
     text
 }
 

@@ -67,6 +67,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("tcgetattr", "settings that are all 0"),
     ("tcsetattr", "succeeds without effect: nothing is a terminal"),
     ("fopen", OPENS),
+    ("fopen64", OPENS_STREAM),
     ("fgetc", READS_ANY),
     ("getc", READS_ANY),
     ("_IO_getc", READS_ANY),
@@ -282,6 +283,8 @@ const READS: &str = "reads the robot's standard input, `--stdin`";
 const READS_ANY: &str = "as ever; of standard input the robot's own";
 const OPENS: &str =
     "opens the file; the name of one that cannot be opened is in the message if the program then breaks";
+const OPENS_STREAM: &str =
+    "opens the file; in C++, whose streams call it, the user is told at once of one that cannot be opened";
 const JUMPS: &str = "jumps, but not out of a timer's function: that ends the robot's program as failed";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
@@ -414,7 +417,8 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
     let is_harmless = |what: &str| {
-        [PRINTS_ANY, OPENS, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what)
+        [PRINTS_ANY, OPENS, OPENS_STREAM, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED]
+            .contains(&what)
     };
     let is_everywhere =
         ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);

@@ -38,9 +38,10 @@ All this is for Linux with glibc and for the compilers gcc and clang.
   time. Local time is UTC everywhere. Asking for the time costs virtual time (at least 1 us), so that a loop that waits
   for a time ends.
 - **Memory** of `malloc`, `calloc` and `realloc` has 32 bytes or more behind its end that the program does not own: what is written there harms
-  nothing, and is told with the line at which the block is given back to `free` or `realloc`.
+  nothing, and is told with the line at which the block is given back to `free` or `realloc`. A program that writes beyond them, too, behind the
+  block that it has got last, is ended as failed at its next output or call for memory, with the line that has got the block.
 - **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; an incomplete
-  last line is shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
+  last line is shown at the end, also when the program breaks. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
   everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
 - **Input** is the text of `--stdin`, of which each robot has a copy, a line at a time; without it, input is at its end. Text printed
   without an end of line, such as a question, is shown before a read.

@@ -58,6 +58,11 @@ pub(super) fn lose_flow() {
     LOST.fetch_add(1, Ordering::AcqRel);
 }
 
+/// Marks the heap as lost: a program in this process has said that it wrote over what the heap keeps between its blocks.
+pub(super) fn lose_heap() {
+    IS_HEAP_LOST.store(true, Ordering::Release);
+}
+
 /// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened within it.
 pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
     /// Stack depth in words between the heap's functions and the signal with which they abort the program.

@@ -20,6 +20,8 @@ pub struct Broken {
     pub place: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
+    /// What the program has printed since the last end of a line, with its [`stream`](robios_sys::support::stream).
+    pub unfinished: Vec<(i32, String)>,
 }
 
 /// Depth of the search for return addresses from the stack pointer, in words.
@@ -36,6 +38,13 @@ pub(super) const STACK_OVERFLOW: &str = "stack overflow";
 
 /// Addresses below this one are those of members of what a null pointer leads to: nothing is ever mapped there.
 const NULL_PAGE: usize = 4096;
+
+/// Description of a break at an instruction that the compiler puts where it sees that the program cannot go on.
+pub(super) const ILLEGAL: &str =
+    "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)";
+
+/// As [`ILLEGAL`], at a line that can only have divided.
+pub(super) const ILLEGAL_DIVISION: &str = "division by zero, which the compiler has seen (illegal instruction)";
 
 /// Usual causes of a fault at another address.
 const WILD: &str = "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
@@ -76,10 +85,7 @@ impl Broken {
             libc::SIGSEGV => format!("segmentation fault at address {:#x} ({WILD})", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
             libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(fault.code)),
-            libc::SIGILL => {
-                "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)"
-                    .into()
-            }
+            libc::SIGILL => ILLEGAL.into(),
             libc::SIGABRT => {
                 "aborted by the C library (in C mostly memory written beyond its end, or freed twice)".into()
             }
@@ -95,7 +101,14 @@ impl Broken {
             task: None,
             place: String::new(),
             addresses,
+            unfinished: Vec::new(),
         }
+    }
+
+    /// Adds what the program has printed since the last end of a line.
+    #[must_use]
+    pub(super) fn with_unfinished(self, unfinished: Vec<(i32, String)>) -> Self {
+        Self { unfinished, ..self }
     }
 
     /// Adds what the program itself said of its end before it broke.
@@ -123,6 +136,7 @@ impl Broken {
             task: None,
             place: String::new(),
             addresses: Vec::new(),
+            unfinished: Vec::new(),
         }
     }
 

@@ -10,6 +10,7 @@ use super::embedded::EmbeddedRobot;
 use super::fault::Broken;
 use super::process::Child;
 use super::process::serve::RemoteProgram;
+use super::signal::FlowBlock;
 use crate::program::embedded::EmbeddedCode;
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
@@ -66,10 +67,18 @@ impl RobotProgram {
         match self {
             Self::InHost { program, .. } => {
                 confine_thread();
+                self.collect_lines();
                 Ok(program.run(host))
             }
             Self::Process(program) => program.run(host),
             Self::Embedded(program) => program.run(host),
+        }
+    }
+
+    /// Lets the calling flow find what the program has printed without an end of a line, if the program breaks on it.
+    pub fn collect_lines(&self) {
+        if let Self::InHost { program, .. } = self {
+            FlowBlock::current().set_consoles(program.consoles());
         }
     }
 
@@ -118,6 +127,15 @@ impl RobotProgram {
         }
     }
 
+    /// The text of a line of the program's own sources; `None` if it cannot be read.
+    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        match self {
+            Self::InHost { program, .. } => program.text_of(line),
+            Self::Process(program) => program.text_of(line),
+            Self::Embedded(_) => None,
+        }
+    }
+
     /// Name of the function in the program's library at a program counter, if the debug information contains it.
     pub fn function_at(&self, address: usize) -> Option<String> {
         let line = match self {
@@ -142,7 +160,7 @@ impl RobotProgram {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
             (Self::Process(program), Site::Told(site)) => program.place_of(site),
-            (Self::Embedded(_), Site::Told(site)) => site.line(),
+            (Self::InHost { .. } | Self::Embedded(_), Site::Told(site)) => site.line(),
             _ => None,
         }
     }

@@ -4,7 +4,7 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::End;
-use super::fault::{Broken, NULL_POINTER, STACK_OVERFLOW};
+use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW};
 use super::process::ComputingPlace;
 use super::program::RobotProgram;
 use crate::robios::call::Call;
@@ -256,14 +256,32 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
 }
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
-    let location = if broken.place.is_empty() {
+    let location = if has_lost_heap(broken, program) {
+        // The reason tells where the block comes from; the overrun itself lies anywhere between.
+        String::new()
+    } else if broken.place.is_empty() {
         line_of(&broken.addresses, program).unwrap_or_default()
     } else {
         broken.place.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    let what = reason_of_trap(broken, program).map_or_else(|| broken.what.clone(), str::to_owned);
+    let what = match reason_of_trap(broken, program) {
+        Some(reason) => reason,
+        None if broken.what == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
+        None => &broken.what,
+    };
+    let what = what.to_owned();
     FaultReport { what, location, last_call }
+}
+
+/// Returns true if the line at which the program broke divides, and uses no pointer.
+fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
+    let line = program.own_source_line(&without_stale(&broken.addresses, program));
+    let text = line.and_then(|line| program.text_of(&line)).unwrap_or_default();
+    let code = text.split("//").next().unwrap_or_default();
+    // What stands between quotes is no code.
+    let code: String = code.split('"').step_by(2).collect();
+    code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
 /// What the user may do about a break, appended to its report.
@@ -311,6 +329,13 @@ fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let call = thread.call_site().address.addr();
     let in_progress = words.iter().position(|word| *word == call && call != 0).unwrap_or(0);
     std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
+}
+
+/// Returns true if the program broke because it has written over what the heap keeps between its blocks, as its shim has found (`TRAP` in
+/// shim.c).
+pub(super) fn has_lost_heap(broken: &Broken, program: &RobotProgram) -> bool {
+    let function = || program.function_at(*broken.addresses.first()?);
+    function().as_deref() == Some("eyesim_trap_heap_lost")
 }
 
 /// The reason for a trap of the shim, by the name of the function in which the program broke (`TRAP` in shim.c).

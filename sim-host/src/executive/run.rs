@@ -460,6 +460,7 @@ impl Run {
             let tasks = &self.robot(id).tasks;
             self.is_exiting(id) || tasks.is_exiting() || tasks.is_killed()
         };
+        self.program(id).into_iter().for_each(RobotProgram::collect_lines);
         let result = if is_left { Err(Stop) } else { flow::call_back(code) };
         let mut robot = self.robot(id);
         robot.has_called |= flow::has_called();

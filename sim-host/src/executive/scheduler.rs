@@ -24,6 +24,7 @@ use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
 use crate::record::{HintPlaces, Sinks};
+use crate::robios::console::print_lines;
 use crate::robios::cost::Costs;
 use crate::robios::forbidden::Forbidden;
 use crate::robios::panel::Panel;
@@ -402,9 +403,13 @@ impl Scheduler {
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
+            if run.program(id).is_some_and(|program| program_status::has_lost_heap(&broken, program)) {
+                damage::lose_heap();
+            }
             let broken = {
                 let mut robot = run.robot(id);
                 let broken = broken.with_reason(robot.ending.as_ref());
+                broken.unfinished.iter().for_each(|(stream, line)| print_lines(&mut robot, *stream, line));
                 robot.ending.get_or_insert(broken.ending());
                 broken
             };

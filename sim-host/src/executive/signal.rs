@@ -17,6 +17,7 @@ use std::sync::atomic::{
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
+use robios_sys::{CONSOLE_LINE, Console};
 
 use super::interrupt;
 use super::notifier::Notifier;
@@ -49,6 +50,10 @@ pub struct FlowBlock {
     fault_address: AtomicUsize,
     fault_pc: AtomicUsize,
     fault_sp: AtomicUsize,
+    /// Address of the program's console streams; 0 if it has none.
+    consoles: AtomicUsize,
+    /// For each of them the length and address of the text that it held at the fault.
+    unfinished: [[AtomicUsize; 2]; 2],
     faulted: AtomicBool,
     on_fault: OnFault,
     /// Address of the alternate stack of this block's threads, 0 before the first.
@@ -56,6 +61,9 @@ pub struct FlowBlock {
     /// [`MARK`] combined with the block's address, once a thread has the block: tells the block from other memory.
     mark: AtomicUsize,
 }
+
+/// Size of the two console streams of a program, in words.
+const WORDS_OF_CONSOLES: usize = 2 * size_of::<Console>() / size_of::<usize>();
 
 /// See [`FlowBlock::is_at`].
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
@@ -153,6 +161,8 @@ impl FlowBlock {
             fault_address: AtomicUsize::new(0),
             fault_pc: AtomicUsize::new(0),
             fault_sp: AtomicUsize::new(0),
+            consoles: AtomicUsize::new(0),
+            unfinished: Default::default(),
             faulted: AtomicBool::new(false),
             on_fault,
             alternate_stack: AtomicUsize::new(0),
@@ -250,6 +260,36 @@ impl FlowBlock {
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
+        self.store_unfinished();
+    }
+
+    /// Sets where the program of this flow collects what it prints, see [`Program::consoles`].
+    pub fn set_consoles(&self, address: usize) {
+        self.consoles.store(address, Ordering::Relaxed);
+    }
+
+    /// Stores where the program's unfinished lines lie: robots that share a copy of their library overwrite the variables that tell it,
+    /// but not the lines. Async-signal-safe.
+    pub fn store_unfinished(&self) {
+        let address = self.consoles.load(Ordering::Relaxed);
+        let mut consoles = [0; WORDS_OF_CONSOLES];
+        if address == 0 || copy_own_memory(address, &mut consoles) < consoles.len() {
+            return;
+        }
+        for (unfinished, console) in self.unfinished.iter().zip(consoles.chunks_exact(WORDS_OF_CONSOLES / 2)) {
+            // The program may have overwritten them.
+            let used = if console[1] <= CONSOLE_LINE { console[1] } else { 0 };
+            unfinished[0].store(used, Ordering::Relaxed);
+            unfinished[1].store(console[2], Ordering::Relaxed);
+        }
+    }
+
+    /// Copies the unfinished line of standard output (0) or standard error (1) at the fault to `line`; returns its length in bytes.
+    /// Async-signal-safe.
+    pub fn unfinished_line(&self, console: usize, line: &mut [usize; CONSOLE_LINE / size_of::<usize>()]) -> usize {
+        let [used, address] = self.unfinished[console].each_ref().map(|word| word.load(Ordering::Relaxed));
+        let copied = copy_own_memory(address, &mut line[..used.div_ceil(size_of::<usize>())]);
+        used.min(copied * size_of::<usize>())
     }
 
     /// Returns true if a fault is stored.

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use parking_lot::Mutex;
 
+use robios_sys::support::stream;
 use sim_core::RobotId;
 
 use super::fault::{Broken, stack_words};
@@ -425,7 +426,13 @@ pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
     let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
     let stack_words = stack_words(fault.sp, bounds);
     damage::assess(&fault, &stack_words);
-    let broken = Broken::new(fault, bounds, last_call, stack_words);
+    let unfinished = [stream::OUT, stream::ERR].into_iter().enumerate().map(|(console, stream)| {
+        let mut line = [0; _];
+        let len = block.unfinished_line(console, &mut line);
+        let bytes: Vec<u8> = line.iter().flat_map(|word| word.to_ne_bytes()).take(len).collect();
+        (stream, String::from_utf8_lossy(&bytes).into_owned())
+    });
+    let broken = Broken::new(fault, bounds, last_call, stack_words).with_unfinished(unfinished.collect());
     Some(match task {
         Some(task) => broken.in_task(task),
         None => broken,

@@ -42,6 +42,8 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
+    // Only what becomes 0 is told, see `plain::without_conversions`.
+    "-Wfloat-conversion",
 ];
 
 /// Flags that are used if the compiler knows them: those that make old sources compile although their constructs have become

@@ -232,6 +232,16 @@ impl LoadedProgram {
         self.image.own_source_line(offsets)
     }
 
+    /// See [`ProgramImage::text_of`].
+    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        self.image.text_of(line)
+    }
+
+    /// Address of the program's console streams, see [`Program::consoles`].
+    pub fn consoles(&self) -> usize {
+        self.library.description().consoles()
+    }
+
     /// Place of the call in progress, if the program's shim reports it. May be called only while the program is in a call.
     pub fn call_site(&self) -> CallSite {
         let site = self.library.description().call_site;

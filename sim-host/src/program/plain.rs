@@ -34,6 +34,37 @@ pub fn in_plain_words(output: &str) -> String {
     told.concat()
 }
 
+/// The compiler's `output` without its warnings about fractions that are cut off, except those about numbers that become 0: the others are
+/// mostly meant.
+pub fn without_conversions(output: &str) -> String {
+    let mut kept = String::new();
+    // Lines that introduce the messages after them: `a.c: In function 'main':`.
+    let mut introduction = String::new();
+    let (mut is_dropped, mut is_any_dropped) = (false, false);
+    for line in output.split_inclusive('\n') {
+        let text = line.trim_end();
+        let introduces =
+            !line.starts_with(' ') && text.ends_with([':', ',']) || text.starts_with("    ") && text.contains(" from ");
+        let is_count = text.ends_with(" warning generated.") || text.ends_with(" warnings generated.");
+        if text.contains(": warning: ") {
+            is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ");
+            is_any_dropped |= is_dropped;
+        } else if !line.starts_with(' ') {
+            is_dropped = is_count && is_any_dropped;
+        }
+        if introduces {
+            if is_dropped || !line.starts_with(' ') && !text.ends_with(',') {
+                introduction.clear();
+            }
+            introduction.push_str(line);
+        } else if !is_dropped {
+            kept.push_str(&std::mem::take(&mut introduction));
+            kept.push_str(line);
+        }
+    }
+    kept
+}
+
 /// The message that begins at line `index`, with the lines up to `end`; `None` if none about the program begins there.
 fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize) -> Option<Message<'a>> {
     let mut parts = lines[index].splitn(4, ':');
@@ -104,6 +135,25 @@ impl Message<'_> {
                 "suggest braces around empty body",
                 "the `;` ends the `if` here, so that it does nothing: leave the `;` out",
             ),
+            (
+                "",
+                "break statement not within",
+                "`break` belongs into a loop or a `switch`: is there a `}` too many above?",
+            ),
+            ("", "continue statement not within", "`continue` belongs into a loop: is there a `}` too many above?"),
+            ("", "subscripted value is neither", IS_CALLED),
+            ("", "for array subscript", IS_CALLED),
+            ("", "expression with array type", ARRAY_IS_SET),
+            ("incompatible types in assignment", "[", ARRAY_IS_SET),
+            ("", "with a value, in function returning", VOID_RETURNS),
+            (
+                "",
+                "void value not ignored",
+                "a `void` function gives no value: write the value's type in place of `void`, and `return`",
+            ),
+            ("", "#include expects", "write the name between quotes: `#include \"eyebot.h\"`"),
+            ("", "extra tokens at end of #include", "no `;` belongs behind `#include`"),
+            ("", "cannot declare '::main' to be a global variable", NO_FUNCTION),
         ];
         if let Some((.., words)) = fixed.iter().find(|(first, second, _)| has(first) && has(second)) {
             return Some((*words).to_owned());
@@ -121,6 +171,15 @@ impl Message<'_> {
                     "round {round} of the loop goes beyond the end of an array, whose last index is one less than its length, or a number \
                      becomes too large for its type"
                 ))
+            }
+            text if text.contains(" changes value from ") => {
+                let (_, values) = text.split_once(" changes value from ")?;
+                let (from, to) = values.split_once(" to ")?;
+                let number: f64 = from.trim_matches('\'').trim_end_matches('f').parse().ok()?;
+                let is_zero = to.split_whitespace().next()?.trim_matches('\'') == "0";
+                (is_zero && number.is_finite()).then(|| {
+                    format!("{number} becomes 0 here, where a whole number belongs, such as the mm, mm/s, degrees and ms of RoBIOS-7")
+                })
             }
             text if text.starts_with("this '") && text.contains("does not guard") => {
                 let word = self.quoted(0)?;
@@ -140,11 +199,71 @@ impl Message<'_> {
             text if text.contains("expected ';'") || text.contains("expected ',' or ';'") => {
                 Some(self.misspelt_start().unwrap_or_else(|| self.missing(";")))
             }
-            text if text.starts_with("expected '=', ',', ';'") => {
-                Some("a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned())
+            text if text.starts_with("expected '=', ',', ';'") => Some(match self.before() {
+                Some("{") => NO_FUNCTION.to_owned(),
+                Some(word) if is_word(word) => format!("a `,` or a `;` is missing before `{word}`"),
+                _ => "a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned(),
+            }),
+            text if text.starts_with("expected identifier or '(' before '{'") || text.starts_with("expected unqualified-id before '{'") => {
+                Some("this `{` begins no function: is there a `;` too many at the end of the line above it?".to_owned())
             }
-            text if text.starts_with("expected ':' or") => Some(self.missing(":")),
-            text if text.starts_with("expected identifier or '('") || text.starts_with("expected declaration before '}'") => {
+            text if text.starts_with("expected '(' before") => {
+                let word = self.before()?;
+                Some(format!("a `(` is missing before `{word}`: a condition stands between `( )`"))
+            }
+            text if text.starts_with("expected expression before") || text.starts_with("expected primary-expression before") => {
+                let code = self.code().unwrap_or_default();
+                let reversed = [("=>", ">="), ("=<", "<=")].into_iter().find(|(wrong, _)| code.contains(wrong));
+                Some(match reversed {
+                    Some((wrong, right)) => format!("`{wrong}` is no comparison: write `{right}`"),
+                    None => format!("a value is missing before `{}`, or something is too much", self.before()?),
+                })
+            }
+            text if text.starts_with("redefinition of") || text.starts_with("redeclaration of") => self.defined_twice(),
+            text if text.starts_with("conflicting types for") => {
+                let name = self.quoted(0)?;
+                Some(format!(
+                    "`{name}` is used above before it is written, or written twice with other types: write its first line, with a `;`, above \
+                     its first use"
+                ))
+            }
+            text if text.contains("unknown type name") || text.contains("does not name a type") => self.unknown_type(),
+            text if text.contains("is not a function or function pointer") || text.contains("cannot be used as a function") => {
+                let name = self.quoted(0)?;
+                Some(format!("`{name}` is a variable and no function: a function has another name, `*` multiplies"))
+            }
+            text if text.contains("has no member named") => {
+                let (whole, part) = (self.quoted(0)?, self.quoted(1)?);
+                Some(match self.near() {
+                    Some(near) => format!("`{whole}` has no `{part}`; did you mean `{near}`?"),
+                    None => format!("`{whole}` has no `{part}`: look how it is spelt"),
+                })
+            }
+            text if text.starts_with("stray '") => Some(match self.quoted(0)? {
+                letter if letter.starts_with('\\') => {
+                    "this line has a letter that C does not know, such as a blank copied from a page: type the line anew".to_owned()
+                }
+                letter => format!("the letter `{letter}` does not belong here"),
+            }),
+            text if text.starts_with("initialization of '") || text.starts_with("assignment to '") => {
+                let (variable, value) = (self.quoted(0)?, self.quoted(1)?);
+                Some(mismatch(variable, value))
+            }
+            text if text.starts_with("incompatible types when ") => {
+                let (variable, value) = (self.quoted(0)?, self.quoted(1)?);
+                Some(mismatch(variable, value))
+            }
+            text if text.starts_with("expected ':'") => Some(self.missing(":")),
+            text if text.starts_with("expected initializer before") && self.before().is_some_and(is_word) => {
+                Some(format!("a `,` or a `;` is missing before `{}`", self.before()?))
+            }
+            text if text.contains("function-definition is not allowed here") => {
+                Some("a function cannot be written within another one: is a `}` missing above?".to_owned())
+            }
+            text if ["expected identifier or '('", "expected declaration before '}'", "expected unqualified-id before"]
+                .iter()
+                .any(|it| text.starts_with(it)) =>
+            {
                 Some("this line is outside of every function: there is a `}` too many above, or a `{` is missing".to_owned())
             }
             text if text.contains("statement with no effect") || text.contains("expression result unused") => {
@@ -154,8 +273,7 @@ impl Message<'_> {
                 Some("C has no type `string`: a text is a `const char *`".to_owned())
             }
             text if text.contains("implicit declaration of function") => {
-                let name = self.quoted(0)?;
-                Some(format!("`{name}` is not known up to this line: look how it is spelt, or write the function, or its first line with `;`, further up"))
+                Some(unknown_function(self.quoted(0)?))
             }
             text if text.contains("to binary 'operator+'") && text.contains("char") => {
                 Some("`+` does not join texts in quotes: make the first one a `std::string(\"...\")`".to_owned())
@@ -180,16 +298,56 @@ impl Message<'_> {
         }
     }
 
+    /// The line of the program, as the message shows it.
+    fn code(&self) -> Option<&str> {
+        self.more.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
+    }
+
+    /// The mark or word before which something is expected.
+    fn before(&self) -> Option<&str> {
+        let quoted = self.text.split_once("before '").and_then(|(_, rest)| rest.split('\'').next());
+        quoted.or_else(|| {
+            let rest = self.code()?.get(self.column.checked_sub(1)?..)?.trim_start();
+            let word = rest.split(|c: char| !is_word(&c.to_string()) && c != '"').next()?;
+            Some(word).filter(|word| !word.is_empty())
+        })
+    }
+
+    /// The name that the compiler proposes.
+    fn near(&self) -> Option<&str> {
+        self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next())
+    }
+
+    /// A function or variable with two definitions.
+    fn defined_twice(&self) -> Option<String> {
+        // g++ tells the whole type: `int home(int)`.
+        let name = self.quoted(0)?.split('(').next()?.rsplit([' ', '*', '&']).next()?;
+        let is_note = |line: &&&str| line.contains("note: ") && (line.contains("previous") || line.contains(name));
+        let first = self.more.iter().find(is_note).and_then(|line| line.split(':').nth(1));
+        let place = first.map_or_else(String::new, |line| format!(", in line {line} before"));
+        Some(format!("`{name}` is defined twice{place}: leave one out, or give it another name"))
+    }
+
+    /// A name where a type belongs.
+    fn unknown_type(&self) -> Option<String> {
+        let name = self.quoted(0)?;
+        misspelt(name).or_else(|| {
+            let near = self.near().map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            Some(format!("`{name}` is no type{near}"))
+        })
+    }
+
     /// A line that begins with nearly a word of C: `whlie (x)`.
     fn misspelt_start(&self) -> Option<String> {
-        let code = self.more.first()?.split_once(" | ")?.1.trim_start();
+        let code = self.code()?.trim_start();
         misspelt(code.split(|c: char| !c.is_alphanumeric() && c != '_').next()?)
     }
 
     /// A missing `mark`: the compiler points behind the last word before it.
     fn missing(&self, mark: &str) -> String {
-        let code = self.more.first().and_then(|excerpt| excerpt.split_once(" | ")).map(|(_, code)| code.trim_end());
-        let before = self.text.split_once("before '").and_then(|(_, rest)| rest.split('\'').next());
+        let (code, before) = (self.code(), self.before());
+        let is_open = |code: &str| code.matches('(').count() > code.matches(')').count();
+        let mark = if before == Some("{") && code.is_some_and(is_open) { ")" } else { mark };
         let is_first =
             |code: &str| code.get(..self.column.saturating_sub(1)).is_some_and(|left| left.trim().is_empty());
         match (before, code) {
@@ -197,7 +355,12 @@ impl Message<'_> {
                 format!("a `{mark}` is missing at the end of the line before this one")
             }
             (Some(before), Some(code)) if self.column <= code.len() => {
-                format!("a `{mark}` is missing before `{before}`")
+                let marks = if mark == ")" && (is_word(before) || before.starts_with('"')) {
+                    "`,` or a `)`"
+                } else {
+                    &format!("`{mark}`")
+                };
+                format!("a {marks} is missing before `{before}`")
             }
             _ => format!("a `{mark}` is missing at the end of this line"),
         }
@@ -237,10 +400,11 @@ impl Message<'_> {
                 "`{name}` is of the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
         }
-        let near = self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next());
-        Some(match near {
+        Some(match self.near() {
+            _ if name == "then" => "C has no `then`: leave it out".to_owned(),
             Some(near) => format!("`{name}` is not defined; did you mean `{near}`?"),
-            None if near_keyword(name).is_some() => misspelt(name)?,
+            None if misspelt(name).is_some() => misspelt(name)?,
+            None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => unknown_function(name),
             None => format!(
                 "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or look how it is spelt"
             ),
@@ -273,7 +437,11 @@ impl Message<'_> {
             Some(pointee) if pointee == given => {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
-            _ => format!("the function takes `{expected}`, and is given `{given}`"),
+            _ if given.contains("(*)") => IS_CALLED.to_owned(),
+            _ if note.is_some() || self.more.iter().any(|line| line.contains("initializing argument")) => {
+                format!("the function takes `{expected}`, and is given `{given}`")
+            }
+            _ => mismatch(expected, given),
         })
     }
 }
@@ -288,12 +456,45 @@ const KEYWORDS: [&str; 18] = [
 fn near_keyword(word: &str) -> Option<&'static str> {
     let most = |keyword: &str| if keyword.len() > 5 { 2 } else { 1 };
     let is_near = |keyword: &&&str| strsim::osa_distance(&word.to_lowercase(), keyword) <= most(keyword);
-    KEYWORDS.iter().find(is_near).copied().filter(|keyword| *keyword != word && word.len() > 2)
+    let is_other_case = |keyword: &str| keyword.eq_ignore_ascii_case(word);
+    KEYWORDS
+        .iter()
+        .find(is_near)
+        .copied()
+        .filter(|keyword| *keyword != word && (word.len() > 2 || is_other_case(keyword)))
 }
 
 fn misspelt(word: &str) -> Option<String> {
+    if ["elseif", "elsif", "elif"].contains(&word) {
+        return Some(format!("`{word}` is not defined: write `else if`"));
+    }
     near_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
 }
+
+fn mismatch(expected: &str, given: &str) -> String {
+    format!("a value of type `{given}` stands where one of type `{expected}` belongs")
+}
+
+fn unknown_function(name: &str) -> String {
+    format!(
+        "`{name}` is not known up to this line: look how it is spelt, or write the function, or its first line with `;`, further up"
+    )
+}
+
+/// Letters, digits and `_` alone.
+fn is_word(text: &str) -> bool {
+    text.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
+}
+
+const ARRAY_IS_SET: &str = "an array is not set by `=`: `strcpy(array, \"text\")` copies a text, a loop copies numbers";
+
+const VOID_RETURNS: &str =
+    "a `void` function returns no value: write the value's type in place of `void`, such as `int`";
+
+const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `( )`, as in `PSDGet(1)`";
+
+const NO_FUNCTION: &str =
+    "this `{` belongs to no function: a function has `( )` behind its name, as in `int main(void)`";
 
 const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
 
@@ -385,6 +586,10 @@ mod tests {
                 "the `if` covers one statement alone, or only its `;`: write `{ }` around what belongs to it",
             ),
             ("infinite recursion detected [-Winfinite-recursion]", RECURSION),
+            (
+                "conversion from 'double' to 'int' changes value from '2.9999999999999999e-1' to '0' [-Wfloat-conversion]",
+                "0.3 becomes 0 here, where a whole number belongs, such as the mm, mm/s, degrees and ms of RoBIOS-7",
+            ),
         ];
         for (warning, words) in warnings {
             check(
@@ -392,6 +597,24 @@ mod tests {
                 &format!("mine.c:7: {words}\n"),
             );
         }
+    }
+
+    #[test]
+    fn fractions_are_told_where_they_become_zero() {
+        let output = "a.c: In function 'one':\n\
+                      a.c:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n    2 |   f(d);\n      |     ^\n\
+                      a.c: In function 'main':\n\
+                      a.c:5:3: warning: conversion from 'double' to 'int' changes value from '2.5e+0' to '2' [-Wfloat-conversion]\n    5 |   f(2.5);\n\
+                      a.c:6:3: warning: conversion from 'double' to 'int' changes value from '5.0e-1' to '0' [-Wfloat-conversion]\n    6 |   f(0.5);\n\
+                      a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
+        let kept = "a.c: In function 'main':\n\
+                    a.c:6:3: warning: conversion from 'double' to 'int' changes value from '5.0e-1' to '0' [-Wfloat-conversion]\n    6 |   f(0.5);\n\
+                    a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
+        assert_eq!(without_conversions(output), kept);
+        assert_eq!(without_conversions(kept), kept);
+        let included = "In file included from a.c:1:\nb.h: In function 'two':\n\
+                        b.h:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n";
+        assert_eq!(without_conversions(included), "");
     }
 
     #[test]
@@ -407,6 +630,84 @@ mod tests {
         check("mine.c:3:2: error: something new\nmine.c:4:2: error: lvalue required as left operand\n", "");
         let unknown = "mine.cpp:4:3: error: 'VWStraigt' was not declared in this scope; did you mean 'VWStraight'?\n";
         check(unknown, "mine.cpp:4: `VWStraigt` is not defined; did you mean `VWStraight`?\n");
+    }
+
+    #[test]
+    fn usual_errors_are_told_in_plain_words() {
+        let errors = [
+            (
+                "4:17",
+                "expected ')' before numeric constant",
+                "  VWStraight(100 100);",
+                "a `,` or a `)` is missing before `100`",
+            ),
+            (
+                "4:9",
+                "expected '(' before 'PSDGet'",
+                "  while PSDGet(1) {",
+                "a `(` is missing before `PSDGet`: a condition stands between `( )`",
+            ),
+            (
+                "4:9",
+                "expected '=', ',', ';', 'asm' or '__attribute__' before 'y'",
+                "  int x y;",
+                "a `,` or a `;` is missing before `y`",
+            ),
+            ("4:1", "expected '=', ',', ';', 'asm' or '__attribute__' before '{' token", "{", NO_FUNCTION),
+            (
+                "4:1",
+                "expected identifier or '(' before '{' token",
+                "{",
+                "this `{` begins no function: is there a `;` too many at the end of the line above it?",
+            ),
+            (
+                "4:18",
+                "expected expression before '>' token",
+                "  if (KEYRead() => 3) {",
+                "`=>` is no comparison: write `>=`",
+            ),
+            (
+                "4:9",
+                "expected expression before ')' token",
+                "  VWWait(,);",
+                "a value is missing before `)`, or something is too much",
+            ),
+            (
+                "4:3",
+                "unknown type name 'Int'; did you mean 'int'?",
+                "  Int n;",
+                "`Int` is not defined; did you mean `int`?",
+            ),
+            (
+                "4:3",
+                "unknown type name 'boolean'; did you mean 'bool'?",
+                "  boolean n;",
+                "`boolean` is no type; did you mean `bool`?",
+            ),
+            ("4:4", "'place' has no member named 'y'", "  p.y = 3;", "`place` has no `y`: look how it is spelt"),
+            ("4:7", "assignment to expression with array type", "  name = \"S4\";", ARRAY_IS_SET),
+            ("4:16", "subscripted value is neither array nor pointer nor vector", "  return PSDGet[1];", IS_CALLED),
+            (
+                "4:3",
+                "'elseif' was not declared in this scope",
+                "  elseif (n) {",
+                "`elseif` is not defined: write `else if`",
+            ),
+            ("4:9", "stray '#' in program", "  n = 3; #", "the letter `#` does not belong here"),
+            (
+                "4:13",
+                "invalid conversion from 'const char*' to 'int' [-fpermissive]",
+                "  int n = \"3\";",
+                "a value of type `const char*` stands where one of type `int` belongs",
+            ),
+        ];
+        for (place, error, code, words) in errors {
+            let output = format!("mine.c:{place}: error: {error}\n    4 | {code}\n      |   ^\n");
+            check(&output, &format!("mine.c:4: {words}\n"));
+        }
+        let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\
+                     mine.cpp:2:5: note: 'int home()' previously defined here\n";
+        check(twice, "mine.cpp:3: `home` is defined twice, in line 2 before: leave one out, or give it another name\n");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use super::generation::GenerationChoice;
 use super::image::{ImageError, ProgramImage};
 use super::python::Python;
 use super::symbols::{danger_to_host, warnings_about};
+use crate::files::read_regular;
 
 /// A program that is built and read, shared by all robots that run it.
 #[derive(Debug)]
@@ -152,7 +153,10 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
                         {
                             return Err(PrepareError::NoEntry(folder.clone()));
                         }
-                        let warnings = warnings_about(&image, &program.name);
+                        let mut warnings = warnings_about(&image, &program.name);
+                        if let ProgramSource::Cargo(folder) = source {
+                            warnings.extend(warning_about_stdin(folder, &program.name));
+                        }
                         let danger = danger_to_host(&image);
                         (Code::Library(Arc::new(image)), warnings, danger)
                     }
@@ -166,6 +170,23 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
         .collect();
     let place = |program: &Found| distinct.iter().position(|known| known.source == program.source);
     found.iter().filter_map(|program| prepared.get(place(program)?).cloned()).collect()
+}
+
+/// Warning about the first line of a Cargo package that reads the standard input of the process.
+fn warning_about_stdin(folder: &Path, name: &str) -> Option<String> {
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(folder.join("src")).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "rs"));
+    files.sort();
+    files.iter().find_map(|file| {
+        let text = read_regular(file).ok()?;
+        let text = String::from_utf8_lossy(&text);
+        let line = text.lines().position(|line| line.contains("stdin()") && !line.trim_start().starts_with("//"))? + 1;
+        let file = file.strip_prefix(folder).unwrap_or(file).display();
+        Some(format!(
+            "program `{name}`: {file}:{line}: `std::io::stdin` reads eyesim's own input: `robot.read_line()` reads the text of `--stdin FILE`"
+        ))
+    })
 }
 
 /// The folder to which names of source files in messages are relative.

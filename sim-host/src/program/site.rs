@@ -29,6 +29,12 @@ pub struct RemoteSite {
 }
 
 impl RemoteSite {
+    /// The site that a line such as `maze.py:12` names.
+    pub fn of_line(line: &str) -> Option<Self> {
+        let (file, number) = line.rsplit_once(':')?;
+        Some(Self { address: 0, line: number.parse().ok()?, file: file.to_owned() })
+    }
+
     /// The line as `maze.py:12`; `None` for a program that tells addresses.
     pub fn line(&self) -> Option<String> {
         (!self.file.is_empty()).then(|| format!("{}:{}", self.file, self.line))

@@ -28,6 +28,14 @@ pub enum Mistake {
     PsdNotStarted,
     /// A drive of RoBIOS-7 of a few millimetres at a few millimetres a second.
     Metres,
+    /// A drive of RoBIOS 6 of length 0.
+    NoLength,
+    /// A drive of RoBIOS-7 of length 0.
+    NoLengthInMm,
+    /// A file stream of C++ cannot be opened.
+    Unopened,
+    /// A number of a drive of RoBIOS-7 is what C makes of a number that is none.
+    NoNumber,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees a second.
     Radians,
     /// A drive that replaces the one before as soon as it has begun.
@@ -92,6 +100,17 @@ impl Mistake {
             }
             Self::Metres => "a drive of less than 5 mm at less than 5 mm/s: RoBIOS-7 takes millimetres, not metres",
             Self::Radians => "a turn by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians",
+            Self::NoLength => {
+                "a drive of 0 m goes nowhere; in C, whole numbers divided give a whole number: 1/2 is 0, 1.0/2 is 0.5"
+            }
+            Self::NoLengthInMm => {
+                "a drive of 0 mm goes nowhere: RoBIOS-7 takes whole millimetres, such as 300; 0.3 becomes 0, and so does 1/2"
+            }
+            Self::NoNumber => {
+                "a speed, length or angle is no number, or too large: C makes -2147483648 of it, as of 0.0/0.0, 1/0.0 and the root of a \
+                 negative number"
+            }
+            Self::Unopened => "a file cannot be opened",
             Self::MissingWait => "a drive replaces the one before, which has just begun",
             Self::UnknownAddress => "a message to an address that no robot has",
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",

@@ -11,9 +11,11 @@ use sim_core::time::Time;
 use super::caller::{Caller, Poll};
 use super::console::print_lines;
 use super::flow::Flow;
+use super::hint::Mistake;
 use super::input::{self, Read};
 use super::robot::{Ending, Robot, WaitReason};
 use super::task::TaskWait;
+use crate::program::site::{RemoteSite, Site};
 
 /// Random generators of a program, one per purpose.
 #[derive(Clone, Debug)]
@@ -73,8 +75,7 @@ impl<F: Flow> Support for Caller<F> {
 
     fn failed(&self, kind: i32, text: Option<&[u8]>, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
-        let stack = stack.unwrap_or_default().as_chunks().0.iter().map(|address| usize::from_ne_bytes(*address));
-        let place = self.flow().line_of(&stack.collect::<Vec<_>>()).map(|line| format!(" at {line}"));
+        let place = self.flow().line_of(&addresses(stack)).map(|line| format!(" at {line}"));
         let reason = match kind {
             failure::ABORT => "the program called abort".to_owned(),
             failure::ASSERTION => format!("assertion failed: {text}"),
@@ -98,6 +99,30 @@ impl<F: Flow> Support for Caller<F> {
     fn noticed(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
         self.at_once(SupportCall::noticed, |robot| robot.hint(&text));
+        Ok(0)
+    }
+
+    fn unopened_by(&self, name: Option<&[u8]>, error: i32, stack: Option<&[u8]>) -> Result<i32, Stop> {
+        let name = String::from_utf8_lossy(name.unwrap_or_default());
+        let place = self.flow().line_of(&addresses(stack));
+        self.at_once(SupportCall::unopened_by, |robot| {
+            robot.robios.storage.note_unopened(&name, error);
+            if !robot.robios.hints.is_first(Mistake::Unopened) {
+                return;
+            }
+            let reason = robot.robios.storage.unopened().unwrap_or_default();
+            let text = format!("{reason}: what is read from it is empty, what is written to it is lost");
+            robot.state.hint(&text);
+            place.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
+                self.flow().note_hint(&text, &Site::Told(site));
+            });
+        });
+        Ok(0)
+    }
+
+    fn unfinished(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
+        let text = String::from_utf8_lossy(bytes.unwrap_or_default());
+        self.at_once(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
         Ok(0)
     }
 
@@ -160,6 +185,12 @@ impl<F: Flow> Support for Caller<F> {
             Read::Loop => Err(self.fail(self.robot(), input::LOOP.to_owned())),
         }
     }
+}
+
+/// The addresses of a call stack, as they come from the program.
+fn addresses(stack: Option<&[u8]>) -> Vec<usize> {
+    let chunks = stack.unwrap_or_default().as_chunks().0;
+    chunks.iter().map(|address| usize::from_ne_bytes(*address)).collect()
 }
 
 #[cfg(test)]

@@ -130,6 +130,9 @@ pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f
     if distance.abs() > LONG_DRIVE {
         robot.hint_at(Mistake::LongDrive);
     }
+    if distance == 0.0 && v != 0.0 {
+        robot.hint_at(Mistake::NoLength);
+    }
     let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
     let drive = Twist::new(distance, 0.0);
     start(robot, world, handle, drive, seconds(distance, v), (Call::VWDriveStraight, event))

@@ -22,6 +22,7 @@ const SMALL_DEGREES: i32 = 6;
 
 /// `VWSetSpeed`
 pub fn set_speed(robot: &mut Robot, world: &World, v_mm: i32, omega_degrees: i32) -> i32 {
+    hint_at_no_number(robot, &[v_mm, omega_degrees]);
     let accepted = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
     robot.answered(Call::VWSetSpeed, 1, accepted)
 }
@@ -50,6 +51,10 @@ pub fn position(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
 /// `VWStraight`: the direction is the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
+    hint_at_no_number(robot, &[distance_mm, v_mm]);
+    if distance_mm == 0 && v_mm != 0 {
+        robot.hint_at(Mistake::NoLengthInMm);
+    }
     let (distance, v) = (metres(distance_mm), metres(v_mm));
     let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
     start(robot, world, Call::VWStraight, Twist::new(distance, 0.0), distance / v, event)
@@ -61,6 +66,7 @@ pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees:
     if is_small(angle_degrees) && is_small(omega_degrees) {
         robot.hint_at(Mistake::Radians);
     }
+    hint_at_no_number(robot, &[angle_degrees, omega_degrees]);
     let (angle, omega) = (radians(angle_degrees), radians(omega_degrees));
     let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
     start(robot, world, Call::VWTurn, Twist::new(0.0, angle), angle / omega, event)
@@ -69,6 +75,7 @@ pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees:
 /// `VWCurve`: forwards or backwards by the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
+    hint_at_no_number(robot, &[distance_mm, angle_degrees, v_mm]);
     let (distance, angle, v) = (metres(distance_mm), radians(angle_degrees), metres(v_mm));
     let event = Event::DriveCurve { distance_m: distance, angle_rad: angle, v_m_per_s: v };
     start(robot, world, Call::VWCurve, Twist::new(distance, angle), vw::curve_seconds(distance, angle, v), event)
@@ -77,6 +84,7 @@ pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i3
 /// `VWDrive`: drives an arc that begins straight ahead, or straight back for a negative `dx_mm`.
 pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, dx_mm.saturating_abs().max(dy_mm.saturating_abs()), v_mm);
+    hint_at_no_number(robot, &[dx_mm, dy_mm, v_mm]);
     let v = metres(v_mm);
     let arc = arc_to([metres(dx_mm), metres(dy_mm)].into());
     let event = Event::DriveCurve { distance_m: arc.vx, angle_rad: arc.omega, v_m_per_s: v };
@@ -133,6 +141,13 @@ fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seco
             "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, such as 300; 0.3 becomes 0".to_owned()
         }),
         Err(refusal) => robot.refused(call, 1, |_| refusal.to_string()),
+    }
+}
+
+/// The processor's conversion to a whole number gives the least one for what is no number.
+fn hint_at_no_number(robot: &mut Robot, numbers: &[i32]) {
+    if numbers.contains(&i32::MIN) {
+        robot.hint_at(Mistake::NoNumber);
     }
 }
 

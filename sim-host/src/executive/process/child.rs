@@ -420,6 +420,7 @@ impl Child {
             last_call,
             task: None,
             place: String::new(),
+            unfinished: Vec::new(),
             addresses: Vec::new(),
         }
     }

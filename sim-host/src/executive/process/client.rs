@@ -8,8 +8,11 @@ use std::ptr;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{io, thread};
 
+use robios_sys::support::stream;
 use robios_sys::wire::{HostConnection, Malformed, Plain as _, Reader, put_bytes};
-use robios_sys::{CallSite, Callback, Host, Program, Robios6Table, Robios7Table, Status, Stop, SupportTable};
+use robios_sys::{
+    CallSite, Callback, Host, Program, Robios6Table, Robios7Table, Status, Stop, SupportCall, SupportTable,
+};
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::confine::protect_host;
@@ -31,6 +34,9 @@ thread_local! {
 
 /// The program's variable with its call site; null until the program is loaded, and if the program has none.
 static CALL_SITE: AtomicPtr<CallSite> = AtomicPtr::new(ptr::null_mut());
+
+/// Address of the program's console streams; 0 until it is loaded, and if the program has none.
+static CONSOLES: AtomicUsize = AtomicUsize::new(0);
 
 /// Lowest and highest address of the program's library; 0 until it is loaded.
 static LIBRARY: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
@@ -134,6 +140,7 @@ impl ProgramLine {
             Err(OpenError::Incompatible(what)) => self.refuse(refusal::INCOMPATIBLE, &what),
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
+        CONSOLES.store(library.description().consoles(), Ordering::Relaxed);
         store_span(library.base);
         self.channel.offer_place();
         let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
@@ -332,6 +339,31 @@ fn without_stale(words: &[u8], pc: usize) -> &[u8] {
     &words[place.unwrap_or(0) * size_of::<usize>()..]
 }
 
+/// The bytes of words.
+fn bytes_of(words: &[usize]) -> &[u8] {
+    // SAFETY: as many bytes as the words have, all of them initialised.
+    unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), size_of_val(words)) }
+}
+
+/// Passes on what the program has printed since the last end of a line. Async-signal-safe.
+fn print_unfinished(line: &ProgramLine, block: &FlowBlock) {
+    block.set_consoles(CONSOLES.load(Ordering::Relaxed));
+    block.store_unfinished();
+    for (console, stream) in [stream::OUT, stream::ERR].into_iter().enumerate() {
+        let mut words = [0; _];
+        let len = block.unfinished_line(console, &mut words);
+        if len == 0 {
+            continue;
+        }
+        // The call, without a place.
+        let head = [SupportCall::TABLE, SupportCall::unfinished as u32, 0, 0, 0, 0, stream.cast_unsigned(), len as u32];
+        let head = head.map(u32::to_le_bytes);
+        line.channel.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
+        // The answer says nothing that matters now.
+        while !line.channel.wait_for(Turn::Child, None) {}
+    }
+}
+
 /// Reports a fault of this thread to the host and ends the process; returns if the host works for the program, or asks only for the place
 /// at which the program computes. Async-signal-safe.
 fn report_fault(block: &FlowBlock, fault: Fault) {
@@ -354,8 +386,8 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
         let caller = words[..count].iter().find(|word| library.contains(*word));
         return line.channel.tell_place([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
-    // SAFETY: the bytes of the words.
-    let words = unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), count * size_of::<usize>()) };
+    print_unfinished(line, block);
+    let words = bytes_of(&words[..count]);
     line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + fault.signal) }

@@ -95,6 +95,11 @@ impl RemoteProgram {
         self.prepared.image()?.own_source_line(offsets)
     }
 
+    /// As [`ProgramImage::text_of`](crate::program::image::ProgramImage::text_of).
+    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        self.prepared.image()?.text_of(line)
+    }
+
     /// As [`LoadedProgram::source_line`](crate::program::load::LoadedProgram::source_line).
     pub fn source_line(&self, address: usize) -> Option<SourceLine> {
         self.prepared.image()?.source_line(self.offset(address)?)
