@@ -124,7 +124,7 @@ impl Workers {
             let pool = ThreadPoolBuilder::new().num_threads(self.threads).thread_name(named).build();
             let pool = pool.map_err(|failed| format!("no threads for a batch: {failed}"))?;
             // The end of a pool waits for its threads, which are those of another process.
-            self.pool.replace((process, pool)).map(std::mem::forget);
+            std::mem::forget(self.pool.replace((process, pool)));
         }
         Ok(self.pool.as_ref().map(|(_, pool)| pool))
     }

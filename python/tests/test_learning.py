@@ -1,5 +1,6 @@
 """Environments: the checks of Gymnasium and PettingZoo, seeds, and a policy that learns."""
 
+import multiprocessing
 import warnings
 
 import eyesim.gym
@@ -130,6 +131,31 @@ def test_an_episode_is_a_new_simulation_with_its_seed():
         robot.drive(0.5 * robot.max_speed, 0.25 * robot.max_turn)
         sim.step(0.05)
     assert env.digest == sim.digest
+
+
+def test_a_forked_process_goes_on_alone():
+    vector = eyesim.gym.VectorEnv(WALL, 4, threads=2)
+    vector.reset(seed=1)
+
+    def go_on():
+        return [vector.step(action)[0].tolist() for action in actions(4, 20, seed=2)]
+
+    fork = multiprocessing.get_context("fork")
+    queue = fork.SimpleQueue()
+    child = fork.Process(target=lambda: queue.put(go_on()))
+    child.start()
+    of_child = queue.get()
+    child.join()
+    assert child.exitcode == 0 and of_child == go_on()
+
+
+def test_readings_keep_their_values():
+    kept = []
+    env = eyesim.gym.Env(WALL, observe=lambda readings: kept.append(readings) or readings.pose)
+    env.reset(seed=1)
+    poses = [env.step(action[0])[0] for action in actions(1, 10)]
+    assert np.array_equal(np.array([readings.pose[0] for readings in kept[-10:]], np.float32), poses)
+    assert [int(readings.steps[0]) for readings in kept[-10:]] == list(range(1, 11))
 
 
 def test_a_task_around_any_scene():

@@ -237,8 +237,9 @@ fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error>
 impl Report {
     /// This report with the results of checks.
     pub fn with_checks(self, checks: Vec<CheckReport>) -> Self {
-        let points = checks.iter().map(|check| check.points).sum();
-        let max_points = checks.iter().map(|check| check.max_points).sum();
+        // From 0 on: the sum of no numbers is -0.
+        let add = |[points, most]: [f64; 2], check: &CheckReport| [points + check.points, most + check.max_points];
+        let [points, max_points] = checks.iter().fold([0.0; 2], add);
         Self { checks, points, max_points, ..self }
     }
 
