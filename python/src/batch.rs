@@ -105,7 +105,7 @@ impl Part {
     }
 }
 
-/// Threads that step members beside the caller's; they wait between steps.
+/// Threads that step members; they wait between steps.
 struct Workers {
     threads: usize,
     /// The pool, and the process that has made it: a child process has none of its threads.
@@ -118,15 +118,24 @@ impl Workers {
         if self.threads == 1 {
             return Ok(None);
         }
-        let process = std::process::id();
-        if self.pool.as_ref().is_none_or(|(maker, _)| *maker != process) {
+        self.forget_strangers();
+        if self.pool.is_none() {
             let named = |index| format!("eyesim-batch-{index}");
             let pool = ThreadPoolBuilder::new().num_threads(self.threads).thread_name(named).build();
-            let pool = pool.map_err(|failed| format!("no threads for a batch: {failed}"))?;
-            // The end of a pool waits for its threads, which are those of another process.
-            std::mem::forget(self.pool.replace((process, pool)));
+            self.pool = Some((std::process::id(), pool.map_err(|failed| format!("no threads for a batch: {failed}"))?));
         }
         Ok(self.pool.as_ref().map(|(_, pool)| pool))
+    }
+
+    /// Forgets a pool of another process without ending it: its locks may have been held when this process was forked.
+    fn forget_strangers(&mut self) {
+        std::mem::forget(self.pool.take_if(|(maker, _)| *maker != std::process::id()));
+    }
+}
+
+impl Drop for Workers {
+    fn drop(&mut self) {
+        self.forget_strangers();
     }
 }
 
@@ -334,9 +343,7 @@ impl Member {
             Part::Drive => {
                 for (action, id) in actions.chunks(2).zip(1..) {
                     let command = Command::Twist(Twist::new(action[0], action[1]));
-                    self.simulation
-                        .command(RobotId(id), command)
-                        .map_err(|failed| format!("robot {id}: {failed}"))?;
+                    self.simulation.command(RobotId(id), command).map_err(|failed| format!("robot {id}: {failed}"))?;
                 }
                 self.simulation.advance_to(self.simulation.now().saturating_add(period));
                 self.steps += 1;

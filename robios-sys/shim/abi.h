@@ -420,7 +420,7 @@ struct eyesim_call_site {
 
 /* A console stream: the text since the last end of a line. */
 struct eyesim_console {
-    int32_t number;
+    int32_t stream;
     size_t used;
     char *line;
 };

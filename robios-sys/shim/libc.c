@@ -26,6 +26,9 @@
     _Noreturn void libc_##name arguments REPLACES(name);                                                                \
     _Noreturn void libc_##name arguments
 
+/* A part of interposed functions: its return address is theirs. */
+#define PART static inline __attribute__((always_inline))
+
 /* The numbers of robios_sys::support. */
 enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
 enum {
@@ -48,27 +51,29 @@ WEAK FILE *stderr;
 static void send_line(struct eyesim_console *console)
 {
     int32_t result = 0;
-    if (console->used > 0 && self.host != NULL) {
+    const size_t used = console->used;
+    console->used = 0; /* before the call, which may not return: the host shows what is left */
+    if (used > 0 && self.host != NULL) {
         struct frame *frame = self.frame;
         const void *site = self.call_site.address;
         int32_t status;
         self.call_site.address = __builtin_return_address(0);
-        status = self.host->support->console(self.robot, console->number, bytes_of(console->line, console->used), &result);
+        status = self.host->support->console(self.robot, console->stream, bytes_of(console->line, used), &result);
         self.call_site.address = site;
         self.frame = frame;
         if (status == EYESIM_STOP)
             self.stop_pending = 1;
     }
-    console->used = 0;
 }
 
+extern void *__libc_malloc(size_t len);
 static void check_newest(void);
 
 static void write_console(struct eyesim_console *console, const char *bytes, size_t len)
 {
     size_t i;
     check_newest();
-    if (console->line == NULL && (console->line = malloc(EYESIM_CONSOLE_LINE)) == NULL)
+    if (console->line == NULL && (console->line = __libc_malloc(EYESIM_CONSOLE_LINE)) == NULL)
         return;
     for (i = 0; i < len; i++) {
         console->line[console->used++] = bytes[i];
@@ -362,27 +367,50 @@ LIBC(size_t, fread, (void *to, size_t size, size_t count, FILE *stream))
     end_reading(stream);
     return count;
 }
-static int is_overrun(void *memory, size_t *len);
-static void forget_block(const void *memory);
-extern ssize_t __getdelim(char **line, size_t *room, int end, FILE *stream);
-LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
+PART void *resized(void *memory, size_t len);
+
+/* As the C library's getdelim, in memory with a guard. */
+PART ssize_t read_until(int end, char **line, size_t *room, FILE *stream)
 {
-    ssize_t len;
-    size_t unused;
+    size_t used = 0;
+    int c = EOF;
+    if (line == NULL || room == NULL || stream == NULL) {
+        errno = EINVAL;
+        return -1;
+    }
+    if (*line == NULL)
+        *room = 0;
     READER;
     begin_reading(stream);
-    if (line != NULL) {
-        (void)is_overrun(*line, &unused); /* the C library makes the block longer by itself */
-        forget_block(*line);
-    }
-    len = __getdelim(line, room, end, stream);
+    do {
+        if (used + 2 > *room) {
+            const size_t more = *room < 60 ? 120 : 2 * *room;
+            char *longer = resized(*line, more);
+            if (longer == NULL)
+                break;
+            *line = longer;
+            *room = more;
+        }
+        if ((c = fgetc_unlocked(stream)) != EOF)
+            (*line)[used++] = (char)c;
+    } while (c != EOF && c != (unsigned char)end);
+    if (*line != NULL)
+        (*line)[used] = '\0';
     end_reading(stream);
-    return len;
+    return used > 0 ? (ssize_t)used : -1;
+}
+LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
+{
+    return read_until(end, line, room, stream);
+}
+/* The other name of it, which the C library's headers make of getline. */
+LIBC(ssize_t, __getdelim, (char **line, size_t *room, int end, FILE *stream))
+{
+    return read_until(end, line, room, stream);
 }
 LIBC(ssize_t, getline, (char **line, size_t *room, FILE *stream))
 {
-    READER;
-    return libc_getdelim(line, room, '\n', stream);
+    return read_until('\n', line, room, stream);
 }
 static int scan(FILE *stream, const char *format, va_list arguments)
 {
@@ -430,7 +458,7 @@ LIBC(FILE *, fopen, (const char *name, const char *mode))
 }
 
 #ifdef EYESIM_CPP
-/* The C++ library's streams open their files by it, and a program that does not ask them reads nothing. */
+/* The C++ library's streams open their files by it, and a program that does not ask them reads nothing: the user is told at once. */
 LIBC(FILE *, fopen64, (const char *name, const char *mode))
 {
     FILE *stream = _IO_fopen(name, mode);
@@ -746,7 +774,6 @@ LIBC(void, error, (int exit_code, int number, const char *format, ...))
 
 /* ---- memory: behind each block lies a guard, which tells of an overrun when the block is given back ---- */
 
-extern void *__libc_malloc(size_t len);
 extern void *__libc_calloc(size_t count, size_t len);
 extern void *__libc_realloc(void *memory, size_t len);
 extern void __libc_free(void *memory);
@@ -760,17 +787,28 @@ struct guard {
 #define GUARD_LEN (32 + sizeof(struct guard))
 #define MARK_OF_BLOCK(memory) ((uintptr_t)(memory) ^ (uintptr_t)0x9e3779b97f4a7c15)
 
+#ifdef EYESIM_CPP
+#define ALLOCATES "new"
+#else
+#define ALLOCATES "malloc"
+#endif
+
 static char *end_of_block(void *memory) { return (char *)memory + malloc_usable_size(memory) - sizeof(struct guard); }
 
-/* The word that the C library keeps in front of a block, its size and three bits, can be none: sizes are multiples of 16 from 32 on, and
-   those of 4 GiB and more whole pages with a bit for them. */
+/* The word that the C library keeps in front of a block: its size and three bits. */
+static size_t size_word(const void *memory)
+{
+    size_t word;
+    memcpy(&word, (const char *)memory - sizeof word, sizeof word);
+    return word;
+}
+#define SIZE_BITS (~(size_t)7)
+
+/* This word can be none: sizes are multiples of 16 from 32 on, and those of 4 GiB and more whole pages with a bit for them. */
 static int is_lost(const void *memory)
 {
-    size_t size;
-    if (memory == NULL)
-        return 0;
-    memcpy(&size, (const char *)memory - sizeof size, sizeof size);
-    return size < 32 || (size & 8) != 0 || (size >> 32 != 0 && (size & 0xfff) != 2);
+    const size_t word = memory == NULL ? 32 : size_word(memory);
+    return word < 32 || (word & 8) != 0 || (word >> 32 != 0 && (word & 0xfff) != 2);
 }
 
 /* The block that the program has got last. What it writes far beyond the end of this one, the C library finds first, and ends the
@@ -778,40 +816,34 @@ static int is_lost(const void *memory)
 static struct {
     void *memory; /* NULL for none */
     const char *end;
-    size_t len;
+    size_t len, size;
     const void *caller;
 } newest;
 
 /* Blocks from this length on may be mapped alone, and vanish while they are looked at. */
 #define LONG_BLOCK ((size_t)64 << 10)
 
-/* Tells, at the line that has got it, that the newest block was written beyond its guard; breaks the program if the C library's word
- * behind the block is lost, too. Never leaves the program, since a FILE may be in use. */
+/* Breaks the program, at the line that has got the newest block, if it was written beyond its guard and over the C library's word behind the
+ * block, too. An overrun that ends before this word is told when the block is given back. */
 static void check_newest(void)
 {
     char text[128];
     struct guard guard;
     int32_t result;
-    const char *const next = newest.end + sizeof guard + sizeof(size_t);
-    struct frame *const frame = self.frame;
-    const void *const site = self.call_site.address;
     if (newest.memory == NULL || !may_call() || self.is_leaving)
         return;
-    memcpy(&guard, newest.end, sizeof guard);
-    if (guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len)
+    if ((size_word(newest.memory) & SIZE_BITS) != newest.size) {
+        newest.memory = NULL; /* written over from below, or given back or made longer by a function of the C library */
         return;
-    if (is_lost(newest.memory))
-        return; /* written over from below: a block before it was too short */
-    newest.memory = NULL;
-    snprintf(text, sizeof text, "the program has written far beyond the end of the %zu bytes that `malloc` gives", newest.len);
-    self.call_site.address = newest.caller;
-    if (is_lost(next)) {
-        self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
-        eyesim_trap_heap_lost();
     }
-    self.host->support->noticed(self.robot, text_of(text), &result);
-    self.call_site.address = site;
-    self.frame = frame;
+    memcpy(&guard, newest.end, sizeof guard);
+    if ((guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
+        return;
+    newest.memory = NULL;
+    snprintf(text, sizeof text, "the program has written far beyond the end of the %zu bytes that `" ALLOCATES "` gives", newest.len);
+    self.call_site.address = newest.caller;
+    self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
+    eyesim_trap_heap_lost();
 }
 
 static void forget_block(const void *memory)
@@ -833,6 +865,7 @@ static void *guarded(void *memory, size_t len, const void *caller)
             newest.memory = memory;
             newest.end = end;
             newest.len = len;
+            newest.size = size_word(memory) & SIZE_BITS;
             newest.caller = caller;
         }
     }
@@ -859,19 +892,21 @@ static int is_overrun(void *memory, size_t *len)
     return 0;
 }
 
-#define TELL_OVERRUN(memory)                                                                                            \
-    do {                                                                                                                \
-        char text_[96];                                                                                                 \
-        size_t len_;                                                                                                    \
-        int32_t result_;                                                                                                \
-        if (is_lost(memory))                                                                                            \
-            fail_at(__builtin_return_address(0), FAILED_HEAP,                                                           \
-                    "memory before this block of `malloc` was written beyond its end, or the pointer is none of `malloc`"); \
-        if (is_overrun(memory, &len_)) {                                                                                \
-            snprintf(text_, sizeof text_, "the program has written beyond the end of these %zu bytes of `malloc`", len_);  \
-            SUPPORT(noticed, text_of(text_), &result_);                                                                 \
-        }                                                                                                               \
-    } while (0)
+/* Looks at a block before it is given back to the C library. */
+PART void check_block(void *memory)
+{
+    char text[96];
+    size_t len;
+    int32_t result;
+    check_newest();
+    forget_block(memory);
+    if (is_lost(memory))
+        fail_at(__builtin_return_address(0), FAILED_HEAP, "memory before this block of `malloc` was written beyond its end, or the pointer is none of `malloc`");
+    if (is_overrun(memory, &len)) {
+        snprintf(text, sizeof text, "the program has written beyond the end of these %zu bytes of `malloc`", len);
+        SUPPORT(noticed, text_of(text), &result);
+    }
+}
 
 static int has_room_for_guard(size_t len) { return len <= PTRDIFF_MAX - GUARD_LEN; }
 
@@ -888,17 +923,14 @@ LIBC(void *, calloc, (size_t count, size_t len))
     check_newest();
     return guarded(__libc_calloc(1, whole + GUARD_LEN), whole, __builtin_return_address(0));
 }
-LIBC(void *, realloc, (void *memory, size_t len))
+PART void *resized(void *memory, size_t len)
 {
-    void *moved;
-    check_newest();
-    TELL_OVERRUN(memory);
-    forget_block(memory);
+    check_block(memory);
     if (len == 0 || !has_room_for_guard(len))
         return __libc_realloc(memory, len);
-    moved = __libc_realloc(memory, len + GUARD_LEN);
-    return guarded(moved, len, __builtin_return_address(0));
+    return guarded(__libc_realloc(memory, len + GUARD_LEN), len, __builtin_return_address(0));
 }
+LIBC(void *, realloc, (void *memory, size_t len)) { return resized(memory, len); }
 LIBC(void *, reallocarray, (void *memory, size_t count, size_t len))
 {
     size_t whole;
@@ -906,14 +938,11 @@ LIBC(void *, reallocarray, (void *memory, size_t count, size_t len))
         errno = ENOMEM;
         return NULL;
     }
-    TELL_OVERRUN(memory);
-    return libc_realloc(memory, whole);
+    return resized(memory, whole);
 }
 LIBC(void, free, (void *memory))
 {
-    check_newest();
-    TELL_OVERRUN(memory);
-    forget_block(memory);
+    check_block(memory);
     __libc_free(memory);
 }
 

@@ -81,7 +81,7 @@ static struct {
     struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
     const void *reader; /* where the program has called the function that reads standard input */
     struct eyesim_call_site call_site;
-} self = {.consoles = {{.number = 1}, {.number = 2}}};
+} self = {.consoles = {{.stream = 1}, {.stream = 2}}};
 
 #define OUT (&self.consoles[0])
 #define ERR (&self.consoles[1])

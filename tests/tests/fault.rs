@@ -223,3 +223,45 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
         assert!(reason.contains("written beyond its end") && reason.contains("alone.c:8"), "{exec}: {reason}");
     }
 }
+
+#[test]
+fn memory_that_the_c_library_or_a_program_makes_longer_is_no_mistake() {
+    let source = r#"#include "eyebot.h"
+#include <assert.h>
+int main(void)
+{
+  char *made, *line = malloc(10), *whole;
+  size_t room = 10, len = 0, i;
+  FILE *file = fopen("long.txt", "w");
+  for (i = 0; i < 9000; i++)
+    fputc('a' + i % 7, file);
+  fclose(file);
+  file = fopen("long.txt", "r");
+  made = malloc(8);
+  made = reallocarray(made, 8, 4);
+  memset(made, 1, 32);
+  free(made);
+  made = malloc(5000);
+  room = 5000;
+  len = getline(&made, &room, file);
+  memset(made, 2, room);
+  line = realloc(line, 20000);
+  memset(line, 3, 20000);
+  whole = NULL;
+  room = 0;
+  rewind(file);
+  len += getdelim(&whole, &room, 'g', file);
+  assert(len == 9007 && strlen(whole) == 7 && getline(&whole, &room, stdin) == -1);
+  free(made);
+  free(whole);
+  free(line);
+  fclose(file);
+  return 0;
+}
+"#;
+    for (first, exec) in [("", "fiber"), ("#define _GNU_SOURCE\n", "fiber"), ("#define _GNU_SOURCE\n", "process")] {
+        let robot = run_alone(&format!("{first}{source}"), &["--exec", exec])["robots"][0].clone();
+        let hints = robot["hints"].to_string();
+        assert!(robot["outcome"] == "finished" && !hints.contains("beyond"), "{exec}: {robot:#}");
+    }
+}

@@ -256,7 +256,7 @@ fn abi_header(support: &[&Function], robios6: &[&Function], robios7: &[&Function
              struct eyesim_call_site {\n    const void *address;\n    const char *file;\n    size_t file_len;\n    \
              uint32_t line;\n};\n\n\
              /* A console stream: the text since the last end of a line. */\n\
-             struct eyesim_console {\n    int32_t number;\n    size_t used;\n    char *line;\n};\n\n\
+             struct eyesim_console {\n    int32_t stream;\n    size_t used;\n    char *line;\n};\n\n\
              struct eyesim_program {\n    uint32_t size;\n    uint32_t abi;\n    uint32_t generation;\n    \
              uint32_t flags;\n    uint32_t language;\n    uint32_t support_size;\n    uint32_t robios_size;\n    \
              int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);\n    \

@@ -74,6 +74,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("fgets", READS_ANY),
     ("fread", READS_ANY),
     ("getdelim", READS_ANY),
+    ("__getdelim", READS_ANY),
     ("getline", READS_ANY),
     ("fscanf", READS_ANY),
     ("__isoc99_fscanf", READS_ANY),

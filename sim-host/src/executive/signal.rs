@@ -273,7 +273,7 @@ impl FlowBlock {
     pub fn store_unfinished(&self) {
         let address = self.consoles.load(Ordering::Relaxed);
         let mut consoles = [0; WORDS_OF_CONSOLES];
-        if address == 0 || copy_own_memory(address, &mut consoles) < consoles.len() {
+        if address == 0 || copy_if_mapped(address, &mut consoles) != Some(consoles.len()) {
             return;
         }
         for (unfinished, console) in self.unfinished.iter().zip(consoles.chunks_exact(WORDS_OF_CONSOLES / 2)) {
@@ -288,7 +288,7 @@ impl FlowBlock {
     /// Async-signal-safe.
     pub fn unfinished_line(&self, console: usize, line: &mut [usize; CONSOLE_LINE / size_of::<usize>()]) -> usize {
         let [used, address] = self.unfinished[console].each_ref().map(|word| word.load(Ordering::Relaxed));
-        let copied = copy_own_memory(address, &mut line[..used.div_ceil(size_of::<usize>())]);
+        let copied = copy_if_mapped(address, &mut line[..used.div_ceil(size_of::<usize>())]).unwrap_or(0);
         used.min(copied * size_of::<usize>())
     }
 
@@ -572,21 +572,26 @@ pub fn install_in_child() -> io::Result<()> {
     Ok(())
 }
 
-/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied words.
-/// Async-signal-safe.
+/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied words. What a kernel
+/// without the call to look is asked for has to be mapped. Async-signal-safe.
 pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
+    copy_if_mapped(address, words).unwrap_or_else(|| {
+        let from = ptr::with_exposed_provenance::<usize>(address);
+        // SAFETY: callers ask for words of stacks, which are trusted to be there; every bit pattern is a valid usize.
+        words.iter_mut().enumerate().for_each(|(place, word)| *word = unsafe { from.add(place).read_unaligned() });
+        words.len()
+    })
+}
+
+/// As [`copy_own_memory`], for an address that may be wrong; `None` if the kernel does not allow the copy. Async-signal-safe.
+fn copy_if_mapped(address: usize, words: &mut [usize]) -> Option<usize> {
     let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
     let remote = libc::iovec { iov_base: ptr::without_provenance_mut(address), iov_len: size_of_val(words) };
     // SAFETY: the kernel copies from this process itself, and stops where nothing is mapped; `words` has the stated size.
     let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
-    // A kernel that does not allow the copy is known by another error; what it would read is trusted to be there then.
-    if copied < 0 && io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT) {
-        let from = ptr::with_exposed_provenance::<usize>(address);
-        // SAFETY: as said; every bit pattern is a valid usize.
-        words.iter_mut().enumerate().for_each(|(place, word)| *word = unsafe { from.add(place).read_unaligned() });
-        return words.len();
-    }
-    copied.max(0).unsigned_abs() / size_of::<usize>()
+    // A kernel that does not allow the copy is known by another error.
+    let is_allowed = copied >= 0 || io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT);
+    is_allowed.then_some(copied.max(0).unsigned_abs() / size_of::<usize>())
 }
 
 /// Sets the highest address of the stack of the calling thread's block, if it has one; returns the one before.

@@ -44,6 +44,7 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-Wmain",
     // Only what becomes 0 is told, see `plain::without_conversions`.
     "-Wfloat-conversion",
+    "-Wno-error=float-conversion",
 ];
 
 /// Flags that are used if the compiler knows them: those that make old sources compile although their constructs have become

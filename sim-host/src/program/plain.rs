@@ -49,7 +49,7 @@ pub fn without_conversions(output: &str) -> String {
         if text.contains(": warning: ") {
             is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ");
             is_any_dropped |= is_dropped;
-        } else if !line.starts_with(' ') {
+        } else if !line.starts_with(' ') && !text.contains(": note: ") {
             is_dropped = is_count && is_any_dropped;
         }
         if introduces {
@@ -212,7 +212,8 @@ impl Message<'_> {
                 Some(format!("a `(` is missing before `{word}`: a condition stands between `( )`"))
             }
             text if text.starts_with("expected expression before") || text.starts_with("expected primary-expression before") => {
-                let code = self.code().unwrap_or_default();
+                // Every other part of the line is a text in quotes.
+                let code: String = self.code().unwrap_or_default().split('"').step_by(2).collect();
                 let reversed = [("=>", ">="), ("=<", "<=")].into_iter().find(|(wrong, _)| code.contains(wrong));
                 Some(match reversed {
                     Some((wrong, right)) => format!("`{wrong}` is no comparison: write `{right}`"),
@@ -222,6 +223,9 @@ impl Message<'_> {
             text if text.starts_with("redefinition of") || text.starts_with("redeclaration of") => self.defined_twice(),
             text if text.starts_with("conflicting types for") => {
                 let name = self.quoted(0)?;
+                if self.more.iter().any(|line| line.starts_with('/') && line.contains("note: previous")) {
+                    return Some(format!("`{name}` is the name of another function already: give yours another one"));
+                }
                 Some(format!(
                     "`{name}` is used above before it is written, or written twice with other types: write its first line, with a `;`, above \
                      its first use"
@@ -259,6 +263,11 @@ impl Message<'_> {
             }
             text if text.contains("function-definition is not allowed here") => {
                 Some("a function cannot be written within another one: is a `}` missing above?".to_owned())
+            }
+            text if text.starts_with("expected identifier or '(' before numeric constant")
+                || text.starts_with("expected unqualified-id before numeric constant") =>
+            {
+                Some("a name is missing: it begins with a letter, and is no `#define` of a number".to_owned())
             }
             text if ["expected identifier or '('", "expected declaration before '}'", "expected unqualified-id before"]
                 .iter()
@@ -323,7 +332,8 @@ impl Message<'_> {
         // g++ tells the whole type: `int home(int)`.
         let name = self.quoted(0)?.split('(').next()?.rsplit([' ', '*', '&']).next()?;
         let is_note = |line: &&&str| line.contains("note: ") && (line.contains("previous") || line.contains(name));
-        let first = self.more.iter().find(is_note).and_then(|line| line.split(':').nth(1));
+        let is_here = |line: &&&str| !line.starts_with('/');
+        let first = self.more.iter().find(is_note).filter(is_here).and_then(|line| line.split(':').nth(1));
         let place = first.map_or_else(String::new, |line| format!(", in line {line} before"));
         Some(format!("`{name}` is defined twice{place}: leave one out, or give it another name"))
     }
@@ -331,9 +341,17 @@ impl Message<'_> {
     /// A name where a type belongs.
     fn unknown_type(&self) -> Option<String> {
         let name = self.quoted(0)?;
+        if OF_CPP.contains(&name) {
+            return Some(format!("`{name}` is of the C++ library: write `std::{name}`, and its `#include` at the top"));
+        }
         misspelt(name).or_else(|| {
             let near = self.near().map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            Some(format!("`{name}` is no type{near}"))
+            let outside = if near.is_empty() {
+                ", or this line is outside of every function: is there a `}` too many above?"
+            } else {
+                ""
+            };
+            Some(format!("`{name}` is no type{near}{outside}"))
         })
     }
 
@@ -437,7 +455,9 @@ impl Message<'_> {
             Some(pointee) if pointee == given => {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
-            _ if given.contains("(*)") => IS_CALLED.to_owned(),
+            _ if given.contains("(*)") => {
+                "a function is given in place of its value: call it with `( )`, as in `PSDGet(1)`".to_owned()
+            }
             _ if note.is_some() || self.more.iter().any(|line| line.contains("initializing argument")) => {
                 format!("the function takes `{expected}`, and is given `{given}`")
             }
@@ -480,6 +500,9 @@ fn unknown_function(name: &str) -> String {
         "`{name}` is not known up to this line: look how it is spelt, or write the function, or its first line with `;`, further up"
     )
 }
+
+/// Names of the C++ library that are written without `std::`.
+const OF_CPP: [&str; 10] = ["array", "cin", "cout", "endl", "list", "map", "pair", "set", "string", "vector"];
 
 /// Letters, digits and `_` alone.
 fn is_word(text: &str) -> bool {
