@@ -217,6 +217,59 @@ const CASES: &[Case] = &[
         "#include \"eyebot.h\"\nint main(void);\n{\n  return 0;\n}\n",
     ),
     case(
+        "a number with a comma",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  double v = 0,5;\n  return v > 1;\n  return 0;\n}\n",
+    ),
+    case(
+        "a number with a comma",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  double v = 0,5;\n  return v > 1;\n  return 0;\n}\n",
+    ),
+    case("`[ ]` behind the type", "mine.c", "#include \"eyebot.h\"\nint main(void)\n{\n  int[4] d;\n  return 0;\n}\n"),
+    case(
+        "a name with a `-`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int left-speed = 1;\n  return 0;\n}\n",
+    ),
+    case("`include` without `#`", "mine.c", "include \"eyebot.h\"\nint main(void)\n{\n  return 0;\n}\n"),
+    case("`include` without `#`", "mine.cpp", "include \"eyebot.h\"\nint main(void)\n{\n  return 0;\n}\n"),
+    case(
+        "`std::` and its header forgotten",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  cout << 1;\n  return 0;\n}\n",
+    ),
+    case(
+        "a text in a `string`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  string name = \"S4\";\n  return name == 0;\n  return 0;\n}\n",
+    ),
+    case(
+        "a pointer without a variable",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int *x, *y, *phi;\n  VWGetPosition(x, y, phi);\n  return 0;\n}\n",
+    ),
+    case(
+        "a `#define` with `=`",
+        "mine.c",
+        "#include \"eyebot.h\"\n#define SPEED = 100\nint main(void)\n{\n  VWSetSpeed(SPEED, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`and` in place of `&&`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int a = PSDGet(1);\n  if (a > 100 and a < 200) VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`<>` in place of `!=`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) <> 3) VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`<>` in place of `!=`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (PSDGet(1) <> 3) VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
         "`elseif`",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key == KEY1) VWSetSpeed(0, 0);\n  elseif (key == KEY2) VWSetSpeed(100, 0);\n  return 0;\n}\n",

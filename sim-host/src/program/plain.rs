@@ -96,6 +96,54 @@ impl Message<'_> {
     }
 
     fn words(&self) -> Option<String> {
+        self.by_its_line().or_else(|| self.by_its_text())
+    }
+
+    /// Mistakes that the line shows better than what the compiler expects in their place.
+    fn by_its_line(&self) -> Option<String> {
+        let code: String = self.code()?.split('"').step_by(2).collect();
+        let code = code.trim();
+        let is_syntax = self.text.starts_with("expected ");
+        let is_outside =
+            self.text.starts_with("expected identifier or") || self.text.starts_with("expected unqualified-id");
+        let digits = |text: &str, from_end: bool| {
+            let mut letters = text.trim().chars();
+            (if from_end { letters.next_back() } else { letters.next() }).is_some_and(|letter| letter.is_ascii_digit())
+        };
+        let comma = code.split_once('=').and_then(|(_, value)| value.split_once(','));
+        if code == "include" || code.starts_with("include<") || code.starts_with("include <") {
+            return Some("write `#include`, with `#`".to_owned());
+        }
+        if is_outside && comma.is_some_and(|(left, right)| digits(left, true) && digits(right, false)) {
+            return Some("a number has a point and no comma: `0.5`".to_owned());
+        }
+        if is_outside
+            && let Some((kind, rest)) =
+                code.split_once('[').filter(|(kind, _)| ["int", "double", "char"].contains(&kind.trim()))
+        {
+            let (size, name) = rest.split_once(']')?;
+            let name = name.trim().split([';', '=', ' ']).next()?;
+            return Some(format!("`[ ]` stands behind the name: `{} {name}[{size}]`", kind.trim()));
+        }
+        if is_syntax && self.before() == Some("-") && self.text.contains("'='") {
+            return Some("a name has no `-` in it: write `_`".to_owned());
+        }
+        if is_syntax && code.starts_with("#define")
+            || is_syntax && self.more.iter().any(|line| line.contains("note: in definition of macro"))
+        {
+            return Some("a `#define` has no `=` and no `;`: `#define SPEED 100`".to_owned());
+        }
+        let is_word_of_cpp = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
+        if self.file.ends_with(".c") && (is_syntax && is_word_of_cpp(self.before()) || is_word_of_cpp(self.quoted(0))) {
+            return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
+        }
+        if is_syntax && code.contains("<>") {
+            return Some("`<>` is no comparison: write `!=`".to_owned());
+        }
+        None
+    }
+
+    fn by_its_text(&self) -> Option<String> {
         let has = |phrase: &str| self.text.contains(phrase);
         let fixed = [
             ("[-Wparentheses]", "assignment", "`=` assigns a value; write `==` to compare"),
@@ -191,6 +239,12 @@ impl Message<'_> {
                 let name = self.quoted(0)?;
                 Some(format!("`{name}` is used, or given to `free` again, after `free({name})`"))
             }
+            text if text.contains("uninitialized") && self.is_declared_as_pointer() => {
+                let name = self.quoted(0)?;
+                Some(format!(
+                    "`{name}` points nowhere: make it a variable without `*` and pass its address, `&{name}`, or an array, such as `{name}[20]`"
+                ))
+            }
             text if text.contains("uninitialized") => {
                 let name = self.quoted(0)?;
                 Some(format!("`{name}` has no value yet: give it one where it is declared, such as `{name} = 0`"))
@@ -278,9 +332,6 @@ impl Message<'_> {
             text if text.contains("statement with no effect") || text.contains("expression result unused") => {
                 Some("this line does nothing: a function is called with `()`, as in `VWWait()`, and a variable is set by `=`".to_owned())
             }
-            text if text.contains("unknown type name 'string'") => {
-                Some("C has no type `string`: a text is a `const char *`".to_owned())
-            }
             text if text.contains("implicit declaration of function") => {
                 Some(unknown_function(self.quoted(0)?))
             }
@@ -305,6 +356,15 @@ impl Message<'_> {
             text if text.starts_with("expected ") => self.misspelt_start(),
             _ => None,
         }
+    }
+
+    /// Returns true if a line of the message declares the name with a `*`.
+    fn is_declared_as_pointer(&self) -> bool {
+        self.quoted(0).is_some_and(|name| {
+            let declared =
+                |line: &&&str| line.split_once(" | ").is_some_and(|(_, code)| code.contains(&format!("*{name}")));
+            self.more.iter().skip_while(|line| !line.contains("note: ")).find(declared).is_some()
+        })
     }
 
     /// The line of the program, as the message shows it.
@@ -342,7 +402,7 @@ impl Message<'_> {
     fn unknown_type(&self) -> Option<String> {
         let name = self.quoted(0)?;
         if OF_CPP.contains(&name) {
-            return Some(format!("`{name}` is of the C++ library: write `std::{name}`, and its `#include` at the top"));
+            return Some(if self.file.ends_with(".c") { no_type_of_c(name) } else { of_cpp(name) });
         }
         misspelt(name).or_else(|| {
             let near = self.near().map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
@@ -417,6 +477,9 @@ impl Message<'_> {
             return Some(format!(
                 "`{name}` is of the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
+        }
+        if !self.file.ends_with(".c") && OF_CPP.contains(&name) {
+            return Some(of_cpp(name));
         }
         Some(match self.near() {
             _ if name == "then" => "C has no `then`: leave it out".to_owned(),
@@ -499,6 +562,22 @@ fn unknown_function(name: &str) -> String {
     format!(
         "`{name}` is not known up to this line: look how it is spelt, or write the function, or its first line with `;`, further up"
     )
+}
+
+fn of_cpp(name: &str) -> String {
+    let header = match name {
+        "cin" | "cout" | "endl" => "iostream",
+        "pair" => "utility",
+        name => name,
+    };
+    format!("`{name}` is of the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
+}
+
+fn no_type_of_c(name: &str) -> String {
+    match name {
+        "string" => "C has no type `string`: a text is a `const char *`".to_owned(),
+        name => format!("C has no type `{name}`: it is of C++"),
+    }
 }
 
 /// Names of the C++ library that are written without `std::`.

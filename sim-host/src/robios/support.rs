@@ -111,9 +111,9 @@ impl<F: Flow> Support for Caller<F> {
                 return;
             }
             let reason = robot.robios.storage.unopened().unwrap_or_default();
-            robot.state.hint(&reason);
+            robot.state.hint(reason);
             place.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
-                self.flow().note_hint(&reason, &Site::Told(site));
+                self.flow().note_hint(reason, &Site::Told(site));
             });
         });
         Ok(0)
