@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use sim_core::RobotId;
 use sim_core::build::range_sensors;
@@ -20,8 +19,11 @@ use sim_core::time::Time;
 use super::error::error;
 use super::simulation::{self as python, length, range, range_count, reach};
 
-/// Least number of simulations that a thread takes at a time.
-const MIN_SHARE: usize = 2;
+/// Simulations that a thread takes at a time.
+const ROWS_AT_ONCE: usize = 4;
+
+/// A simulation in a step: its part, and the speed and turning speed of each robot.
+type Row<'a> = (&'a mut Member, Part, &'a [f64]);
 
 /// Numbers of a robot behind its ranges: x, y, heading, speed ahead, turning speed.
 const STATE: usize = 5;
@@ -105,8 +107,9 @@ impl Part {
     }
 }
 
-/// Threads that step members; they wait between steps.
+/// Threads that step members beside the caller's; they wait between steps.
 struct Workers {
+    /// Number of threads with the caller's.
     threads: usize,
     /// The pool, and the process that has made it: a child process has none of its threads.
     pool: Option<(u32, ThreadPool)>,
@@ -121,7 +124,7 @@ impl Workers {
         self.forget_strangers();
         if self.pool.is_none() {
             let named = |index| format!("eyesim-batch-{index}");
-            let pool = ThreadPoolBuilder::new().num_threads(self.threads).thread_name(named).build();
+            let pool = ThreadPoolBuilder::new().num_threads(self.threads - 1).thread_name(named).build();
             self.pool = Some((std::process::id(), pool.map_err(|failed| format!("no threads for a batch: {failed}"))?));
         }
         Ok(self.pool.as_ref().map(|(_, pool)| pool))
@@ -228,17 +231,38 @@ impl Batch {
         let parts = parts.into_iter().map(Part::of_number).collect::<Result<Vec<_>, _>>();
         let parts = parts.map_err(|failed| error(py, failed))?;
         let Self { beginnings, members, workers, .. } = self;
-        let step = |((member, part), actions): ((&mut Member, &Part), &[f64])| {
-            member.step(beginnings, *part, actions, period, size)
+        let actions = actions.chunks(size.robots * 2);
+        let mut rows: Vec<Row<'_>> = members
+            .iter_mut()
+            .zip(parts)
+            .zip(actions)
+            .map(|((member, part), actions)| (member, part, actions))
+            .collect();
+        let step = |(member, part, actions): &mut Row<'_>| member.step(beginnings, *part, actions, period, size);
+        // A thread takes a few rows at a time: those that begin an episode take longer than others.
+        let (left, failed) = (Mutex::new(rows.chunks_mut(ROWS_AT_ONCE)), Mutex::new(None));
+        let work = || {
+            let next = || left.lock().next();
+            while let Some(some) = next() {
+                if let Err(reason) = some.iter_mut().try_for_each(step) {
+                    *failed.lock() = Some(reason);
+                }
+            }
         };
-        let stepped = py.detach(|| match workers.pool()? {
-            None => members.iter_mut().zip(&parts).zip(actions.chunks(size.robots * 2)).try_for_each(step),
-            Some(pool) => pool.install(|| {
-                let members = members.par_iter_mut().zip(&parts).zip(actions.par_chunks(size.robots * 2));
-                members.with_min_len(MIN_SHARE).try_for_each(step)
-            }),
-        });
-        stepped.map_err(|failed| error(py, failed))?;
+        py.detach(|| {
+            match workers.pool()? {
+                None => work(),
+                Some(pool) => pool.in_place_scope(|scope| {
+                    (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work()));
+                    work();
+                }),
+            }
+            Ok(())
+        })
+        .map_err(|failed: String| error(py, failed))?;
+        if let Some(reason) = failed.into_inner() {
+            return Err(error(py, reason));
+        }
         fill_from(py, &numbers, self.members.iter().map(|member| &member.numbers[..]))?;
         fill_from(py, &flags, self.members.iter().map(|member| &member.flags[..]))?;
         fill_from(py, &steps, self.members.iter().map(|member| std::slice::from_ref(&member.steps)))

@@ -128,9 +128,8 @@ impl Message<'_> {
         if is_syntax && self.before() == Some("-") && self.text.contains("'='") {
             return Some("a name has no `-` in it: write `_`".to_owned());
         }
-        if is_syntax && code.starts_with("#define")
-            || is_syntax && self.more.iter().any(|line| line.contains("note: in definition of macro"))
-        {
+        let is_defined = || self.more.iter().any(|line| line.contains("note: in definition of macro"));
+        if is_syntax && (code.starts_with("#define") || is_defined()) {
             return Some("a `#define` has no `=` and no `;`: `#define SPEED 100`".to_owned());
         }
         let is_word_of_cpp = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
