@@ -263,7 +263,7 @@ impl FlowBlock {
         self.store_unfinished();
     }
 
-    /// Sets where the program of this flow collects what it prints, see [`Program::consoles`].
+    /// Sets where the program of this flow collects what it prints, see [`Program::consoles`](robios_sys::Program::consoles).
     pub fn set_consoles(&self, address: usize) {
         self.consoles.store(address, Ordering::Relaxed);
     }
