@@ -73,7 +73,7 @@ def relative_ranges(readings: Readings) -> Observations:
 
 def relative_twist(actions: npt.NDArray[Any], limits: Limits) -> Floats:
     """Speed and turning speed from parts of the greatest ones, -1 to 1; values beyond are cut."""
-    return cast(Floats, np.clip(actions, -1.0, 1.0) * (limits.speed, limits.turn))
+    return cast(Floats, np.minimum(np.maximum(actions, -1.0), 1.0) * (limits.speed, limits.turn))
 
 
 def no_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
@@ -306,12 +306,12 @@ heading_deg = 180
 
 _KEPT = 0.3
 """Distance to the wall that is rewarded most, m."""
-_LEFT = slice(2, 4)
+_LEFT = 2, 3
 """The sensors that look to the left of the robot `Ring`."""
 
 
 def _wall_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
-    distance = readings.ranges[:, _LEFT].min(axis=1)
+    distance = np.minimum(*(readings.ranges[:, sensor] for sensor in _LEFT))
     closeness = np.exp(-(((np.minimum(distance, 9.0) - _KEPT) / 0.15) ** 2))
     return cast(Floats, readings.speed / 0.6 * closeness - 10.0 * readings.touched)
 

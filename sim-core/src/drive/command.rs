@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::{
     control::{Controllers, Target},
     model::{DriveKind, Model, Wheels},
+    rare::Rare,
 };
 use crate::{math, pose::Twist, unit};
 
@@ -137,12 +138,12 @@ impl Pending {
 }
 
 /// All that determines a robot's motion from an instant on, in addition to its state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orders {
     pub pending: Pending,
     /// Steering angle of an Ackermann drive, rad, left positive.
     pub steering: f64,
-    pub controllers: Controllers,
+    pub controllers: Rare<Controllers>,
 }
 
 impl Orders {

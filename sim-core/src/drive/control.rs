@@ -4,6 +4,7 @@
 use super::{
     hull::Afloat,
     model::{Model, Wheels},
+    rare::{Rare, Usual},
 };
 use crate::{math, pose::Twist, time::TICK};
 
@@ -57,7 +58,7 @@ impl Pid {
 }
 
 /// The controllers in operation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Controllers {
     /// The PI controllers of speed and turning speed.
     pub body: Option<Gains>,
@@ -65,11 +66,27 @@ pub(super) struct Controllers {
     pub wheels: [Option<Pid>; 4],
 }
 
-/// State of wheels and controllers: present rates, and integrals of errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+impl Usual for Controllers {
+    const USUAL: &'static Self = &Self { body: None, wheels: [None; 4] };
+}
+
+/// State of wheels and controllers.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Actuation {
     /// Rates of the wheels, rad/s.
     pub rates: Wheels,
+    /// State of controllers and hull.
+    pub memory: Rare<Memory>,
+}
+
+impl Actuation {
+    /// The state of wheels at rest.
+    pub const REST: Self = Self { rates: [0.0; 4], memory: Rare::USUAL };
+}
+
+/// State of controllers and hull.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Memory {
     /// Integral of the error of the speed, m.
     pub sum_v: f64,
     /// Integral of the error of the turning speed, rad.
@@ -80,6 +97,16 @@ pub(super) struct Actuation {
     pub last: Wheels,
     /// State of a hull in the water; its mean velocity stands in the place of the rates of wheels.
     pub afloat: Afloat,
+}
+
+impl Usual for Memory {
+    const USUAL: &'static Self = &Self {
+        sum_v: 0.0,
+        sum_w: 0.0,
+        sums: [0.0; 4],
+        last: [0.0; 4],
+        afloat: Afloat { velocity: [0.0; 4], lift: 0.0 },
+    };
 }
 
 /// Set points of the wheels.
@@ -109,9 +136,10 @@ pub(super) fn step(
     controllers: &Controllers,
     target: Target,
     steering: f64,
-    mut actuation: Actuation,
+    before: &Actuation,
 ) -> Actuation {
-    let before = actuation.rates;
+    let mut actuation = before.clone();
+    let before = before.rates;
     let (wheels, settled) = match (target, &controllers.body) {
         (Target::Wheels { rates, held }, _) => {
             let of_wheel = |i: usize| controllers.wheels[i].filter(|_| held[i]);
@@ -142,21 +170,24 @@ pub(super) fn step(
 /// controller is active.
 fn wheel_output(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
     let Some(pid) = pid else {
-        (actuation.sums[i], actuation.last[i]) = (0.0, 0.0);
+        if !actuation.memory.is_unwritten() {
+            (actuation.memory.sums[i], actuation.memory.last[i]) = (0.0, 0.0);
+        }
         return set;
     };
     let limit = model.max_wheel_rate;
     let is = actuation.rates[i];
+    let memory = &mut *actuation.memory;
     // Finer than the tolerance for settled wheels, so that the error is 0 once they are settled.
     let error = if (set - is).abs() <= 1e-10 * limit { 0.0 } else { set - is };
     // Without an integral part the sum stays 0; otherwise it would never become constant.
-    let sum = if pid.i > 0.0 { actuation.sums[i] + error * TICK.seconds() } else { 0.0 };
-    let out = pid.p * error + pid.i * sum - pid.d * (is - actuation.last[i]) / TICK.seconds();
+    let sum = if pid.i > 0.0 { memory.sums[i] + error * TICK.seconds() } else { 0.0 };
+    let out = pid.p * error + pid.i * sum - pid.d * (is - memory.last[i]) / TICK.seconds();
     // During saturation the sum may only shrink, because a grown sum would cause overshoot later.
     if out.abs() <= limit || error * out <= 0.0 {
-        actuation.sums[i] = sum;
+        memory.sums[i] = sum;
     }
-    actuation.last[i] = is;
+    memory.last[i] = is;
     out.clamp(-limit, limit)
 }
 
@@ -168,8 +199,9 @@ fn body_output(model: &Model, gains: &Gains, set: Twist, steering: f64, actuatio
     let error = |set: f64, is: f64, close: f64| if (set - is).abs() <= close { 0.0 } else { set - is };
     let (error_v, error_w) =
         (error(set.vx, is.vx, close), error(set.omega, is.omega, close / model.track.min(model.wheelbase)));
-    let sum_v = actuation.sum_v + error_v * TICK.seconds();
-    let sum_w = actuation.sum_w + error_w * TICK.seconds();
+    let memory = &mut *actuation.memory;
+    let sum_v = memory.sum_v + error_v * TICK.seconds();
+    let sum_w = memory.sum_w + error_w * TICK.seconds();
     let out = Twist {
         vx: gains.vv * (error_v + sum_v / gains.tv),
         // Sideways speed has no controller of its own in RoBIOS.
@@ -181,10 +213,10 @@ fn body_output(model: &Model, gains: &Gains, set: Twist, steering: f64, actuatio
     let saturated = excess > 1.0;
     // During saturation a sum may only shrink, because a grown sum would cause overshoot later.
     if !saturated || error_v * out.vx <= 0.0 {
-        actuation.sum_v = sum_v;
+        memory.sum_v = sum_v;
     }
     if !saturated || error_w * out.omega <= 0.0 {
-        actuation.sum_w = sum_w;
+        memory.sum_w = sum_w;
     }
     if saturated { wheels.map(|rate| rate / excess) } else { wheels }
 }
@@ -218,21 +250,21 @@ mod tests {
     }
 
     fn body(gains: &Gains) -> Controllers {
-        Controllers { body: Some(*gains), ..Controllers::default() }
+        Controllers { body: Some(*gains), ..Controllers::USUAL.clone() }
     }
 
     #[test]
     fn a_lag_is_first_order() {
         let model = model(0.1);
-        let mut actuation = Actuation::default();
+        let mut actuation = Actuation::REST;
         for tick in 1..=30 {
-            actuation = step(&model, &Controllers::default(), open([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+            actuation = step(&model, Controllers::USUAL, open([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
             let risen = 1.0 - math::exp(-0.1 * f64::from(tick));
             assert!((actuation.rates[0] - 8.0 * risen).abs() < 1e-13, "tick {tick}");
             assert!((actuation.rates[1] + 4.0 * risen).abs() < 1e-13, "tick {tick}");
         }
         for _ in 0..300 {
-            actuation = step(&model, &Controllers::default(), open([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+            actuation = step(&model, Controllers::USUAL, open([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
         }
         assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "it settles");
     }
@@ -240,7 +272,7 @@ mod tests {
     /// Ticks until nothing changes any more, and the twist then.
     fn settle(model: &Model, gains: &Gains, set: Twist, mut actuation: Actuation) -> (usize, Twist, Actuation) {
         for tick in 0..100_000 {
-            let next = step(model, &body(gains), Target::Twist(set), 0.0, actuation);
+            let next = step(model, &body(gains), Target::Twist(set), 0.0, &actuation);
             if next == actuation {
                 return (tick, model.twist_from_wheels(&actuation.rates, 0.0), actuation);
             }
@@ -254,7 +286,7 @@ mod tests {
         let model = model(0.1);
         let set = Twist::new(0.2, 0.7);
         let reached = |gains: &Gains| {
-            let (ticks, twist, _) = settle(&model, gains, set, Actuation::default());
+            let (ticks, twist, _) = settle(&model, gains, set, Actuation::REST);
             assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
             ticks
         };
@@ -270,11 +302,11 @@ mod tests {
         let model = model(0.1);
         let gains = Gains { vv: 2.0, tv: 0.1, vw: 2.0, tw: 0.1 };
         // 1 m/s is twice what the wheels can do.
-        let (_, twist, mut actuation) = settle(&model, &gains, Twist::new(1.0, 0.0), Actuation::default());
+        let (_, twist, mut actuation) = settle(&model, &gains, Twist::new(1.0, 0.0), Actuation::REST);
         assert!((twist.vx - 0.5).abs() < 1e-6, "at the limit: {twist:?}");
         let mut ticks = 0;
         while model.twist_from_wheels(&actuation.rates, 0.0).vx > 0.11 {
-            actuation = step(&model, &body(&gains), Target::Twist(Twist::new(0.1, 0.0)), 0.0, actuation);
+            actuation = step(&model, &body(&gains), Target::Twist(Twist::new(0.1, 0.0)), 0.0, &actuation);
             ticks += 1;
         }
         assert!(ticks < 50, "half a second after the set speed has fallen the robot is slow: {ticks} ticks");
@@ -285,9 +317,9 @@ mod tests {
     #[test]
     fn without_proportional_action_nothing_moves_and_nothing_breaks() {
         let gains = Gains { vv: 0.0, tv: 1e-300, vw: 1e300, tw: 1e-3 };
-        let mut actuation = Actuation::default();
+        let mut actuation = Actuation::REST;
         for _ in 0..1000 {
-            actuation = step(&model(0.05), &body(&gains), Target::Twist(Twist::new(0.1, 0.5)), 0.0, actuation);
+            actuation = step(&model(0.05), &body(&gains), Target::Twist(Twist::new(0.1, 0.5)), 0.0, &actuation);
             assert!(actuation.rates.iter().all(|rate| rate.abs() <= 10.0 + 1e-9), "{actuation:?}");
         }
     }

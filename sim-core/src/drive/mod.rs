@@ -12,6 +12,7 @@ pub mod legged;
 mod model;
 mod motion;
 mod piece;
+mod rare;
 mod stage;
 
 pub use command::{Command, CommandError, arc_to};

@@ -9,12 +9,13 @@ use glam::DVec2;
 use super::{
     HISTORY,
     command::{Command, CommandError, Orders, Pending, check_wheel},
-    control::{Actuation, Controllers, Gains, Pid},
-    hull::{Afloat, Hull},
+    control::{Actuation, Gains, Pid},
+    hull::Hull,
     imperfection::{ContactRule, Imperfection, MotionErrors, Vehicle},
     legged::Walk,
     model::{DriveKind, Model, ModelError, Wheels},
     piece::{Cause, Piece, State},
+    rare::Rare,
     stage::{Grip, SlideSegment, Stage, axle_of},
 };
 use crate::{
@@ -184,9 +185,9 @@ impl Motion {
     /// The model must have passed [`Model::check`].
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
         let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
-        let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Controllers::default() };
+        let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Rare::USUAL };
         let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall, hull: None };
-        let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
+        let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::REST, &[], Grip::FREE);
         Self {
             id,
             vehicle,
@@ -247,8 +248,8 @@ impl Motion {
         hull.check(&self.vehicle.model)?;
         self.vehicle.hull = Some(hull);
         for stage in &mut self.stages {
-            stage.before.afloat.lift = lift.clamp(0.0, hull.ceiling);
-            stage.during.afloat = stage.before.afloat;
+            stage.before.memory.afloat.lift = lift.clamp(0.0, hull.ceiling);
+            stage.during.memory.afloat = stage.before.memory.afloat;
         }
         Ok(self)
     }
@@ -837,24 +838,29 @@ impl Motion {
         let mut state = stage.state(&self.vehicle.model, at);
         let mut before = stage.actuation_before(&self.vehicle.model, at);
         let orders = match input {
-            Input::Command(command) => present.with(&self.vehicle.model, command)?,
+            Input::Command(command) => present.clone().with(&self.vehicle.model, command)?,
             Input::Control(gains) => {
-                Orders { controllers: Controllers { body: gains, ..present.controllers }, ..present }
+                let mut orders = present.clone();
+                orders.controllers.body = gains;
+                orders
             }
             Input::WheelControl(wheel, pid) => {
-                let mut controllers = present.controllers;
-                controllers.wheels[wheel] = pid;
-                Orders { controllers, ..present }
+                let mut orders = present.clone();
+                orders.controllers.wheels[wheel] = pid;
+                orders
             }
             Input::Odometry(pose) => {
                 state.odometry = pose;
-                present
+                present.clone()
             }
             Input::Place(world_from_robot) => {
                 state.world_from_axle = axle_of(&self.vehicle.model, &world_from_robot);
                 let lift = if self.vehicle.hull.is_some() { stage.lift(at) } else { 0.0 };
-                before = Actuation { afloat: Afloat { lift, ..Afloat::default() }, ..Actuation::default() };
-                Orders { pending: Pending::Idle, ..present }
+                before = Actuation::REST;
+                if lift > 0.0 {
+                    before.memory.afloat.lift = lift;
+                }
+                Orders { pending: Pending::Idle, ..present.clone() }
             }
         };
         let is_blocked = stage.blocker().is_some() && stage.piece.has_ended(at);
@@ -866,7 +872,7 @@ impl Motion {
         let mut next = Stage::open(&self.vehicle, at, state, orders, before, touching, Grip::FREE);
         let grip = self.carried_grip(stage, at, &next);
         if grip != Grip::FREE {
-            next = Stage::open(&self.vehicle, at, state, orders, before, touching, grip);
+            next = Stage::open(&self.vehicle, at, state, next.orders, next.before, touching, grip);
         }
         if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
             match &mut next.piece.cause {

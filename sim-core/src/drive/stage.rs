@@ -6,7 +6,7 @@ use super::{
     HISTORY,
     command::{Orders, Pending},
     control::{self, Actuation},
-    hull::{Afloat, Hull},
+    hull::Hull,
     imperfection::{ContactRule, ErringTwists, Vehicle},
     model::{DriveKind, Model},
     motion::Passage,
@@ -124,7 +124,7 @@ impl Stage {
         grip: Grip,
     ) -> Self {
         let model = &*vehicle.model;
-        let during = actuate(vehicle, start, &orders, before);
+        let during = actuate(vehicle, start, &orders, &before);
         let belief = ordered_twist(model, &orders, &during);
         let erring = vehicle.erring_twists(start, &orders, &during, belief);
         let (rates, after, cause) = motion_of(model, &orders, belief, &erring, &during, grip.share);
@@ -494,7 +494,7 @@ impl Stage {
         if tick > limit {
             return None;
         }
-        self.steady = swim(&vehicle.model, hull, &self.orders, self.during) == self.during;
+        self.steady = swim(&vehicle.model, hull, &self.orders, &self.during) == self.during;
         if self.steady {
             self.explore(vehicle, walls, (limit - self.piece.start).seconds());
             let contact = self.piece.start + Time::from_seconds_ceil(self.segments.first()?.from);
@@ -507,7 +507,7 @@ impl Stage {
 
     /// Height of a hull above the floor at `at`, m; of other robots 0.
     pub fn lift(&self, at: Time) -> f64 {
-        let Afloat { lift, .. } = self.during.afloat;
+        let lift = self.during.memory.afloat.lift;
         lift - self.during.rates[3] * (self.next_tick() - at).seconds().max(0.0)
     }
 
@@ -561,7 +561,7 @@ impl Stage {
     /// State of wheels and controllers one tick later.
     fn step(&self, model: &Model) -> Actuation {
         let Orders { controllers, pending, steering } = &self.orders;
-        control::step(model, controllers, pending.target(), *steering, self.during)
+        control::step(model, controllers, pending.target(), *steering, &self.during)
     }
 
     /// The orders in force at `at`, with the part of a drive that is left.
@@ -583,7 +583,7 @@ impl Stage {
             }
             other => other,
         };
-        Orders { pending, ..self.orders }
+        Orders { pending, steering: self.orders.steering, controllers: self.orders.controllers.clone() }
     }
 
     /// End of the drive, rounded up to a microsecond; `None` if there is no drive or an obstacle stops the body before.
@@ -597,16 +597,19 @@ impl Stage {
     /// State of wheels, controllers and hull just before `at`.
     pub fn actuation_before(&self, model: &Model, at: Time) -> Actuation {
         if at == self.piece.start {
-            return self.before;
+            return self.before.clone();
         }
-        let mut before = self.during;
-        let Afloat { velocity: [ahead, aside, turn, _], .. } = &mut before.afloat;
+        let mut before = self.during.clone();
+        let is_afloat = model.kind == DriveKind::Thrusters;
         if self.piece.has_ended(at) {
-            [*ahead, *aside, *turn] = [0.0; 3];
             // A hull that is held goes on to rise or sink.
-            before.rates = [0.0, 0.0, 0.0, if model.kind == DriveKind::Thrusters { before.rates[3] } else { 0.0 }];
-        } else if model.kind == DriveKind::Thrusters && at.floor_to(TICK) == at {
+            before.rates = [0.0, 0.0, 0.0, if is_afloat { before.rates[3] } else { 0.0 }];
+            if is_afloat {
+                before.memory.afloat.velocity[..3].fill(0.0);
+            }
+        } else if is_afloat && at.floor_to(TICK) == at {
             let impulse = self.impulse(model, at);
+            let [ahead, aside, ..] = &mut before.memory.afloat.velocity;
             *ahead += impulse.x;
             *aside += impulse.y;
         }
@@ -653,23 +656,25 @@ fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
 
 /// State of wheels, controllers and hull from `start` on: wheels without lag follow their orders at once; wheels with a lag
 /// and a hull advance one step if `start` is a tick.
-fn actuate(vehicle: &Vehicle, start: Time, orders: &Orders, before: Actuation) -> Actuation {
+fn actuate(vehicle: &Vehicle, start: Time, orders: &Orders, before: &Actuation) -> Actuation {
     let model = &*vehicle.model;
     if let Some(hull) = &vehicle.hull {
-        if start.floor_to(TICK) == start { swim(model, hull, orders, before) } else { before }
+        if start.floor_to(TICK) == start { swim(model, hull, orders, before) } else { before.clone() }
     } else if model.wheel_lag == 0.0 {
-        Actuation { rates: orders.pending.target().wheels(model), ..before }
+        Actuation { rates: orders.pending.target().wheels(model), memory: before.memory.clone() }
     } else if start.floor_to(TICK) == start {
         control::step(model, &orders.controllers, orders.pending.target(), orders.steering, before)
     } else {
-        before
+        before.clone()
     }
 }
 
 /// One tick of a hull.
-fn swim(model: &Model, hull: &Hull, orders: &Orders, before: Actuation) -> Actuation {
-    let (rates, afloat) = hull.step(model, &orders.pending.target().wheels(model), &before.afloat);
-    Actuation { rates, afloat, ..before }
+fn swim(model: &Model, hull: &Hull, orders: &Orders, before: &Actuation) -> Actuation {
+    let mut after = before.clone();
+    let memory = &mut *after.memory;
+    (after.rates, memory.afloat) = hull.step(model, &orders.pending.target().wheels(model), &memory.afloat);
+    after
 }
 
 /// Twist of the axle that the orders ask for.

@@ -73,12 +73,12 @@ pub struct RangeErrors {
 impl RangeErrors {
     /// The errors of the sensor called `device` on `robot`, in a run with `seed`.
     pub fn new(model: RangeNoise, seed: u64, robot: RobotId, device: &str) -> Self {
-        let made = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        let made = || Events::new(seed, robot, Purpose::Make, device).at(0).normal();
         Self {
             model,
             readings: Events::new(seed, robot, Purpose::Range, device),
             signals: Events::new(seed, robot, Purpose::Signal, device),
-            offset: model.bias + model.bias_sigma * made,
+            offset: model.bias + if model.bias_sigma == 0.0 { 0.0 } else { model.bias_sigma * made() },
             is_exact: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
                 == RangeNoise { drift_time: 0.0, ..RangeNoise::default() },
         }
@@ -109,9 +109,9 @@ impl RangeErrors {
     /// Errors of one scan: its points are read in order, each with independent errors and with the sensor's constant error.
     pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
         let stream = (!self.is_exact).then(|| {
-            let age = at.seconds() / self.model.drift_time;
-            let offset = self.offset + self.model.drift * math::exp(-age);
-            (self.readings.at(index), offset)
+            let drift = self.model.drift;
+            let drifted = if drift == 0.0 { 0.0 } else { drift * math::exp(-at.seconds() / self.model.drift_time) };
+            (self.readings.at(index), self.offset + drifted)
         });
         ScanErrors { model: &self.model, range, stream }
     }
