@@ -47,7 +47,7 @@ pub fn of_compile(output: &str, source: &Path, generation: Generation) -> String
     let text = String::from_utf8_lossy(&text);
     let hints = [header, of_undeclared(output, &text, generation), of_quotes(output, &text)];
     let hints: String = hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect();
-    if hints.is_empty() { in_plain_words(output) } else { hints }
+    if hints.is_empty() { in_plain_words(output, (&name, &text)) } else { hints }
 }
 
 /// Hint on the header `missing` that `source` includes, beginning after the source's name.
