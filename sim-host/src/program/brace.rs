@@ -37,12 +37,14 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
                 '(' => parentheses += 1,
                 ')' => parentheses -= 1,
                 '{' => {
-                    let holds_functions = ["namespace", "extern"].iter().any(|word| line.trim_start().starts_with(word));
+                    let holds_functions =
+                        ["namespace", "extern"].iter().any(|word| line.trim_start().starts_with(word));
                     open.push(Open { line: index + 1, indent, holds_functions });
                 }
                 '}' => {
                     let closed = open.pop()?;
-                    if place == own_indent.len() && closed.indent != own_indent && closed.indent.starts_with(own_indent) {
+                    if place == own_indent.len() && closed.indent != own_indent && closed.indent.starts_with(own_indent)
+                    {
                         return Some(closed.line);
                     }
                 }

@@ -226,7 +226,11 @@ impl Message<'_> {
             ("address of", "local variable", LOCAL_RETURNED),
             ("comparisons like", "mathematical meaning", "two comparisons are joined by `&&`: `100 < d && d < 200`"),
             ("expected constructor, destructor", "before", OUTSIDE),
-            ("expected declaration specifiers before", "", "a `{` is missing before this line, or a `;` at the end of the one before"),
+            (
+                "expected declaration specifiers before",
+                "",
+                "a `{` is missing before this line, or a `;` at the end of the one before",
+            ),
             (
                 "initializer element is not",
                 "constant",
@@ -235,7 +239,11 @@ impl Message<'_> {
             ("octal constant", "", "a number does not begin with 0: `90`, and not `090`"),
             ("invalid operands", "^", "`^` is no power: multiply, or write `pow(a, b)` with `#include <math.h>`"),
             ("invalid operands", "%", "`%` is for whole numbers: write `fmod(a, b)` with `#include <math.h>`"),
-            ("invalid operands to binary +", "char *", "`+` does not join texts: write `\"%s%s\", a, b` in `LCDPrintf`"),
+            (
+                "invalid operands to binary +",
+                "char *",
+                "`+` does not join texts: write `\"%s%s\", a, b` in `LCDPrintf`",
+            ),
             ("main", "must return 'int'", "write `int main()`"),
             ("return type of 'main'", "is not 'int'", "write `int main(void)`, and `return 0;` at its end"),
             ("no match for 'operator>>'", "ostream", "`cout` is followed by `<<`: `cout << d`"),
@@ -489,7 +497,9 @@ impl Message<'_> {
             return Some(if self.file.ends_with(".c") { no_type_of_c(name) } else { of_cpp(name) });
         }
         misspelt(name).or_else(|| {
-            if self.near().is_none() && let Some(words) = self.one_name(name) {
+            if self.near().is_none()
+                && let Some(words) = self.one_name(name)
+            {
                 return Some(words);
             }
             let near = self.near().map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
@@ -570,7 +580,9 @@ impl Message<'_> {
         }
         if let Some(given) = self.code().and_then(printed).filter(|given| given.starts_with(name)) {
             let text = given.split([',', ')']).next()?;
-            return Some(format!("`{name}` is not defined: a text stands between quotes, as in `LCDPrintf(\"{text}\")`"));
+            return Some(format!(
+                "`{name}` is not defined: a text stands between quotes, as in `LCDPrintf(\"{text}\")`"
+            ));
         }
         if let Some(words) = self.one_name(name) {
             return Some(words);
@@ -588,7 +600,8 @@ impl Message<'_> {
 
     /// Two words where one name, or a mark between them, belongs; the message is at the second one.
     fn two_words(&self, second: &str) -> String {
-        let left = self.code().and_then(|code| code.get(..self.column.saturating_sub(1))).unwrap_or_default().trim_end();
+        let left =
+            self.code().and_then(|code| code.get(..self.column.saturating_sub(1))).unwrap_or_default().trim_end();
         if left.is_empty() {
             return "a `;` is missing at the end of the line before this one, or a `{`".to_owned();
         }
@@ -775,8 +788,7 @@ const ARRAY_IS_SET: &str = "an array is not set by `=`: `strcpy(array, \"text\")
 
 const LIST_IS_SET: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
 
-const LOCAL_RETURNED: &str =
-    "what the function returns the address of is gone when it ends: write `static` before its declaration, or declare it in the caller";
+const LOCAL_RETURNED: &str = "what the function returns the address of is gone when it ends: write `static` before its declaration, or declare it in the caller";
 
 const OUTSIDE: &str = "this line is outside of every function: write it between the `{` and `}` of one, such as `main`; or there is a `}` too many above, or a `{` is missing";
 
@@ -788,7 +800,7 @@ const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `(
 const NO_FUNCTION: &str =
     "this `{` belongs to no function: a function has `( )` behind its name, as in `int main(void)`";
 
-const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
+pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
 
 /// A text or an index beyond its array; `text` tells sizes in bytes.
 fn overflow(text: &str) -> String {
