@@ -622,7 +622,7 @@ const CASES: &[Case] = &[
     case(
         "nothing there to read",
         "mine.cpp",
-        "#include <iostream>\nint main()\n{\n  int n;\n  std::cin >> n;\n  std::cout << n;\n}\n",
+        "#include <iostream>\nint main()\n{\n  int n = -1;\n  std::cin >> n;\n  std::cout << n;\n}\n",
     ),
     case("nothing there to read", "mine.py", "n = int(input())\n"),
     case(

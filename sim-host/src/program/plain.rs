@@ -790,7 +790,8 @@ const LIST_IS_SET: &str = "`{ }` sets an array only where it is declared, as in 
 
 const LOCAL_RETURNED: &str = "what the function returns the address of is gone when it ends: write `static` before its declaration, or declare it in the caller";
 
-const OUTSIDE: &str = "this line is outside of every function: write it between the `{` and `}` of one, such as `main`; or there is a `}` too many above, or a `{` is missing";
+const OUTSIDE: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it belongs between the \
+                       `{` and `}` of one, such as `main`";
 
 const VOID_RETURNS: &str =
     "a `void` function returns no value: write the value's type in place of `void`, such as `int`";
