@@ -144,7 +144,8 @@ pub enum Device {
 impl Display for Device {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Psd(at) => write!(f, "PSD sensor `{at}`"),
+            Self::Psd(PsdAt::Other(semantics)) => write!(f, "PSD sensor `{semantics}`"),
+            Self::Psd(at) => write!(f, "PSD sensor `{at}` (`PsdAt::{at:?}`)"),
             Self::Motor(at) => write!(f, "motor `{at}`"),
             Self::Encoder(at) => write!(f, "encoder `{at}`"),
             Self::Servo(at) => write!(f, "servo `{at}`"),

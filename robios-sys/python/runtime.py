@@ -1486,7 +1486,11 @@ def _advice(error, trace):
     if isinstance(error, NameError) and getattr(error, "name", None) in getattr(_sys, "stdlib_module_names", ()):
         return f"write `import {error.name}` as the first line"
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and not _os.path.isabs(error.filename):
-        return "relative paths begin in the folder in which eyesim runs"
+        return f"relative paths begin in `{_os.getcwd()}`, the folder in which eyesim runs"
+    if isinstance(error, TypeError) and "function' object is not subscriptable" in str(error):
+        return "`[ ]` belongs to a list: a function is called with `( )`, as in `PSDGet(1)`"
+    if isinstance(error, TypeError) and "can only concatenate str" in str(error):
+        return "`+` joins texts alone: write `str(...)` around the number"
     return _missing_import(error, trace)
 
 

@@ -45,6 +45,7 @@ struct eyesim_support {
     int32_t (*noticed)(void *robot, struct eyesim_bytes text, int32_t *result);
     int32_t (*unopened_by)(void *robot, struct eyesim_bytes name, int32_t error, struct eyesim_bytes stack, int32_t *result);
     int32_t (*unfinished)(void *robot, int32_t stream, struct eyesim_bytes bytes, int32_t *result);
+    int32_t (*read_at_end)(void *robot, struct eyesim_bytes stack, int32_t *result);
 };
 
 /* Version 1. */

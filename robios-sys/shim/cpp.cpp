@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <typeinfo>
 
 #define HIDDEN __attribute__((visibility("hidden")))
@@ -23,6 +24,7 @@ HIDDEN [[noreturn]] void eyesim_uncaught(const char *text, const void *const *st
 HIDDEN bool eyesim_is_left();
 HIDDEN std::uint32_t eyesim_entropy();
 HIDDEN std::size_t eyesim_stack(const void **addresses, std::size_t room);
+HIDDEN void *eyesim_allocated(std::size_t len, const void *caller);
 }
 
 namespace {
@@ -122,6 +124,37 @@ extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
     leaving->frame = frame;
     leaving->exception.exception_cleanup = not_rethrown;
     _Unwind_ForcedUnwind(&leaving->exception, step, frame);
+}
+
+namespace {
+
+void *allocated(std::size_t len, const void *caller)
+{
+    for (;;) {
+        if (void *memory = eyesim_allocated(len == 0 ? 1 : len, caller))
+            return memory;
+        if (const std::new_handler handler = std::get_new_handler())
+            handler();
+        else
+            throw std::bad_alloc();
+    }
+}
+
+} // namespace
+
+// As those of the C++ library, and know the line of the program. Those of the program itself come before.
+__attribute__((weak, noinline)) void *operator new(std::size_t len) { return allocated(len, __builtin_return_address(0)); }
+__attribute__((weak, noinline)) void *operator new[](std::size_t len) { return allocated(len, __builtin_return_address(0)); }
+
+// What the C++ library calls where it finds a wrong index or an empty container (_GLIBCXX_ASSERTIONS).
+extern "C" [[noreturn]] void library_refuses(const char *, int, const char *, const char *condition)
+    NAMED(_ZSt21__glibcxx_assert_failPKciS0_S0_);
+void library_refuses(const char *, int, const char *, const char *condition)
+{
+    char text[512];
+    const void *stack[64];
+    std::snprintf(text, sizeof text, "assertion of the C++ library failed: %s", condition);
+    eyesim_uncaught(text, stack, eyesim_stack(stack, sizeof stack / sizeof *stack));
 }
 
 // std::random_device of libstdc++ would use the processor's generator.

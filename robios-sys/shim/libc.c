@@ -88,6 +88,21 @@ static ssize_t cookie_write(void *console, const char *bytes, size_t len)
     return (ssize_t)len;
 }
 
+#ifdef EYESIM_CPP
+/* The C++ library's streams read by their own calls: the place in the program is that of a call further out. Told once. */
+static void tell_reader(void)
+{
+    const void *stack[24];
+    int32_t result;
+    size_t depth;
+    if (self.has_told_reader)
+        return;
+    self.has_told_reader = 1;
+    depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
+    self.host->support->read_at_end(self.robot, bytes_of(stack, depth * sizeof *stack), &result);
+}
+#endif
+
 /* Reads standard input. Never leaves the program, since a FILE may be in use. */
 static ssize_t cookie_read(void *console, char *bytes, size_t len)
 {
@@ -100,6 +115,10 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
         send_line(OUT); /* a prompt */
         self.call_site.address = self.reader != NULL ? self.reader : __builtin_return_address(0);
         status = self.host->support->input(self.robot, room_of(bytes, len), &count);
+#ifdef EYESIM_CPP
+        if (status != EYESIM_STOP && count == 0)
+            tell_reader();
+#endif
         self.call_site.address = site;
         self.frame = frame;
         if (status == EYESIM_STOP) {
@@ -788,9 +807,9 @@ struct guard {
 #define MARK_OF_BLOCK(memory) ((uintptr_t)(memory) ^ (uintptr_t)0x9e3779b97f4a7c15)
 
 #ifdef EYESIM_CPP
-#define ALLOCATES "new"
+#define ALLOCATES "`new`, `malloc` or a container"
 #else
-#define ALLOCATES "malloc"
+#define ALLOCATES "`malloc`"
 #endif
 
 static char *end_of_block(void *memory) { return (char *)memory + malloc_usable_size(memory) - sizeof(struct guard); }
@@ -827,7 +846,7 @@ static struct {
  * block, too. An overrun that ends before this word is told when the block is given back. */
 static void check_newest(void)
 {
-    char text[128];
+    char text[192];
     struct guard guard;
     int32_t result;
     if (newest.memory == NULL || !may_call() || self.is_leaving)
@@ -840,7 +859,7 @@ static void check_newest(void)
     if ((guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
         return;
     newest.memory = NULL;
-    snprintf(text, sizeof text, "the program has written far beyond the end of the %zu bytes that `" ALLOCATES "` gives", newest.len);
+    snprintf(text, sizeof text, "an index or a length is too large: the program has written far beyond the end of the %zu bytes that it gets from " ALLOCATES, newest.len);
     self.call_site.address = newest.caller;
     self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
     eyesim_trap_heap_lost();
@@ -895,26 +914,31 @@ static int is_overrun(void *memory, size_t *len)
 /* Looks at a block before it is given back to the C library. */
 PART void check_block(void *memory)
 {
-    char text[96];
+    char text[128];
     size_t len;
     int32_t result;
     check_newest();
     forget_block(memory);
     if (is_lost(memory))
-        fail_at(__builtin_return_address(0), FAILED_HEAP, "memory before this block of `malloc` was written beyond its end, or the pointer is none of `malloc`");
+        fail_at(__builtin_return_address(0), FAILED_HEAP, "memory before this block was written beyond its end, or the pointer is none of " ALLOCATES);
     if (is_overrun(memory, &len)) {
-        snprintf(text, sizeof text, "the program has written beyond the end of these %zu bytes of `malloc`", len);
+        snprintf(text, sizeof text, "the program has written beyond the end of these %zu bytes of " ALLOCATES, len);
         SUPPORT(noticed, text_of(text), &result);
     }
 }
 
 static int has_room_for_guard(size_t len) { return len <= PTRDIFF_MAX - GUARD_LEN; }
 
-LIBC(void *, malloc, (size_t len))
+static void *allocated(size_t len, const void *caller)
 {
     check_newest();
-    return has_room_for_guard(len) ? guarded(__libc_malloc(len + GUARD_LEN), len, __builtin_return_address(0)) : __libc_malloc(len);
+    return has_room_for_guard(len) ? guarded(__libc_malloc(len + GUARD_LEN), len, caller) : __libc_malloc(len);
 }
+LIBC(void *, malloc, (size_t len)) { return allocated(len, __builtin_return_address(0)); }
+#ifdef EYESIM_CPP
+/* For `new`, which the program calls at `caller`. */
+HIDDEN void *eyesim_allocated(size_t len, const void *caller) { return allocated(len, caller); }
+#endif
 LIBC(void *, calloc, (size_t count, size_t len))
 {
     size_t whole;

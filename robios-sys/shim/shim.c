@@ -80,6 +80,7 @@ static struct {
     int stop_pending; /* the host has stopped the program while it could not be left */
     struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
     const void *reader; /* where the program has called the function that reads standard input */
+    int has_told_reader; /* see tell_reader */
     struct eyesim_call_site call_site;
 } self = {.consoles = {{.stream = 1}, {.stream = 2}}};
 
@@ -421,6 +422,7 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     main_task.base = &frame;
     self.is_leaving = self.stop_pending = self.ignored_calls = 0;
     self.reader = NULL;
+    self.has_told_reader = 0;
     self.host = host;
     self.robot = robot;
     self.frame = &frame;

@@ -150,5 +150,9 @@ crate::table::function_table! {
 
         /// As `console`, for the text since the last end of a line of a program that breaks. No time passes. Returns 0.
         fn unfinished(stream: i32, bytes: Bytes) -> i32 = 0;
+
+        /// Tells where the program has just read at the end of its standard input, if the place of the call is none of its own code, as with
+        /// `std::cin`. `stack` is as for `failed`. No time passes. Returns 0.
+        fn read_at_end(stack: Bytes) -> i32 = 0;
     }
 }

@@ -117,7 +117,7 @@ fn an_empty_input_is_told_and_no_loop_at_its_end_goes_on() {
         write_scene(&scratch, &["a.c"]);
         scratch.eyesim(&[&["run", "scene.sim", "--api", "7"], args].concat())
     };
-    let hint = "the program reads its standard input, which is empty: `--stdin FILE` gives it a text";
+    let hint = "run with `--stdin in.txt`";
     // \"Press Enter\".
     let ran = run("printf(\"Press Enter\"); getchar(); VWStraight(100, 100); VWWait(); return 0;", &[]);
     assert!(ran.code == Some(0) && ran.stderr.matches(hint).count() == 1, "{ran:#?}");

@@ -176,6 +176,7 @@ const CASES: &[Case] = &[
         "mine.cpp",
         "#include \"eyebot.h\"\nint main(void)\n{\n  return PSDGet[1];\n}\n",
     ),
+    case("square brackets around a sensor", "mine.py", "from eye import *\nPSDGet[1]\n"),
     case(
         "a function used before it is known",
         "mine.c",
@@ -289,6 +290,251 @@ const CASES: &[Case] = &[
         "mine.cpp",
         "#include \"eyebot.h\"\nint main(void)\n{\n  If (KEYRead()) OSWait(1);\n  return 0;\n}\n",
     ),
+    case(
+        "a quote missing at the begin",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(hello\\n\");\n  return 0;\n}\n",
+    ),
+    case(
+        "a quote missing at the begin",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(hello\\n\");\n  return 0;\n}\n",
+    ),
+    case(
+        "a text without quotes",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(hello world);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text without quotes",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDPrintf(hello world);\n  return 0;\n}\n",
+    ),
+    case(
+        "a number in place of a text",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  LCDPrintf(d);\n  return 0;\n}\n",
+    ),
+    case(
+        "a number in place of a text",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  LCDPrintf(d);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text and a number joined by `+`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  LCDPrintf(\"distance \" + d);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text and a number joined by `+`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  LCDPrintf(\"distance \" + d);\n  return 0;\n}\n",
+    ),
+    case("a text and a number joined by `+`", "mine.py", "from eye import *\nLCDPrintf(\"distance \" + PSDGet(1))\n"),
+    case(
+        "a text in a `char`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  char c = \"a\";\n  LCDPrintf(\"%c\\n\", c);\n  return 0;\n}\n",
+    ),
+    case(
+        "a text in a `char`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  char c = \"a\";\n  LCDPrintf(\"%c\\n\", c);\n  return 0;\n}\n",
+    ),
+    case(
+        "a name of two words",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int my speed = 300;\n  VWSetSpeed(my speed, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "a name of two words",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int my speed = 300;\n  VWSetSpeed(my speed, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "a function of two words",
+        "mine.c",
+        "#include \"eyebot.h\"\nvoid drive_home(void) { VWStraight(100, 100); }\nint main(void)\n{\n  drive home();\n  return 0;\n}\n",
+    ),
+    case(
+        "a function of two words",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nvoid drive_home(void) { VWStraight(100, 100); }\nint main(void)\n{\n  drive home();\n  return 0;\n}\n",
+    ),
+    case(
+        "an own function misspelt",
+        "mine.c",
+        "#include \"eyebot.h\"\nvoid driveHome(void) { VWStraight(100, 100); }\nint main(void)\n{\n  driveHom();\n  return 0;\n}\n",
+    ),
+    case(
+        "an own function misspelt",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nvoid driveHome(void) { VWStraight(100, 100); }\nint main(void)\n{\n  driveHom();\n  return 0;\n}\n",
+    ),
+    case(
+        "a function that is not called",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100, 100);\n  VWWait;\n  return 0;\n}\n",
+    ),
+    case(
+        "a function that is not called",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100, 100);\n  VWWait;\n  return 0;\n}\n",
+    ),
+    case(
+        "a type within a call",
+        "mine.c",
+        "#include \"eyebot.h\"\nvoid drive(int mm) { VWStraight(mm, 100); }\nint main(void)\n{\n  drive(int 300);\n  return 0;\n}\n",
+    ),
+    case(
+        "a type within a call",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nvoid drive(int mm) { VWStraight(mm, 100); }\nint main(void)\n{\n  drive(int 300);\n  return 0;\n}\n",
+    ),
+    case(
+        "a type in front of a call",
+        "mine.c",
+        "#include \"eyebot.h\"\nvoid drive(int mm) { VWStraight(mm, 100); }\nint main(void)\n{\n  void drive(300);\n  return 0;\n}\n",
+    ),
+    case(
+        "a type in front of a call",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nvoid drive(int mm) { VWStraight(mm, 100); }\nint main(void)\n{\n  void drive(300);\n  return 0;\n}\n",
+    ),
+    case(
+        "an array set to a list",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d[3];\n  d = {1, 2, 3};\n  LCDPrintf(\"%d\\n\", d[0]);\n  return 0;\n}\n",
+    ),
+    case(
+        "an array set to a list",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d[3];\n  d = {1, 2, 3};\n  LCDPrintf(\"%d\\n\", d[0]);\n  return 0;\n}\n",
+    ),
+    case(
+        "the address of a local array",
+        "mine.c",
+        "#include \"eyebot.h\"\nint *distances(void)\n{\n  int d[4];\n  d[0] = PSDGet(1);\n  return d;\n}\nint main(void)\n{\n  LCDPrintf(\"%d\\n\", distances()[0]);\n  return 0;\n}\n",
+    ),
+    case(
+        "the address of a local array",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint *distances(void)\n{\n  int d[4];\n  d[0] = PSDGet(1);\n  return d;\n}\nint main(void)\n{\n  LCDPrintf(\"%d\\n\", distances()[0]);\n  return 0;\n}\n",
+    ),
+    case(
+        "an `else` with a condition",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key == KEY1)\n    VWSetSpeed(0, 0);\n  else (key == KEY2)\n    VWSetSpeed(100, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "an `else` with a condition",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int key = KEYRead();\n  if (key == KEY1)\n    VWSetSpeed(0, 0);\n  else (key == KEY2)\n    VWSetSpeed(100, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`:` in place of `{`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (KEYRead() == KEY1):\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`:` in place of `{`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  if (KEYRead() == KEY1):\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case("`:` in place of `;`", "mine.c", "#include \"eyebot.h\"\nint main(void)\n{\n  LCDClear():\n  return 0;\n}\n"),
+    case(
+        "`:` in place of `;`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  LCDClear():\n  return 0;\n}\n",
+    ),
+    case(
+        "a `;` behind `while (...)`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  while (d > 200) ;\n    d = PSDGet(1);\n  return 0;\n}\n",
+    ),
+    case(
+        "a `;` behind `while (...)`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  while (d > 200) ;\n    d = PSDGet(1);\n  return 0;\n}\n",
+    ),
+    case(
+        "a comparison of three",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  if (100 < d < 200)\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "a comparison of three",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int d = PSDGet(1);\n  if (100 < d < 200)\n    VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "a statement outside of `main`",
+        "mine.c",
+        "#include \"eyebot.h\"\nLCDPrintf(\"hello\\n\");\nint main(void)\n{\n  return 0;\n}\n",
+    ),
+    case(
+        "a statement outside of `main`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nLCDPrintf(\"hello\\n\");\nint main(void)\n{\n  return 0;\n}\n",
+    ),
+    case("a `{` missing", "mine.c", "#include \"eyebot.h\"\nint main(void)\n  VWStraight(100, 100);\n  return 0;\n}\n"),
+    case(
+        "a `{` missing",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n  VWStraight(100, 100);\n  return 0;\n}\n",
+    ),
+    case(
+        "a number that begins with 0",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWTurn(090, 90);\n  return 0;\n}\n",
+    ),
+    case(
+        "a number that begins with 0",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWTurn(090, 90);\n  return 0;\n}\n",
+    ),
+    case("`**` for a power", "mine.c", "#include \"eyebot.h\"\nint main(void)\n{\n  return 2 ** 3;\n  return 0;\n}\n"),
+    case(
+        "`**` for a power",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  return 2 ** 3;\n  return 0;\n}\n",
+    ),
+    case(
+        "`%` of a `double`",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  double d = PSDGet(1);\n  if (d % 2 == 0) VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case(
+        "`%` of a `double`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  double d = PSDGet(1);\n  if (d % 2 == 0) VWSetSpeed(0, 0);\n  return 0;\n}\n",
+    ),
+    case("`void main`", "mine.cpp", "#include \"eyebot.h\"\nvoid main()\n{\n  VWStraight(100, 100);\n}\n"),
+    case(
+        "`cout >>`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\n#include <iostream>\nint main(void)\n{\n  std::cout >> 1;\n  return 0;\n}\n",
+    ),
+    case(
+        "`.` behind a pointer",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nstruct Robo { void go() { VWWait(); } };\nint main(void)\n{\n  Robo *r = new Robo;\n  r.go();\n  return 0;\n}\n",
+    ),
+    case(
+        "an index outside of a `vector`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\n#include <vector>\nint main(void)\n{\n  std::vector<int> d(4);\n  d[VWWait() + 4] = 1;\n  return 0;\n}\n",
+    ),
+    case(
+        "an index outside of a `vector`",
+        "mine.cpp",
+        "#include \"eyebot.h\"\n#include <vector>\nint main(void)\n{\n  std::vector<int> d(4);\n  d[VWWait() - 1] = 1;\n  return 0;\n}\n",
+    ),
+    case(
+        "memory of `new` overrun",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int *map = new int[4];\n  for (int i = 0; i <= 400; i++)\n    map[i] = PSDGet(1);\n  delete[] map;\n  return 0;\n}\n",
+    ),
     case("no `main`", "mine.c", "#include \"eyebot.h\"\nint drive(void)\n{\n  return VWStraight(100, 100);\n}\n"),
     case("no `main`", "mine.cpp", "#include \"eyebot.h\"\nint drive(void)\n{\n  return VWStraight(100, 100);\n}\n"),
     case("a loop without an end", "mine.c", "int main(void)\n{\n  while (1)\n    ;\n}\n"),
@@ -376,7 +622,7 @@ const CASES: &[Case] = &[
     case(
         "nothing there to read",
         "mine.cpp",
-        "#include <iostream>\nint main()\n{\n  int n;\n  std::cin >> n;\n  std::cout << n;\n}\n",
+        "#include <iostream>\nint main()\n{\n  int n = -1;\n  std::cin >> n;\n  std::cout << n;\n}\n",
     ),
     case("nothing there to read", "mine.py", "n = int(input())\n"),
     case(
@@ -619,6 +865,16 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
         return lines[message - 1..=message].join("\n");
     }
     let first = lines.first().copied().unwrap_or_default();
+    // Behind what the program prints, or a hint, comes how it ends.
+    if first.starts_with("[r1 ") {
+        let lines: Vec<&str> = lines
+            .iter()
+            .copied()
+            .take_while(|line| !line.starts_with("simulated ") && !line.starts_with("r1 ("))
+            .take(3)
+            .collect();
+        return lines.join("\n");
+    }
     // Behind the line that names the program comes the compiler's first message.
     let is_error = |line: &&&str| {
         let words = ["error: ", "error[", "did you mean", "--> "];

@@ -168,7 +168,7 @@ fn what_cannot_be_driven_is_refused_and_explained() {
         "`VWCurve` returned 1: a curve takes a length",
         "RoBIOS-7 takes millimetres, not metres",
         "RoBIOS-7 takes degrees, not radians",
-        "`VWWait` waits for the end of a drive",
+        "write `VWWait()` above this line",
     ] {
         assert!(ran.stderr.contains(part), "{part}: {ran:#?}");
     }

@@ -157,12 +157,20 @@ const RESERVED: &[&str] = &[
     "yield",
 ];
 
+/// What to write for a name that is a path.
+fn split_path(path: &str) -> Option<String> {
+    let path = path.trim_end_matches('/');
+    let (folder, name) = path.rsplit_once('/')?;
+    let folder = if folder.is_empty() { "/" } else { folder };
+    Some(format!("; write `eyesim new {name} --path {folder}`"))
+}
+
 fn check_name(name: &str, lang: Language) -> anyhow::Result<()> {
     let plain = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
     if !plain || !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
         bail!(
             "`{name}` is no name for a program: it starts with a letter and has letters, digits, `-` and `_`{}",
-            if name.contains('/') { " (`--path` chooses the folder)" } else { "" }
+            split_path(name).unwrap_or_default()
         );
     }
     if lang == Language::Rust && RESERVED.contains(&name.to_ascii_lowercase().as_str()) {

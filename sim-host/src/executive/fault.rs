@@ -2,7 +2,7 @@
 
 use super::confine;
 use super::guard::is_in_guard;
-use super::signal::{self, EXITS, Fault, GONE, OVERDUE_SIGNAL};
+use super::signal::{self, DIVIDES_BY_ZERO, EXITS, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
 /// A flow that will never run again, and why.
@@ -171,7 +171,8 @@ fn name_of_signal(signal: i32) -> Option<&'static str> {
 fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
     match code {
-        1 | 2 => "integer division by zero, or of INT_MIN by -1",
+        DIVIDES_BY_ZERO => "integer division by zero",
+        2 => "integer division by zero, or of INT_MIN by -1",
         3 => "floating-point division by zero, for which the program has asked for a trap",
         4 => "floating-point overflow, for which the program has asked for a trap",
         5 => "floating-point underflow, for which the program has asked for a trap",

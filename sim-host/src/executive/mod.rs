@@ -26,6 +26,7 @@ mod prefetch;
 pub mod process;
 pub mod program;
 pub mod program_status;
+mod reason;
 pub mod run;
 pub mod scheduler;
 pub mod script;

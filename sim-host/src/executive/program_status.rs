@@ -7,6 +7,8 @@ use super::dispatcher::End;
 use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW};
 use super::process::ComputingPlace;
 use super::program::RobotProgram;
+use super::reason;
+use crate::program::plain::is_empty_clause;
 use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Wait, WaitReason};
 use sim_core::record::{Event, Outcome};
@@ -131,7 +133,7 @@ pub fn judge(
     if let Some(broken) = broken {
         let place = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        let reason = Some(format!("{place}{}", advice(&place, broken, robot)));
+        let reason = Some(format!("{place}{}", advice(&place, broken, robot, program)));
         return ProgramStatus { reason, fault: Some(place), ..status(outcome, None) };
     }
     match &robot.ending {
@@ -140,7 +142,10 @@ pub fn judge(
             let reason = format!("{}exit code {code}", robot.tasks.prefix());
             ProgramStatus { exit_code: Some(*code), ..status(Outcome::Failed, Some(reason)) }
         }
-        Some(Ending::Failed { reason }) => status(Outcome::Failed, Some(reason.clone())),
+        Some(Ending::Failed { reason }) => {
+            let words = reason::in_plain_words(reason, |line| program.text_of(line));
+            status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
+        }
         _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
             status(Outcome::Waiting, Some(waits_in_words(robot, program, run_end)))
         }
@@ -276,22 +281,37 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
 
 /// Returns true if the line at which the program broke divides, and uses no pointer.
 fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
-    let line = program.own_source_line(&without_stale(&broken.addresses, program));
-    let text = line.and_then(|line| program.text_of(&line)).unwrap_or_default();
+    let text = code_of(broken, program, 0).unwrap_or_default();
     let code = text.split("//").next().unwrap_or_default();
     // What stands between quotes is no code.
     let code: String = code.split('"').step_by(2).collect();
     code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
+/// The line of the program at which it broke, or the one `above` lines above it.
+fn code_of(broken: &Broken, program: &RobotProgram, above: u32) -> Option<String> {
+    let mut line = program.own_source_line(&without_stale(&broken.addresses, program))?;
+    line.line = line.line.checked_sub(above)?;
+    program.text_of(&line)
+}
+
+/// Returns true if the program broke in a loop without a body, `while (...);`, and not at the end of a `do`.
+fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
+    let is_end = |line: String| line.trim_end().ends_with('}');
+    code_of(broken, program, 0).is_some_and(|line| is_empty_clause(&line))
+        && !code_of(broken, program, 1).is_some_and(is_end)
+}
+
 /// What the user may do about a break, appended to its report.
-fn advice(report: &FaultReport, broken: &Broken, robot: &Robot) -> String {
+fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
     let unopened = robot.robios.storage.unopened().filter(|_| report.what.starts_with(NULL_POINTER));
     if broken.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
     } else if broken.is_overdue {
         let call = if report.location.contains(".rs:") { "robot.sleep(...)" } else { "OSWait(10)" };
-        format!("; put a call that waits into the loop, such as `{call}`")
+        let empty =
+            if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
+        format!("; {empty}put a call that waits into the loop, such as `{call}`")
     } else if report.what.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {

@@ -114,6 +114,12 @@ pub struct Fault {
 /// The signal by which the watchdog stops an overdue thread.
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
+/// Code of a SIGFPE: an integer was divided by 0 (FPE_INTDIV, which the crate `libc` does not have).
+pub const DIVIDES_BY_ZERO: i32 = 1;
+
+/// Code of a SIGFPE: the quotient of integers may not have fitted (FPE_INTOVF).
+const DIVISION_OVERFLOWS: i32 = 2;
+
 /// In place of a signal: the program called `exit` of the C library on a thread of the host.
 pub const EXITS: i32 = -2;
 
@@ -666,7 +672,12 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
     let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
-    let code = if code == libc::SI_USER { -1 } else { code };
+    let code = match code {
+        libc::SI_USER => -1,
+        // SAFETY: as above.
+        DIVIDES_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOWS,
+        code => code,
+    };
     let fault = Fault { signal, code, address, pc, sp };
     if !matches!(block.on_fault, OnFault::Report(_)) {
         interrupt::arm_last_resort();
@@ -693,6 +704,24 @@ unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
     }
     // SAFETY: by this function's contract.
     unsafe { (*info).si_addr() as usize }
+}
+
+/// Returns true if the quotient of a division that has faulted may be what does not fit: its dividend is the least number.
+///
+/// # Safety
+/// `context` must be the third argument of an SA_SIGINFO handler.
+unsafe fn may_overflow(context: *mut libc::c_void) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        // SAFETY: by this function's contract.
+        let dividend = unsafe { (*context.cast::<libc::ucontext_t>()).uc_mcontext.gregs[libc::REG_RAX as usize] };
+        dividend == i64::MIN || dividend as i32 == i32::MIN
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let _ = context;
+        true
+    }
 }
 
 /// Program counter and stack pointer at the fault.

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use super::cache::Cache;
 use super::command::{CARGO_TIMEOUT, build_output, build_timeout};
+use super::plain_rust::in_plain_words;
 
 /// A package that was built.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub enum CargoError {
         error: io::Error,
     },
     /// cargo ends with an error; its messages follow unchanged.
-    #[error("the Rust program in `{}` does not build:\n{output}", folder.display())]
+    #[error("{}the Rust program in `{}` does not build:\n{output}", in_plain_words(output), folder.display())]
     Refused {
         /// The package's folder.
         folder: PathBuf,
@@ -172,7 +173,8 @@ fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Resu
     }
     let (library, fresh) =
         library_of(&messages, manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
-    Ok(Package { library, output: without_progress(&said), fresh })
+    let output = without_progress(&said);
+    Ok(Package { library, output: in_plain_words(&output) + &output, fresh })
 }
 
 fn cargo_command(cargo: &Path, manifest: &Path) -> Command {

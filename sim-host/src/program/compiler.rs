@@ -42,13 +42,16 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
-    // Only what becomes 0 is told, see `plain::without_conversions`.
+    // Part of these is told, see `plain::without_meant`.
     "-Wfloat-conversion",
     "-Wno-error=float-conversion",
+    "-Wformat-security",
+    "-Wno-error=format-security",
 ];
 
 /// Flags that are used if the compiler knows them: those that make old sources compile although their constructs have become
-/// errors (gcc 14, clang 16, C++11), then stack probes (a big local array hits the guard page and not the memory beyond it).
+/// errors (gcc 14, clang 16, C++11), then checks of the indices of `vector` and its kin, and stack probes (a big local array hits the guard
+/// page and not the memory beyond it).
 const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &[
@@ -69,6 +72,7 @@ const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
             "-Wno-error=register",
             "-Wno-error=writable-strings",
             "-fno-gnu-unique",
+            "-D_GLIBCXX_ASSERTIONS",
             "-fstack-clash-protection",
         ],
     }

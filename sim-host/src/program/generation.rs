@@ -9,7 +9,6 @@ use robios_sys::constant::Constant;
 use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 
 use super::calls::calls_of;
-use super::hint::quoted;
 use crate::files::read_regular;
 
 /// A generation of the RoBIOS API.
@@ -247,14 +246,14 @@ pub enum GenerationError {
     #[error(
         "`{}` mixes two generations: {} of RoBIOS 6, whose devices have handles, and {} of RoBIOS-7, whose devices have none; write all \
          of it for one of them",
-        source_file.display(), quoted(of_6), quoted(of_7)
+        source_file.display(), of_6.join(", "), of_7.join(", ")
     )]
     Both {
         /// The first source.
         source_file: PathBuf,
-        /// Functions called that only RoBIOS 6 has.
+        /// Functions called that only RoBIOS 6 has, with the places of their first calls.
         of_6: Vec<String>,
-        /// Functions called that only RoBIOS-7 has.
+        /// Functions called that only RoBIOS-7 has, as above.
         of_7: Vec<String>,
     },
     /// The sources include a pipe or a device, at which a compiler would hang.
@@ -292,6 +291,7 @@ pub fn choose(
     match (of_6.is_empty(), of_7.is_empty()) {
         (false, false) => {
             let source_file = sources.first().cloned().unwrap_or_default();
+            let [of_6, of_7] = [of_6, of_7].map(|names| names.iter().map(|name| with_line(name, sources)).collect());
             Err(GenerationError::Both { source_file, of_6, of_7 })
         }
         (false, true) => choice(Generation::Robios6, ChoiceReason::Calls(of_6)),
@@ -305,6 +305,19 @@ pub fn choose(
             (None, None) => choice(Generation::Robios6, ChoiceReason::Default),
         },
     }
+}
+
+/// A function with the line of its first call, if it is in `sources`: `` `VWInit` (maze.c:4)``.
+fn with_line(name: &str, sources: &[PathBuf]) -> String {
+    let place = sources.iter().find_map(|source| {
+        let bytes = read_regular(source).ok()?;
+        let text = String::from_utf8_lossy(&bytes);
+        let ends: Vec<usize> = text.match_indices('\n').map(|(end, _)| end).chain([text.len()]).collect();
+        let before = ends.partition_point(|end| !calls_of(&text[..*end]).called.contains(name));
+        let file = source.file_name()?.display();
+        (before < ends.len()).then(|| format!(" ({file}:{})", before + 1))
+    });
+    format!("`{name}`{}", place.unwrap_or_default())
 }
 
 /// The only generation that has some of these constants, with those constants; `None` if both have some, or neither.
@@ -474,10 +487,11 @@ mod tests {
 
     #[test]
     fn calls_of_both_generations_are_an_error_with_their_names() {
-        let mixed = [("maze.c", "f() { VWInit(1, 1); }"), ("map.cpp", "g() { VWStraight(1, 2); VWWait(); }")];
+        let mixed =
+            [("maze.c", "f() { VWInit(1, 1); }"), ("map.cpp", "// VWStraight()\ng() { VWStraight(1, 2); VWWait(); }")];
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
-        assert!(error.contains("mixes two generations: `VWInit` of RoBIOS 6, "), "{error}");
-        assert!(error.contains("`VWStraight`, `VWWait` of RoBIOS-7, "), "{error}");
+        assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
+        assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub fn of_compile(output: &str, source: &Path, generation: Generation) -> String
     let text = String::from_utf8_lossy(&text);
     let hints = [header, of_undeclared(output, &text, generation), of_quotes(output, &text)];
     let hints: String = hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect();
-    if hints.is_empty() { in_plain_words(output) } else { hints }
+    if hints.is_empty() { in_plain_words(output, (&name, &text)) } else { hints }
 }
 
 /// Hint on the header `missing` that `source` includes, beginning after the source's name.
@@ -117,7 +117,9 @@ pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generatio
     let linkage = linkage_hints(&symbols);
     let mut undefined = undefined_symbols(output);
     undefined.retain(|it| !linkage.contains_key(&it.name));
-    let mut hints = undefined_hint(&undefined, generation);
+    let own: Vec<&str> =
+        symbols.iter().flat_map(|file| &file.defined).map(|name| function_of_mangled(name).unwrap_or(name)).collect();
+    let mut hints = undefined_hint(&undefined, &own, generation);
     if undefined.iter().any(|it| it.name == "main") {
         line(&mut hints, &of_missing_main(&symbols, objects));
     }
@@ -250,8 +252,9 @@ struct Undefined {
     place: Option<String>,
 }
 
-/// Hints on symbols that are not defined, `main` left out: a line for each, and one for all of the other generation.
-fn undefined_hint(undefined: &[Undefined], generation: Generation) -> String {
+/// Hints on symbols that are not defined, `main` left out: a line for each, and one for all of the other generation. `own` are the functions
+/// that the program defines.
+fn undefined_hint(undefined: &[Undefined], own: &[&str], generation: Generation) -> String {
     let other = generation.other();
     let (of_other, rest): (Vec<&Undefined>, Vec<&Undefined>) =
         undefined.iter().partition(|it| other.has(&it.name) && !generation.has(&it.name));
@@ -269,7 +272,7 @@ fn undefined_hint(undefined: &[Undefined], generation: Generation) -> String {
         let foreign = FOREIGN.iter().find(|(names, _)| names.contains(&name.as_str()));
         let what = if generation.has(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
-        } else if let Some(near) = near_function(name, generation) {
+        } else if let Some(near) = nearest(own.iter().copied(), name).or_else(|| near_function(name, generation)) {
             format!("is not defined; did you mean `{near}`?")
         } else if let Some((_, what)) = foreign {
             (*what).to_owned()
@@ -292,8 +295,11 @@ const OF_C: [&str; 14] = [
 /// The function of RoBIOS, first of `generation`, or of C whose name is most similar to `name`, within an edit distance of a quarter of
 /// its length.
 fn near_function(name: &str, generation: Generation) -> Option<&'static str> {
+    nearest(generation.functions().into_iter().chain(generation.other().functions()).chain(OF_C), name)
+}
+
+fn nearest<'a>(functions: impl Iterator<Item = &'a str>, name: &str) -> Option<&'a str> {
     let distance = |function: &&str| strsim::osa_distance(&function.to_lowercase(), &name.to_lowercase());
-    let functions = generation.functions().into_iter().chain(generation.other().functions()).chain(OF_C);
     let nearest = functions.min_by_key(distance)?;
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
@@ -501,12 +507,14 @@ mod tests {
     #[test]
     fn misspelled_functions_and_those_of_another_generation_are_told() {
         let hint = |names: &[&str], generation| {
-            undefined_hint(&names.iter().map(|name| undefined(name, None)).collect::<Vec<_>>(), generation)
+            let undefined: Vec<_> = names.iter().map(|name| undefined(name, None)).collect();
+            undefined_hint(&undefined, &["driveHome", "main"], generation)
         };
         let of_6 = |names: &[&str]| hint(names, Generation::Robios6);
         let of_7 = |names: &[&str]| hint(names, Generation::Robios7);
         assert!(of_6(&["VWDriveStrait"]).contains("`VWDriveStrait` is not defined; did you mean `VWDriveStraight`?"));
         assert!(of_7(&["VWStrait"]).contains("did you mean `VWStraight`?"));
+        assert!(of_7(&["driveHom"]).contains("did you mean `driveHome`?"));
         assert!(of_6(&["psdget"]).contains("did you mean `PSDGet`?"));
         assert_eq!(
             of_6(&["VWStraight"]),

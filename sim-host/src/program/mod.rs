@@ -3,6 +3,7 @@
 //! Programs are run by the executive, and the effects of RoBIOS calls are defined elsewhere. `docs/programs.md` describes what a
 //! program may be, the search order, the flags and the cache.
 
+mod brace;
 pub mod build;
 pub mod cache;
 mod calls;
@@ -21,7 +22,8 @@ pub mod image;
 pub mod kind;
 pub mod language;
 pub mod load;
-mod plain;
+pub(crate) mod plain;
+mod plain_rust;
 pub mod prepare;
 pub mod python;
 pub(crate) mod run_folder;

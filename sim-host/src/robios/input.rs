@@ -52,7 +52,11 @@ const CLOSE: Time = Time::from_millis(5);
 
 /// Reason for the end of a program that reads in a loop at the end of its input.
 pub const LOOP: &str =
-    "it reads its standard input in a loop, which has come to its end: `--stdin FILE` gives it a text";
+    "it reads its standard input in a loop, which has come to its end: `--stdin in.txt` gives it the text of a file";
+
+/// Hint to a program that reads at the end of an input that is empty.
+pub const EMPTY: &str = "the program reads a text that is typed, its standard input, and there is none: write it into a file `in.txt` and run with \
+                         `--stdin in.txt`";
 
 impl Input {
     /// Input from the source of the run.
@@ -105,7 +109,7 @@ pub(super) fn read(robot: &mut Robot, room: usize) -> Poll<Read> {
     input.last_at_end = now;
     let (is_loop, has_text) = (input.at_end >= MAX_AT_END, matches!(input.source, Source::Text(_)));
     if !std::mem::replace(&mut input.has_ended, true) && !has_text {
-        robot.hint("the program reads its standard input, which is empty: `--stdin FILE` gives it a text");
+        robot.hint(EMPTY);
     }
     Poll::Ready(if is_loop { Read::Loop } else { Read::End })
 }

@@ -21,6 +21,19 @@ use crate::program::sandbox::files::open_beneath;
 /// Largest file that is read: larger ones are no images or sounds.
 const MAX_BYTES: u64 = 256 << 20;
 
+/// What is wrong where a program finds no file called `name`, with the folder that was searched.
+pub fn missing_file(name: Option<&str>) -> String {
+    let folder = std::env::current_dir().unwrap_or_default();
+    match name {
+        Some(name) if Path::new(name).is_absolute() => format!("there is no file `{name}`"),
+        Some(name) => format!("there is no file `{name}` in `{}`, the folder in which eyesim runs", folder.display()),
+        None => format!(
+            "a file is missing: names of files begin in `{}`, the folder in which eyesim runs",
+            folder.display()
+        ),
+    }
+}
+
 /// Files of one robot.
 #[derive(Clone, Debug, Default)]
 pub struct Storage {
@@ -112,7 +125,7 @@ impl Storage {
     pub fn note_unopened(&mut self, name: &str, error: i32) {
         let error = io::Error::from_raw_os_error(error);
         self.unopened = Some(match error.kind() {
-            io::ErrorKind::NotFound => format!("there is no file `{name}` in the folder in which eyesim runs"),
+            io::ErrorKind::NotFound => missing_file(Some(name)),
             _ => format!("`{name}`: {error}"),
         });
     }

@@ -119,6 +119,16 @@ impl<F: Flow> Support for Caller<F> {
         Ok(0)
     }
 
+    fn read_at_end(&self, stack: Option<&[u8]>) -> Result<i32, Stop> {
+        let place = self.flow().line_of(&addresses(stack));
+        self.at_once(SupportCall::read_at_end, |_| {
+            place.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
+                self.flow().note_hint(input::EMPTY, &Site::Told(site));
+            });
+        });
+        Ok(0)
+    }
+
     fn unfinished(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         self.at_once(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));

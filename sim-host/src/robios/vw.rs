@@ -257,8 +257,10 @@ pub(super) fn start_drive(
     let replaces_immediately =
         robot.robios.vw.begun.is_some_and(|(begun, _)| robot.now - begun <= IMMEDIATE_REPLACEMENT);
     if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
-        let text =
-            format!("a drive replaces the one before, which has just begun: `{wait}` waits for the end of a drive");
+        let text = format!(
+            "a drive replaces the one before, which has just begun: write `{}` above this line, which waits for its end",
+            if wait == "VWWait" { "VWWait()" } else { wait }
+        );
         robot.hint_once(Mistake::MissingWait, &text);
     }
     robot.command(world, Command::Drive { displacement, duration: seconds.abs() })?;

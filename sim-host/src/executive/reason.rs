@@ -1,0 +1,119 @@
+//! Reasons in the words of the libraries of C++ and Rust for which programs end, in plain words.
+
+use std::path::PathBuf;
+
+use crate::program::image::SourceLine;
+use crate::robios::storage::missing_file;
+
+/// `reason` in plain words, with the words of the library behind it: `src/lib.rs:8: this divides by 0 (panicked: attempt to divide by
+/// zero)`. `None` if it is none of those known. `text_of` gives a line of the program.
+pub fn in_plain_words(reason: &str, text_of: impl Fn(&SourceLine) -> Option<String>) -> Option<String> {
+    let (what, line) = if let Some((task, panic)) = reason.split_once("panicked: ") {
+        let mut parts = panic.splitn(4, ':');
+        let (file, line) = (parts.next()?, parts.next()?);
+        (format!("{task}panicked: {}", parts.nth(1)?.trim_start()), Some((file, line)))
+    } else {
+        let place =
+            reason.rsplit_once(" at ").and_then(|(what, place)| Some((what.to_owned(), place.split_once(':')?)));
+        place.map_or_else(|| (reason.to_owned(), None), |(what, place)| (what, Some(place)))
+    };
+    let source_line = || Some(SourceLine { file: PathBuf::from(line?.0), line: line?.1.parse().ok()?, function: None });
+    let words = words(&what, &|| text_of(&source_line()?))?;
+    let place = line.map_or_else(String::new, |(file, line)| format!("{file}:{line}: "));
+    Some(format!("{place}{words} ({what})"))
+}
+
+fn words(what: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {
+    let fixed = [
+        ("attempt to divide by zero", "this divides by 0"),
+        ("with a divisor of zero", "this divides by 0"),
+        ("`Option::unwrap()` on a `None` value", "`unwrap` finds no value: `if let Some(value) = ...` looks for one"),
+        ("`std::invalid_argument`: sto", "the text does not begin with a number"),
+        ("`std::out_of_range`: map::at", "the map has no such key"),
+        (
+            "C++ library failed: __n < ",
+            "an index is outside of its array: the first one is 0, the last one is one less than the size",
+        ),
+        ("C++ library failed: !this->empty()", "there is no element: the container is empty"),
+    ];
+    if let Some((_, words)) = fixed.iter().find(|(phrase, _)| what.contains(phrase)) {
+        return Some((*words).to_owned());
+    }
+    if what.contains("kind: NotFound") {
+        return Some(missing_file(text().as_deref().and_then(opened)));
+    }
+    if what.contains("index out of bounds: ") {
+        return Some(outside("array", number_behind(what, "index is ")?, number_behind(what, "len is ")?));
+    }
+    let (_, checked) = what.split_once("`std::out_of_range`: ")?;
+    let kind = match checked.split_once("::")?.0 {
+        "basic_string" => "string",
+        kind => kind,
+    };
+    let (_, rest) = checked.split_once("(which is ")?;
+    Some(outside(&format!("`{kind}`"), number_behind(checked, "(which is ")?, number_behind(rest, "(which is ")?))
+}
+
+fn number_behind(text: &str, words: &str) -> Option<u64> {
+    let (_, rest) = text.split_once(words)?;
+    rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+}
+
+/// An index that is outside of what has `len` elements.
+fn outside(kind: &str, index: u64, len: u64) -> String {
+    let indices = match len.checked_sub(1) {
+        None => "which is empty".to_owned(),
+        Some(last) => format!("which has {len} elements with the indices 0 to {last}"),
+    };
+    // An index below 0 has become one of the largest numbers.
+    format!("the index {} is outside of the {kind}, {indices}", index.cast_signed())
+}
+
+/// The name of the file that a line of Rust opens.
+fn opened(line: &str) -> Option<&str> {
+    let calls = ["open(\"", "read_to_string(\"", "read(\""];
+    calls.iter().find_map(|call| line.split_once(call)?.1.split('"').next())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(reason: &str, expected: &str) {
+        let line = |line: &SourceLine| {
+            assert_eq!(line.to_string(), "src/lib.rs:7");
+            Some("let map = format!(\"{}\", read_to_string(\"/none/map.txt\").unwrap());".to_owned())
+        };
+        let words = in_plain_words(reason, line).unwrap_or_default();
+        assert_eq!(words, expected, "{reason}");
+    }
+
+    #[test]
+    fn panics_are_told_in_plain_words() {
+        check(
+            "panicked: src/lib.rs:7:20: attempt to divide by zero",
+            "src/lib.rs:7: this divides by 0 (panicked: attempt to divide by zero)",
+        );
+        check(
+            "task `a`: panicked: src/lib.rs:7:5: index out of bounds: the len is 4 but the index is 4",
+            "src/lib.rs:7: the index 4 is outside of the array, which has 4 elements with the indices 0 to 3 (task `a`: panicked: index \
+             out of bounds: the len is 4 but the index is 4)",
+        );
+        check(
+            "panicked: src/lib.rs:7:5: called `Result::unwrap()` on an `Err` value: Os { code: 2, kind: NotFound }",
+            "src/lib.rs:7: there is no file `/none/map.txt` (panicked: called `Result::unwrap()` on an `Err` value: Os { code: 2, kind: \
+             NotFound })",
+        );
+        check("panicked: src/lib.rs:7:20: on purpose", "");
+    }
+
+    #[test]
+    fn exceptions_are_told_in_plain_words() {
+        check(
+            "uncaught exception `std::out_of_range`: vector::_M_range_check: __n (which is 18446744073709551615) >= this->size() (which is 0) at a.cpp:6",
+            "a.cpp:6: the index -1 is outside of the `vector`, which is empty (uncaught exception `std::out_of_range`: vector::_M_range_check: __n \
+             (which is 18446744073709551615) >= this->size() (which is 0))",
+        );
+        check("uncaught exception `std::runtime_error`: (which is 3) (which is 4)", "");
+    }
+}
