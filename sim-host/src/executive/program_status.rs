@@ -297,9 +297,16 @@ fn code_of(broken: &Broken, program: &RobotProgram, above: u32) -> Option<String
 
 /// Returns true if the program broke in a loop without a body, `while (...);`, and not at the end of a `do`.
 fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
-    let is_end = |line: String| line.trim_end().ends_with('}');
-    code_of(broken, program, 0).is_some_and(|line| is_empty_clause(&line))
-        && !code_of(broken, program, 1).is_some_and(is_end)
+    let code = |above: u32| {
+        let line = code_of(broken, program, above)?;
+        Some(line.split("//").next().unwrap_or_default().trim().to_owned())
+    };
+    let is_loop = |line: &String| !line.starts_with(['}', 'i']) && is_empty_clause(line);
+    let above: Vec<String> = (1..=3).map_while(code).filter(|line| !line.is_empty()).collect();
+    let begins_do = |line: &String| line == "do" || line.starts_with("do ") || line.starts_with("do{");
+    code(0).as_ref().is_some_and(is_loop)
+        && !above.first().is_some_and(|line| line.ends_with('}'))
+        && !above.iter().any(begins_do)
 }
 
 /// What the user may do about a break, appended to its report.

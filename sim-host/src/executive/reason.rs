@@ -25,24 +25,33 @@ pub fn in_plain_words(reason: &str, text_of: impl Fn(&SourceLine) -> Option<Stri
 
 fn words(what: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {
     let fixed = [
-        ("attempt to divide by zero", "this divides by 0"),
-        ("with a divisor of zero", "this divides by 0"),
-        ("`Option::unwrap()` on a `None` value", "`unwrap` finds no value: `if let Some(value) = ...` looks for one"),
-        ("`std::invalid_argument`: sto", "the text does not begin with a number"),
-        ("`std::out_of_range`: map::at", "the map has no such key"),
+        ("panicked: ", "attempt to divide by zero", "this divides by 0"),
+        ("panicked: ", "with a divisor of zero", "this divides by 0"),
         (
-            "C++ library failed: __n < ",
+            "panicked: ",
+            "`Option::unwrap()` on a `None` value",
+            "`unwrap` finds no value: `if let Some(value) = ...` looks for one",
+        ),
+        ("`std::out_of_range`: map::at", "", "the map has no such key"),
+        (
+            "assertion of the C++ library failed",
+            "__n < ",
             "an index is outside of its array: the first one is 0, the last one is one less than the size",
         ),
-        ("C++ library failed: !this->empty()", "there is no element: the container is empty"),
+        ("assertion of the C++ library failed", "!this->empty()", "there is no element: the container is empty"),
     ];
-    if let Some((_, words)) = fixed.iter().find(|(phrase, _)| what.contains(phrase)) {
+    if let Some((.., words)) = fixed.iter().find(|(first, second, _)| what.contains(first) && what.contains(second)) {
         return Some((*words).to_owned());
     }
-    if what.contains("kind: NotFound") {
+    let of_text = ["stoi", "stol", "stoll", "stoul", "stoull", "stof", "stod", "stold"];
+    if what.split_once("`std::invalid_argument`: ").is_some_and(|(_, function)| of_text.contains(&function.trim())) {
+        return Some("the text does not begin with a number".to_owned());
+    }
+    let is_panic = what.contains("panicked: ");
+    if is_panic && what.contains("kind: NotFound") {
         return Some(missing_file(text().as_deref().and_then(opened)));
     }
-    if what.contains("index out of bounds: ") {
+    if is_panic && what.contains("index out of bounds: ") {
         return Some(outside("array", number_behind(what, "index is ")?, number_behind(what, "len is ")?));
     }
     let (_, checked) = what.split_once("`std::out_of_range`: ")?;

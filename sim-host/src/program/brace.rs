@@ -7,7 +7,7 @@ struct Open<'a> {
     line: usize,
     /// Blanks before the statement that it belongs to.
     indent: &'a str,
-    /// It is that of `namespace` or `extern "C"`, in which functions begin at the margin.
+    /// It is that of a namespace, a class or `extern "C"`, in which functions may begin at the margin.
     holds_functions: bool,
 }
 
@@ -19,7 +19,7 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
     }
     let mut open: Vec<Open<'_>> = Vec::new();
     let (mut parentheses, mut indent) = (0_i32, "");
-    let mut is_comment = false;
+    let (mut is_comment, mut before) = (false, "");
     for (index, line) in text.lines().enumerate() {
         let own_indent = &line[..line.len() - line.trim_start().len()];
         if parentheses == 0 && !line.trim().is_empty() {
@@ -37,8 +37,9 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
                 '(' => parentheses += 1,
                 ')' => parentheses -= 1,
                 '{' => {
+                    let head = if line.trim() == "{" { before } else { line.trim_start() };
                     let holds_functions =
-                        ["namespace", "extern"].iter().any(|word| line.trim_start().starts_with(word));
+                        ["namespace", "extern", "class", "struct", "union"].iter().any(|word| head.starts_with(word));
                     open.push(Open { line: index + 1, indent, holds_functions });
                 }
                 '}' => {
@@ -51,10 +52,14 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
                 _ => {}
             }
         }
+        if !line.trim().is_empty() {
+            before = line.trim_start();
+        }
     }
     let last = open.pop()?;
     let next = text.lines().skip(last.line).find(|line| !line.trim().is_empty())?;
-    (next.starts_with([' ', '\t']) && next.trim_start().len() < next.len() - last.indent.len()).then_some(last.line)
+    let indent = next.len() - next.trim_start().len();
+    (indent > last.indent.len()).then_some(last.line)
 }
 
 /// Braces and parentheses of a line with their places, without those in texts and comments.
@@ -89,6 +94,19 @@ mod tests {
         assert_eq!(line("int main()\n{\n  if (1) {\n    f();\n  }\n  return 0;\n"), Some(2));
         assert_eq!(line("void f()\n{\n  g();\n\nint main()\n{\n  return 0;\n}\n"), Some(2));
         assert_eq!(line("void f() {\n  puts(\"}\"); // }\n  if (a &&\n      b) {\n  }\n\nint main() {\n}\n"), Some(1));
+    }
+
+    #[test]
+    fn functions_of_a_namespace_or_a_class_begin_at_the_margin() {
+        let inner = "void go() {\n  if (1) {\n    f();\n}\n";
+        for (head, line) in [("namespace robot\n{\n", 4), ("extern \"C\" {\n", 3), ("class Robot {\npublic:\n", 4)] {
+            assert_eq!(unclosed_brace(&format!("{head}{inner}void halt() {{\n}}\n}}\n")), Some(line), "{head}");
+        }
+    }
+
+    #[test]
+    fn a_line_left_of_the_brace_tells_nothing() {
+        assert_eq!(unclosed_brace("int main(void)\n{\n          if (1) {\n  ;\n"), None);
     }
 
     #[test]

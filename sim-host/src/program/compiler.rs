@@ -42,7 +42,7 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
-    // Part of these is told, see `plain::without_meant`.
+    // Part of these is told, see `plain::without_intended`.
     "-Wfloat-conversion",
     "-Wno-error=float-conversion",
     "-Wformat-security",

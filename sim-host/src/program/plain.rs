@@ -15,22 +15,27 @@ struct Message<'a> {
     text: &'a str,
     /// Lines from this message to the next: excerpts and notes.
     more: &'a [&'a str],
+    /// gcc has said that the line is within a function.
+    is_in_function: bool,
+    /// The source that is compiled.
+    source: &'a str,
 }
 
 /// The known messages among the compiler's `output`, in plain words: one line each, that of the first error if there is an error.
 ///
 /// `source` is the name and the text of the source, in which a missing `}` is looked for.
-pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
+pub fn in_plain_words(output: &str, (name, source): (&str, &str)) -> String {
     let lines: Vec<&str> = output.lines().collect();
-    let heads: Vec<usize> = (0..lines.len()).filter(|&index| parse(&lines, index, lines.len()).is_some()).collect();
+    let heads: Vec<usize> =
+        (0..lines.len()).filter(|&index| parse(&lines, index, lines.len(), source).is_some()).collect();
     let ends = heads.iter().skip(1).copied().chain([lines.len()]);
     let messages: Vec<Message<'_>> =
-        heads.iter().zip(ends).filter_map(|(&head, end)| parse(&lines, head, end)).collect();
+        heads.iter().zip(ends).filter_map(|(&head, end)| parse(&lines, head, end, source)).collect();
     let first_error = messages.iter().find(|message| message.is_error);
     let mut told: Vec<String> = Vec::new();
     // An error is often the cause of all that follows.
     let chosen = messages.iter().filter(|message| first_error.is_none_or(|error| std::ptr::eq(error, *message)));
-    for line in chosen.filter_map(|message| message.in_plain_words(source)) {
+    for line in chosen.filter_map(|message| message.in_plain_words(name)) {
         if told.len() < MAX_LINES && !told.contains(&line) {
             told.push(line);
         }
@@ -40,7 +45,7 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
 
 /// The compiler's `output` without warnings about what is mostly meant: fractions that are cut off, except those of numbers that become 0,
 /// and texts that are printed without a format, except where a text is joined by `+`.
-pub fn without_meant(output: &str) -> String {
+pub fn without_intended(output: &str) -> String {
     let mut kept = String::new();
     // Lines that introduce the messages after them: `a.c: In function 'main':`.
     let mut introduction = String::new();
@@ -73,7 +78,7 @@ pub fn without_meant(output: &str) -> String {
 }
 
 /// The message that begins at line `index`, with the lines up to `end`; `None` if none about the program begins there.
-fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize) -> Option<Message<'a>> {
+fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, source: &'a str) -> Option<Message<'a>> {
     let mut parts = lines[index].splitn(4, ':');
     let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -81,7 +86,12 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize) -> Option<Message<'
     let text = errors.or_else(|| rest.strip_prefix("warning: "))?;
     // Headers of the system and of the kit have absolute paths.
     let is_own = is_number(line) && is_number(column) && !file.starts_with('/') && !file.starts_with(' ');
+    let is_scope = |line: &&&str| {
+        line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:")
+    };
     is_own.then(|| Message {
+        is_in_function: lines[..index].iter().rev().find(is_scope).is_some_and(|line| line.contains(": In ")),
+        source,
         file,
         line,
         column: column.parse().unwrap_or(0),
@@ -92,11 +102,12 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize) -> Option<Message<'
 }
 
 impl Message<'_> {
-    fn in_plain_words(&self, (name, text): (&str, &str)) -> Option<String> {
-        let is_open = ["at end of input", "expected '}'", "function-definition is not allowed"];
+    /// `name` is that of the source.
+    fn in_plain_words(&self, name: &str) -> Option<String> {
+        let is_open = ["at end of input", "function-definition is not allowed"];
         if self.file == name
-            && is_open.iter().any(|phrase| self.text.contains(phrase))
-            && let Some(line) = unclosed_brace(text)
+            && (self.text == "expected '}'" || is_open.iter().any(|phrase| self.text.contains(phrase)))
+            && let Some(line) = unclosed_brace(self.source)
         {
             return Some(format!("{name}:{line}: this `{{` has no `}}`: write it where the block ends\n"));
         }
@@ -116,13 +127,13 @@ impl Message<'_> {
     /// Mistakes that the line shows better than what the compiler expects in their place.
     fn by_its_line(&self) -> Option<String> {
         let line = self.code()?;
-        if let Some(words) = quote_missing(line).filter(|_| self.is_error) {
+        if let Some(words) = quote_missing(line).filter(|_| self.is_error && self.may_lack_quote(line)) {
             return Some(words.to_owned());
         }
         let code: String = line.split('"').step_by(2).collect();
         let code = code.split("//").next().unwrap_or_default().trim();
         let is_syntax = self.text.starts_with("expected ");
-        let is_outside =
+        let lacks_name =
             self.text.starts_with("expected identifier or") || self.text.starts_with("expected unqualified-id");
         let digits = |text: &str, from_end: bool| {
             let mut letters = text.trim().chars();
@@ -132,51 +143,60 @@ impl Message<'_> {
         if code == "include" || code.starts_with("include<") || code.starts_with("include <") {
             return Some("write `#include`, with `#`".to_owned());
         }
-        if is_outside && comma.is_some_and(|(left, right)| digits(left, true) && digits(right, false)) {
-            return Some("a number has a point and no comma: `0.5`".to_owned());
+        if lacks_name && comma.is_some_and(|(left, right)| digits(left, true) && digits(right, false)) {
+            return Some("a number has a decimal point, not a comma: `0.5`".to_owned());
         }
-        if is_outside
+        if lacks_name
             && let Some((kind, rest)) =
                 code.split_once('[').filter(|(kind, _)| ["int", "double", "char"].contains(&kind.trim()))
         {
-            let (size, name) = rest.split_once(']')?;
-            let name = name.trim().split([';', '=', ' ']).next()?;
-            return Some(format!("`[ ]` stands behind the name: `{} {name}[{size}]`", kind.trim()));
+            if let Some((size, name)) = rest.split_once(']') {
+                let name = name.trim().split([';', '=', ' ']).next().unwrap_or_default();
+                return Some(format!("write `[ ]` after the name: `{} {name}[{size}]`", kind.trim()));
+            }
         }
         if is_syntax && self.before() == Some("-") && self.text.contains("'='") {
-            return Some("a name has no `-` in it: write `_`".to_owned());
+            return Some("a name cannot contain `-`: write `_`".to_owned());
         }
-        let is_defined = || self.more.iter().any(|line| line.contains("note: in definition of macro"));
-        if is_syntax && (code.starts_with("#define") || is_defined()) {
+        if is_syntax && (is_wrong_define(code) || self.definition().is_some_and(is_wrong_define)) {
             return Some("a `#define` has no `=` and no `;`: `#define SPEED 100`".to_owned());
         }
         let start = statement(code);
-        let is_clause = ["if", "while", "for", "else"].iter().any(|word| starts_with_word(start, word));
+        let is_clause = ["if", "while", "for", "else", "switch", "do"].iter().any(|word| starts_with_word(start, word));
+        let is_declared = TYPES.iter().any(|kind| starts_with_word(start, kind));
         if is_syntax && starts_with_word(start, "else") && start[4..].trim_start().starts_with('(') {
             return Some("an `else` has no condition: write `else if (...)`".to_owned());
         }
         if is_syntax && self.before() == Some(":") && code.ends_with(':') {
-            return Some(if is_clause {
-                "no `:` belongs here: C writes a block between `{ }`".to_owned()
+            return Some(if starts_with_word(start, "case") {
+                "a value is missing behind `case`".to_owned()
+            } else if is_clause || is_declared && code.contains('(') {
+                "there must be no `:` here: a block stands between `{ }`".to_owned()
             } else {
                 "a line ends with `;`, and not with `:`".to_owned()
             });
         }
-        let is_declared = TYPES.iter().any(|kind| starts_with_word(start, kind));
-        let is_list = |values: &str| values.split(',').all(|value| !value.trim().contains(' '));
+        let is_list = |values: &str| {
+            values.split(',').map(str::trim).all(|value| !value.contains(' ') && !OF_CPP.contains(&value))
+        };
         let call = start.strip_suffix(");").and_then(|call| call.split_once('('));
         if (self.text.contains("declared void") || self.text.starts_with("expected declaration specifiers or '...'"))
             && is_declared
             && let Some((name, values)) = call.filter(|(_, values)| is_list(values))
         {
-            let name = name.trim().rsplit(' ').next()?;
+            let name = name.trim().rsplit(' ').next().unwrap_or_default();
             return Some(format!("a call has no type in front of it: write `{name}({values});`"));
         }
-        if !is_declared && self.text.starts_with("expected declaration specifiers or '...'") {
+        if !is_declared && !self.is_in_function && self.text.starts_with("expected declaration specifiers or '...'") {
             return Some(OUTSIDE.to_owned());
         }
-        if self.text.contains("of unary '*'") && code.contains("**") {
-            return Some("C has no `**`: multiply, or write `pow(a, b)` with `#include <math.h>`".to_owned());
+        if self.text.contains("of unary '*'") {
+            let is_operand =
+                |left: &str| left.trim_end().ends_with(|it: char| it.is_alphanumeric() || "_)]".contains(it));
+            if !code.split_once("**").is_some_and(|(left, _)| is_operand(left)) {
+                return Some("`*` stands before a value that is no pointer: leave it out".to_owned());
+            }
+            return Some("there is no `**`: multiply, or write `pow(a, b)` with `#include <math.h>`".to_owned());
         }
         if self.text.contains("[-Wformat-security]") {
             return Some("`+` does not join a text and a number: write `\"distance %d\", d`".to_owned());
@@ -185,8 +205,8 @@ impl Message<'_> {
         if self.file.ends_with(".c") && (is_syntax && is_word_of_cpp(self.before()) || is_word_of_cpp(self.quoted(0))) {
             return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
         }
-        if is_syntax && code.contains("<>") {
-            return Some("`<>` is no comparison: write `!=`".to_owned());
+        if is_syntax && code.contains(if self.file.ends_with(".c") { "<>" } else { " <> " }) {
+            return Some("`<>` is not a comparison: write `!=`".to_owned());
         }
         None
     }
@@ -212,18 +232,22 @@ impl Message<'_> {
             ("", "function will call itself", RECURSION),
             ("", "returning non-void", "the function ends without `return` and a value"),
             ("", "non-void function", "the function ends without `return` and a value"),
-            ("", "missing terminating \"", "the text has no end: write `\"` behind it"),
+            ("", "missing terminating \"", "the text has no end: write `\"` after it"),
             ("", "missing terminating '", "write a single letter between `'`, and a text between `\"`"),
             ("", "character constant too long", "write a single letter between `'`, and a text between `\"`"),
             ("", "multi-character character constant", "write a single letter between `'`, and a text between `\"`"),
-            ("", "at end of input", "the program ends too early: a `}` is missing above"),
-            ("", "expected '}'", "the program ends too early: a `}` is missing above"),
+            (
+                "expected declaration or statement",
+                "at end of input",
+                "the program ends too early: a `}` is missing above",
+            ),
+            ("expected '}' at end of input", "", "the program ends too early: a `}` is missing above"),
+            ("", "at end of input", "the file ends here, and its last line is not complete"),
             (
                 "",
                 "invokes undefined behavior",
                 "the loop uses an index outside of the array: the first one is 0, the last one is one less than the length",
             ),
-            ("address of", "local variable", LOCAL_RETURNED),
             ("comparisons like", "mathematical meaning", "two comparisons are joined by `&&`: `100 < d && d < 200`"),
             ("expected constructor, destructor", "before", OUTSIDE),
             (
@@ -249,7 +273,9 @@ impl Message<'_> {
             ("no match for 'operator>>'", "ostream", "`cout` is followed by `<<`: `cout << d`"),
             ("no match for 'operator<<'", "istream", "`cin` is followed by `>>`: `cin >> d`"),
             ("", "from an initializer list", LIST_IS_SET),
-            ("", "lvalue required", "the left side of `=` must be a variable"),
+            ("", "lvalue required as left operand", "the left side of `=` must be a variable"),
+            ("", "lvalue required as unary '&'", "`&` takes the address of a variable, and of no value"),
+            ("lvalue required as", "crement operand", "`++` and `--` change a variable, and no value"),
             ("", "expression is not assignable", "the left side of `=` must be a variable"),
             (
                 "",
@@ -298,7 +324,7 @@ impl Message<'_> {
                 let number: f64 = from.trim_matches('\'').trim_end_matches('f').parse().ok()?;
                 let is_zero = to.split_whitespace().next()?.trim_matches('\'') == "0";
                 (is_zero && number.is_finite()).then(|| {
-                    format!("{number} becomes 0 here, where a whole number belongs, such as the mm, mm/s, degrees and ms of RoBIOS-7")
+                    format!("{number} becomes 0 here: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`")
                 })
             }
             text if text.starts_with("this '") && text.contains("does not guard") => {
@@ -324,6 +350,11 @@ impl Message<'_> {
                 let name = self.quoted(0)?;
                 Some(format!("`{name}` has no value yet: give it one where it is declared, such as `{name} = 0`"))
             }
+            text if text.contains("address of") && text.contains("local variable") => Some(self.local_returned()),
+            text if text.starts_with("expected '}' before") && self.code().is_some_and(|code| code.contains('{')) => {
+                Some(format!("a `,` is missing before `{}`, or a `}}`", self.before()?))
+            }
+            text if text.starts_with("expected '}'") => Some("the program ends too early: a `}` is missing above".to_owned()),
             text if text.starts_with("format '") || text.starts_with("format specifies") => self.format(),
             text if text.contains("expected ';'") || text.contains("expected ',' or ';'") => {
                 Some(self.misspelt_start().unwrap_or_else(|| self.missing(";")))
@@ -334,7 +365,7 @@ impl Message<'_> {
                 _ => "a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned(),
             }),
             text if text.starts_with("expected identifier or '(' before '{'") || text.starts_with("expected unqualified-id before '{'") => {
-                Some("this `{` begins no function: is there a `;` too many at the end of the line above it?".to_owned())
+                Some("this `{` begins no function: is there an extra `;` at the end of the line above it?".to_owned())
             }
             text if text.starts_with("expected '(' before") => {
                 let word = self.before()?;
@@ -351,7 +382,7 @@ impl Message<'_> {
                         "`{}` does not belong here: a type stands where a name is declared, and not where it is used",
                         self.before()?
                     ),
-                    Some((wrong, right)) => format!("`{wrong}` is no comparison: write `{right}`"),
+                    Some((wrong, right)) => format!("`{wrong}` is not a comparison: write `{right}`"),
                     None => format!("a value is missing before `{}`, or something is too much", self.before()?),
                 })
             }
@@ -375,10 +406,11 @@ impl Message<'_> {
                 let (whole, part) = (self.quoted(0)?, self.quoted(1)?);
                 Some(match self.near() {
                     Some(near) => format!("`{whole}` has no `{part}`; did you mean `{near}`?"),
-                    None => format!("`{whole}` has no `{part}`: look how it is spelt"),
+                    None => format!("`{whole}` has no `{part}`: check the spelling"),
                 })
             }
             text if text.starts_with("stray '") => Some(match self.quoted(0)? {
+                "\\" => "`\\` belongs into a text only: leave it out".to_owned(),
                 letter if letter.starts_with('\\') => {
                     "this line has a letter that C does not know, such as a blank copied from a page: type the line anew".to_owned()
                 }
@@ -408,7 +440,7 @@ impl Message<'_> {
                 .iter()
                 .any(|it| text.starts_with(it)) =>
             {
-                Some(OUTSIDE.to_owned())
+                Some(if self.is_in_function { self.missing_name()? } else { OUTSIDE.to_owned() })
             }
             text if text.contains("not call, to function") => {
                 let name = self.quoted(0)?;
@@ -450,6 +482,31 @@ impl Message<'_> {
         }
     }
 
+    /// Returns true if what the compiler says may come from a quote that is missing in `line`.
+    fn may_lack_quote(&self, line: &str) -> bool {
+        let is_lexical = ["missing terminating", "expected ", "stray ", "unterminated "];
+        let touches = |name: &str| line.contains(&format!("{name}\"")) || line.contains(&format!("\"{name}"));
+        let is_unknown = self.text.contains("undeclared") || self.text.contains("not declared");
+        !line.contains("/*")
+            && (is_lexical.iter().any(|begin| self.text.starts_with(begin))
+                || is_unknown && (printed(line).is_some() || self.quoted(0).is_some_and(touches)))
+    }
+
+    /// A name that is missing within a function.
+    fn missing_name(&self) -> Option<String> {
+        Some(match self.before()? {
+            word if is_word(word) => format!("`{word}` is a word of the language: give the variable another name"),
+            "&" if self.file.ends_with(".c") => "C has no `&` variables: write a pointer, with `*`".to_owned(),
+            mark => format!("a name is missing before `{mark}`"),
+        })
+    }
+
+    /// The line that defines the macro that the message is about.
+    fn definition(&self) -> Option<&str> {
+        let note = self.more.iter().position(|line| line.contains("note: in definition of macro"))?;
+        self.more.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
+    }
+
     /// Returns true if a line of the message declares the name with a `*`.
     fn is_declared_as_pointer(&self) -> bool {
         self.quoted(0).is_some_and(|name| {
@@ -479,6 +536,21 @@ impl Message<'_> {
         self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next())
     }
 
+    /// The address of a variable that is gone when its function ends.
+    fn local_returned(&self) -> String {
+        let note = self.more.iter().position(|line| line.contains("note: declared here"));
+        let declared = note.and_then(|note| {
+            let code = self.more.get(note + 1)?.split_once(" | ")?.1.trim();
+            Some((self.more[note].split(':').nth(1)?, code))
+        });
+        match declared {
+            Some((line, code)) => {
+                format!("`{code}` of line {line} is gone when the function ends: write `static {code}` in line {line}")
+            }
+            None => "a variable is gone when its function ends, and has no address then: write `static` before its declaration".to_owned(),
+        }
+    }
+
     /// A function or variable with two definitions.
     fn defined_twice(&self) -> Option<String> {
         // g++ tells the whole type: `int home(int)`.
@@ -493,6 +565,10 @@ impl Message<'_> {
     /// A name where a type belongs.
     fn unknown_type(&self) -> Option<String> {
         let name = self.quoted(0)?;
+        let kinds = ["struct", "enum", "union"];
+        if let Some(kind) = kinds.iter().find(|kind| self.text.contains(&format!("use '{kind}' keyword"))) {
+            return Some(format!("C wants the `{kind}` again: write `{kind} {name}`"));
+        }
         if OF_CPP.contains(&name) {
             return Some(if self.file.ends_with(".c") { no_type_of_c(name) } else { of_cpp(name) });
         }
@@ -515,7 +591,10 @@ impl Message<'_> {
     /// A line that begins with nearly a word of C: `whlie (x)`.
     fn misspelt_start(&self) -> Option<String> {
         let code = self.code()?.trim_start();
-        misspelt(code.split(|c: char| !c.is_alphanumeric() && c != '_').next()?)
+        let word = code.split(|c: char| !is_word(&c.to_string())).next()?;
+        // A word that the program has elsewhere is a name of its own.
+        let count = self.source.split(|c: char| !is_word(&c.to_string())).filter(|other| *other == word).count();
+        misspelt(word).filter(|_| count <= 1)
     }
 
     /// A missing `mark`: the compiler points behind the last word before it.
@@ -572,7 +651,7 @@ impl Message<'_> {
                 return Some(format!("`{name}` is not defined: write `#include {header}` as the first line"));
             }
             return Some(format!(
-                "`{name}` is of the C++ library: write `#include {header}` as the first line, and `std::{name}`"
+                "`{name}` belongs to the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
         }
         if !self.file.ends_with(".c") && OF_CPP.contains(&name) {
@@ -593,7 +672,7 @@ impl Message<'_> {
             None if misspelt(name).is_some() => misspelt(name)?,
             None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => unknown_function(name),
             None => format!(
-                "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or look how it is spelt"
+                "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or check the spelling"
             ),
         })
     }
@@ -652,11 +731,11 @@ impl Message<'_> {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
             _ if given.contains("(*)") => {
-                "a function is given in place of its value: call it with `( )`, as in `PSDGet(1)`".to_owned()
+                "the function is named here, but not called: write `( )` after it, as in `PSDGet(1)`".to_owned()
             }
             _ if NUMBERS.contains(&given) && self.code().is_some_and(|code| printed(code).is_some()) => {
                 let format = if ["double", "float"].contains(&given) { "%f" } else { "%d" };
-                format!("a number is shown by a text with `{format}`: `LCDPrintf(\"{format}\\n\", d)`")
+                format!("to show a number, write `LCDPrintf(\"{format}\\n\", d)`")
             }
             _ if note.is_some() || self.more.iter().any(|line| line.contains("initializing argument")) => {
                 format!("the function takes `{expected}`, and is given `{given}`")
@@ -685,6 +764,15 @@ fn statement(code: &str) -> &str {
 
 fn starts_with_word(code: &str, word: &str) -> bool {
     code.strip_prefix(word).is_some_and(|rest| !rest.starts_with(|c: char| is_word(&c.to_string())))
+}
+
+/// Returns true for a `#define` of a value with `=` or `;`.
+fn is_wrong_define(code: &str) -> bool {
+    code.strip_prefix("#define").is_some_and(|rest| {
+        let rest = rest.trim();
+        let (name, value) = rest.split_once(' ').unwrap_or((rest, ""));
+        !name.contains('(') && (name.contains('=') || value.trim_start().starts_with('=') || value.ends_with(';'))
+    })
 }
 
 /// Returns true for `while (...);` and `for (...);`, also with blanks and a comment.
@@ -716,9 +804,9 @@ fn quote_missing(line: &str) -> Option<&'static str> {
         }
     }
     Some(match open? {
-        "" => "a text has no begin: write `\"` before it",
-        rest if rest.starts_with([')', ',', ';']) => "a text has no begin: write `\"` before it",
-        _ => "the text has no end: write `\"` behind it",
+        "" => "a text has no opening `\"`: write it before the text",
+        rest if rest.starts_with([')', ',', ';']) => "a text has no opening `\"`: write it before the text",
+        _ => "the text has no end: write `\"` after it",
     })
 }
 
@@ -730,7 +818,10 @@ fn printed(code: &str) -> Option<&str> {
 
 /// The keyword that `word` nearly is: one letter differs or is in its neighbour's place, in long words two.
 fn near_keyword(word: &str) -> Option<&'static str> {
-    let most = |keyword: &str| if keyword.len() > 5 { 2 } else { 1 };
+    let most = |keyword: &str| {
+        let is_similar = word.len().abs_diff(keyword.len()) <= 1 && word.chars().next() == keyword.chars().next();
+        if keyword.len() > 5 && is_similar { 2 } else { 1 }
+    };
     let is_near = |keyword: &&&str| strsim::osa_distance(&word.to_lowercase(), keyword) <= most(keyword);
     let is_other_case = |keyword: &str| keyword.eq_ignore_ascii_case(word);
     KEYWORDS
@@ -751,12 +842,15 @@ fn mismatch(expected: &str, given: &str) -> String {
     if expected == "char" && ["char *", "char*", "const char *", "const char*"].contains(&given) {
         return "a single letter stands between `'`, as in `'a'`; a text between `\"` is a `const char *`".to_owned();
     }
+    if NUMBERS.contains(&expected) && ["char *", "char*", "const char *", "const char*"].contains(&given) {
+        return format!("a text stands where a number (`{expected}`) belongs: write a number, without quotes");
+    }
     format!("a value of type `{given}` stands where one of type `{expected}` belongs")
 }
 
 fn unknown_function(name: &str) -> String {
     format!(
-        "`{name}` is not known up to this line: look how it is spelt, or write the function, or its first line with `;`, further up"
+        "`{name}` is not known up to this line: check the spelling, or write the function, or its first line with `;`, further up"
     )
 }
 
@@ -766,7 +860,7 @@ fn of_cpp(name: &str) -> String {
         "pair" => "utility",
         name => name,
     };
-    format!("`{name}` is of the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
+    format!("`{name}` belongs to the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
 }
 
 fn no_type_of_c(name: &str) -> String {
@@ -787,8 +881,6 @@ fn is_word(text: &str) -> bool {
 const ARRAY_IS_SET: &str = "an array is not set by `=`: `strcpy(array, \"text\")` copies a text, a loop copies numbers";
 
 const LIST_IS_SET: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
-
-const LOCAL_RETURNED: &str = "what the function returns the address of is gone when it ends: write `static` before its declaration, or declare it in the caller";
 
 const OUTSIDE: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it belongs between the \
                        `{` and `}` of one, such as `main`";
@@ -892,7 +984,7 @@ mod tests {
             ("infinite recursion detected [-Winfinite-recursion]", RECURSION),
             (
                 "conversion from 'double' to 'int' changes value from '2.9999999999999999e-1' to '0' [-Wfloat-conversion]",
-                "0.3 becomes 0 here, where a whole number belongs, such as the mm, mm/s, degrees and ms of RoBIOS-7",
+                "0.3 becomes 0 here: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`",
             ),
         ];
         for (warning, words) in warnings {
@@ -914,11 +1006,11 @@ mod tests {
         let kept = "a.c: In function 'main':\n\
                     a.c:6:3: warning: conversion from 'double' to 'int' changes value from '5.0e-1' to '0' [-Wfloat-conversion]\n    6 |   f(0.5);\n\
                     a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
-        assert_eq!(without_meant(output), kept);
-        assert_eq!(without_meant(kept), kept);
+        assert_eq!(without_intended(output), kept);
+        assert_eq!(without_intended(kept), kept);
         let included = "In file included from a.c:1:\nb.h: In function 'two':\n\
                         b.h:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n";
-        assert_eq!(without_meant(included), "");
+        assert_eq!(without_intended(included), "");
     }
 
     #[test]
@@ -962,13 +1054,13 @@ mod tests {
                 "4:1",
                 "expected identifier or '(' before '{' token",
                 "{",
-                "this `{` begins no function: is there a `;` too many at the end of the line above it?",
+                "this `{` begins no function: is there an extra `;` at the end of the line above it?",
             ),
             (
                 "4:18",
                 "expected expression before '>' token",
                 "  if (KEYRead() => 3) {",
-                "`=>` is no comparison: write `>=`",
+                "`=>` is not a comparison: write `>=`",
             ),
             (
                 "4:9",
@@ -988,7 +1080,7 @@ mod tests {
                 "  boolean n;",
                 "`boolean` is no type; did you mean `bool`?",
             ),
-            ("4:4", "'place' has no member named 'y'", "  p.y = 3;", "`place` has no `y`: look how it is spelt"),
+            ("4:4", "'place' has no member named 'y'", "  p.y = 3;", "`place` has no `y`: check the spelling"),
             ("4:7", "assignment to expression with array type", "  name = \"S4\";", ARRAY_IS_SET),
             ("4:16", "subscripted value is neither array nor pointer nor vector", "  return PSDGet[1];", IS_CALLED),
             (
@@ -1022,7 +1114,7 @@ mod tests {
         check(name, "mine.c:2: `retrun` is not defined; did you mean `return`?\n");
         let other = "mine.c:2:3: error: 'sped' undeclared (first use in this function)\n    2 |   sped = 0;\n";
         let declare =
-            "`sped` is not defined: declare it before this line, such as `int sped = 0;`, or look how it is spelt";
+            "`sped` is not defined: declare it before this line, such as `int sped = 0;`, or check the spelling";
         check(other, &format!("mine.c:2: {declare}\n"));
     }
 
