@@ -57,7 +57,7 @@ pub fn without_intended(output: &str) -> String {
             !line.starts_with(' ') && text.ends_with([':', ',']) || text.starts_with("    ") && text.contains(" from ");
         let is_count = text.ends_with(" warning generated.") || text.ends_with(" warnings generated.");
         if text.contains(": warning: ") {
-            let joins = lines.get(index + 1).is_some_and(|code| code.contains("\" + "));
+            let joins = lines.get(index + 1).is_some_and(|code| code.contains("\" + ") && !code.contains("c_str()"));
             is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ")
                 || text.ends_with("[-Wformat-security]") && !joins;
             is_any_dropped |= is_dropped;
@@ -692,15 +692,19 @@ impl Message<'_> {
         format!("{missing}, or `{first} {second}` is one name: write `{first}_{second}`")
     }
 
-    /// An unknown `name` with a word behind it: `my speed`.
+    /// An unknown `name` with a word behind it, `my speed`, where it stands for no type.
     fn one_name(&self, name: &str) -> Option<String> {
-        let code = self.code()?.get(self.column.checked_sub(1)?..)?;
+        let (left, code) = self.code()?.split_at_checked(self.column.checked_sub(1)?)?;
         let rest = code.strip_prefix(name)?.strip_prefix(' ')?;
         let second = rest.split(|c: char| !is_word(&c.to_string())).next()?;
-        let is_name = second.starts_with(|c: char| c.is_alphabetic());
+        let is_call = rest[second.len()..].starts_with('(');
+        let may_be_type = self.text.contains("type") || left.trim().is_empty() || name.starts_with(char::is_uppercase);
+        let is_name = second.starts_with(char::is_alphabetic);
         let is_other = misspelt(name).is_some() || ["and", "or", "not"].contains(&second);
-        (is_name && !is_other).then(|| {
-            format!("`{name}` is not defined; if `{name} {second}` is one name, write it as one word, such as `{name}_{second}`")
+        (is_name && !is_other && (is_call || !may_be_type)).then(|| {
+            format!(
+                "`{name}` is not defined; if `{name} {second}` is one name, write it as one word, such as `{name}_{second}`"
+            )
         })
     }
 
@@ -775,9 +779,9 @@ fn is_wrong_define(code: &str) -> bool {
     })
 }
 
-/// Returns true for `while (...);` and `for (...);`, also with blanks and a comment.
+/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, and not at the end of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
-    let code = statement(code.split("//").next().unwrap_or_default()).trim_end();
+    let code = code.split("//").next().unwrap_or_default().trim();
     let is_clause = ["while", "for", "if"].iter().any(|word| starts_with_word(code, word));
     let mut depth = 0_i32;
     let end = code.find(|letter| {
@@ -890,8 +894,7 @@ const VOID_RETURNS: &str =
 
 const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `( )`, as in `PSDGet(1)`";
 
-const NO_FUNCTION: &str =
-    "this `{` belongs to no function: a function has `( )` behind its name, as in `int main(void)`";
+const NO_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` behind its name, as in `int main(void)`, or a `;` is missing further up";
 
 pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
 
@@ -1104,6 +1107,54 @@ mod tests {
         let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\
                      mine.cpp:2:5: note: 'int home()' previously defined here\n";
         check(twice, "mine.cpp:3: `home` is defined twice, in line 2 before: leave one out, or give it another name\n");
+    }
+
+    #[test]
+    fn a_name_with_a_blank_is_no_type() {
+        let words = |name: &str, code: &str, column: usize| {
+            let output =
+                format!("a.c:4:{column}: error: '{name}' undeclared (first use in this function)\n    4 | {code}\n");
+            in_plain_words(&output, ("", ""))
+        };
+        let told = "a.c:4: `my` is not defined; if `my speed` is one name, write it as one word, such as `my_speed`\n";
+        assert_eq!(words("my", "  VWSetSpeed(my speed, 0);", 14), told);
+        assert!(words("drive", "  drive home();", 3).contains("`drive_home`"));
+        for (name, code, column) in
+            [("Place", "  Place p;", 3), ("place", "  place p;", 3), ("Place", "for (Place p = 0;", 6)]
+        {
+            assert!(!words(name, code, column).contains("one name"), "{code}");
+        }
+    }
+
+    #[test]
+    fn empty_loops_are_known() {
+        assert!(is_empty_clause("  while (d > f(2)) ; // wait"));
+        assert!(is_empty_clause("for (;;);"));
+        for code in ["} while (d > 2);", "while (d > 2) f();", "while (d > 2) {", "whilst(2);", "f(2);"] {
+            assert!(!is_empty_clause(code), "{code}");
+        }
+    }
+
+    #[test]
+    fn joined_texts_alone_are_kept_of_printed_ones() {
+        let output = |code: &str| {
+            format!(
+                "a.cpp:4:3: warning: format not a string literal and no format arguments [-Wformat-security]\n    4 |   {code}\n"
+            )
+        };
+        for code in ["LCDPrintf(name);", "LCDPrintf((\"a\" + name).c_str());"] {
+            assert_eq!(without_meant(&output(code)), "", "{code}");
+        }
+        assert_eq!(without_meant(&output("LCDPrintf(\"a\" + d);")), output("LCDPrintf(\"a\" + d);"));
+    }
+
+    #[test]
+    fn quotes_are_counted_as_c_does() {
+        assert!(quote_missing("  LCDPrintf(hello\\n\");").is_some_and(|words| words.contains("begin")));
+        assert!(quote_missing("  LCDPrintf(\"hello\\n);").is_some_and(|words| words.contains("end")));
+        for line in ["f(\"http://a\")", "f(\"a\\\\\")", "f('\"')", "f(\"say \\\"a\")", "x; // say \"a"] {
+            assert_eq!(quote_missing(line), None, "{line}");
+        }
     }
 
     #[test]
