@@ -149,11 +149,10 @@ impl Message<'_> {
         if lacks_name
             && let Some((kind, rest)) =
                 code.split_once('[').filter(|(kind, _)| ["int", "double", "char"].contains(&kind.trim()))
+            && let Some((size, name)) = rest.split_once(']')
         {
-            if let Some((size, name)) = rest.split_once(']') {
-                let name = name.trim().split([';', '=', ' ']).next().unwrap_or_default();
-                return Some(format!("write `[ ]` after the name: `{} {name}[{size}]`", kind.trim()));
-            }
+            let name = name.trim().split([';', '=', ' ']).next().unwrap_or_default();
+            return Some(format!("write `[ ]` after the name: `{} {name}[{size}]`", kind.trim()));
         }
         if is_syntax && self.before() == Some("-") && self.text.contains("'='") {
             return Some("a name cannot contain `-`: write `_`".to_owned());
@@ -1097,7 +1096,7 @@ mod tests {
                 "4:13",
                 "invalid conversion from 'const char*' to 'int' [-fpermissive]",
                 "  int n = \"3\";",
-                "a value of type `const char*` stands where one of type `int` belongs",
+                "a text stands where a number (`int`) belongs: write a number, without quotes",
             ),
         ];
         for (place, error, code, words) in errors {
@@ -1143,14 +1142,14 @@ mod tests {
             )
         };
         for code in ["LCDPrintf(name);", "LCDPrintf((\"a\" + name).c_str());"] {
-            assert_eq!(without_meant(&output(code)), "", "{code}");
+            assert_eq!(without_intended(&output(code)), "", "{code}");
         }
-        assert_eq!(without_meant(&output("LCDPrintf(\"a\" + d);")), output("LCDPrintf(\"a\" + d);"));
+        assert_eq!(without_intended(&output("LCDPrintf(\"a\" + d);")), output("LCDPrintf(\"a\" + d);"));
     }
 
     #[test]
     fn quotes_are_counted_as_c_does() {
-        assert!(quote_missing("  LCDPrintf(hello\\n\");").is_some_and(|words| words.contains("begin")));
+        assert!(quote_missing("  LCDPrintf(hello\\n\");").is_some_and(|words| words.contains("opening")));
         assert!(quote_missing("  LCDPrintf(\"hello\\n);").is_some_and(|words| words.contains("end")));
         for line in ["f(\"http://a\")", "f(\"a\\\\\")", "f('\"')", "f(\"say \\\"a\")", "x; // say \"a"] {
             assert_eq!(quote_missing(line), None, "{line}");
