@@ -133,7 +133,7 @@ fn a_program_that_breaks_the_heap_ends_with_a_message() {
         };
         assert_eq!(code, Some(1), "{place}: {messages}");
         let line = line_with(&messages, "written far beyond the end of the 16 bytes");
-        assert!(line.contains("gets from `malloc` at mine.c:5"), "{place}: {messages}");
+        assert!(line.contains("got from `malloc` at mine.c:5"), "{place}: {messages}");
     }
 }
 
