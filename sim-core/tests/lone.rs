@@ -8,6 +8,7 @@ use sim_core::{
     RobotId,
     drive::{Command, Gains, Imperfection, Model, Motion},
     noise::TwistNoise,
+    object::{Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
     scene::{Segment, Walls},
     time::Time,
@@ -57,6 +58,31 @@ impl Scene {
     }
 }
 
+/// What eight rays meet now and 90 ms ago, after an object has been added far away.
+fn seen_beside_an_object(mut world: World) -> Vec<String> {
+    let ball = Properties {
+        mass: 1.0,
+        centre_of_mass: DVec2::ZERO,
+        parts: vec![Part { shape: Shape::Disc { radius: 0.1 }, object_from_part: Pose::default() }],
+        resistance: Resistance::Sliding(0.0),
+        restitution: 1.0,
+        contact_friction: 0.0,
+        lift: 0.0,
+    };
+    world.add_object(Arc::new(ball), Pose::new(0.0, 1_000.0, 0.0), None).expect("a place");
+    let now = world.slot_start();
+    let instants = [now, (now - Time(90_000)).max(Time::ZERO)];
+    let rays = (0..16).map(|index| {
+        let (sin, cos) = sim_core::math::sin_cos(f64::from(index / 2) * std::f64::consts::FRAC_PI_4);
+        let at = instants[index as usize % 2];
+        format!(
+            "{:?}",
+            world.cast(OTHER, &Ray::flat(DVec2::new(-0.9 * cos, -0.9 * sin), DVec2::new(cos, sin), 5.0), at)
+        )
+    });
+    rays.collect()
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Perfect,
@@ -99,6 +125,10 @@ fn a_lone_robot_is_as_one_that_is_not_alone() {
                 let [one, other] = [&mut alone, &mut beside].map(|scene| scene.advance(DVec2::new(cos, sin)));
                 contacts += alone.motions[0].contacts(alone.world.slot_start());
                 assert_eq!(one, other, "{kind:?}, slot {index} of {slot} us");
+                if index % 41 == 0 {
+                    let [one, other] = [&alone, &beside].map(|scene| seen_beside_an_object(scene.world.clone()));
+                    assert_eq!(one, other, "{kind:?}, slot {index} of {slot} us, beside an object");
+                }
             }
         }
         assert!(contacts > 0, "{kind:?} meets no wall");

@@ -36,10 +36,19 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn slots_of_robots_that_drive_take_no_memory() {
-    const SIDE: usize = 12;
-    let mut scene = format!("[world]\nfloor_mm = [{0}, {0}]\n", SIDE * 2000);
-    for index in 0..SIDE * SIDE {
-        let (x, y) = (index % SIDE * 2000 + 1000, index / SIDE * 2000 + 1000);
+    assert_eq!(allocations(12, "none"), 0);
+}
+
+#[test]
+fn slots_of_a_robot_alone_take_no_memory_with_noise_either() {
+    assert_eq!(allocations(1, "mild"), 0);
+}
+
+/// Memory that 200 slots take, of `side` x `side` robots that drive apart from each other.
+fn allocations(side: usize, noise: &str) -> usize {
+    let mut scene = format!("noise = \"{noise}\"\n[world]\nfloor_mm = [{0}, {0}]\n", side * 2000);
+    for index in 0..side * side {
+        let (x, y) = (index % side * 2000 + 1000, index / side * 2000 + 1000);
         // Writing to a string does not fail.
         let _ = write!(scene, "[[robot]]\ntype = \"S4\"\nx_mm = {x}\ny_mm = {y}\nheading_deg = {}\n", index * 37 % 360);
     }
@@ -50,7 +59,7 @@ fn slots_of_robots_that_drive_take_no_memory() {
     let mut allocations = 0;
     for number in 0..400_usize {
         // Circles of two radii, so that every robot stays in its square metre, and some rest.
-        for index in (0..SIDE * SIDE).filter(|index| (number + index) % 5 == 0) {
+        for index in (0..side * side).filter(|index| (number + index) % 5 == 0) {
             let command = match (number / 40 + index) % 4 {
                 0 => Command::Halt,
                 turn => Command::Twist(Twist { vx: 0.1, vy: 0.0, omega: turn as f64 }),
@@ -64,7 +73,7 @@ fn slots_of_robots_that_drive_take_no_memory() {
         }
     }
     let now = simulation.now();
-    let mut motions = (0..SIDE * SIDE).map(|index| simulation.robot(RobotId::from_index(index)).motion.clone());
+    let mut motions = (0..side * side).map(|index| simulation.robot(RobotId::from_index(index)).motion.clone());
     assert!(motions.all(|mut motion| motion.contacts(now) == 0 && motion.path_length(now) > 0.5), "all drive freely");
-    assert_eq!(allocations, 0);
+    allocations
 }

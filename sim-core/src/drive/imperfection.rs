@@ -168,7 +168,7 @@ pub enum ContactRule {
 pub(super) struct Vehicle {
     pub model: Arc<Model>,
     /// `None` for perfect motion.
-    pub errors: Option<Box<MotionErrors>>,
+    pub errors: Option<Arc<MotionErrors>>,
     pub contact: ContactRule,
     /// Hull of a robot in the water.
     pub hull: Option<Hull>,
@@ -209,8 +209,8 @@ impl Vehicle {
 
 impl MotionErrors {
     /// The errors of `robot` in a run with `seed`; `None` for perfect motion.
-    pub fn unless_perfect(imperfection: Imperfection, seed: u64, robot: RobotId) -> Option<Box<Self>> {
-        (imperfection != Imperfection::default()).then(|| Box::new(Self::new(imperfection, seed, robot)))
+    pub fn unless_perfect(imperfection: Imperfection, seed: u64, robot: RobotId) -> Option<Arc<Self>> {
+        (imperfection != Imperfection::default()).then(|| Arc::new(Self::new(imperfection, seed, robot)))
     }
 
     fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {

@@ -554,7 +554,8 @@ impl Stage {
         next
     }
 
-    fn next_tick(&self) -> Time {
+    /// The first tick after the start of the stage.
+    pub fn next_tick(&self) -> Time {
         self.piece.start.floor_to(TICK) + TICK
     }
 

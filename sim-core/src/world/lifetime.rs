@@ -105,6 +105,8 @@ impl World {
         let object = objects.add(properties, world_from_object, now);
         objects.publish(now, end);
         self.quiescence = Quiescence::default();
+        // A robot that was alone until now is not in the index yet.
+        self.refresh_index();
         Ok(object)
     }
 
