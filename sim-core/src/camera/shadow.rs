@@ -1,7 +1,7 @@
 //! Shadows: a grid across the sun's direction with the faces that cast shadows.
 //!
 //! The shadows are hard and exact, without a shadow map: a place is in the shade if a face other than its own, farther
-//! away than [`AWAY`], covers the sun as seen from the place. Everything visible casts shadows, a camera's own robot
+//! away than [`SHADOW_BIAS`], covers the sun as seen from the place. Everything visible casts shadows, a camera's own robot
 //! too; the ground casts none. Our choice.
 
 use glam::{DVec2, DVec3};
@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use super::{Attachment, Part, PosedScenery, Scenery};
 
 /// Distance in metres below which a face casts no shadow, because touching faces are equal within rounding.
-pub const AWAY: f64 = 1e-6;
+pub const SHADOW_BIAS: f64 = 1e-6;
 
 /// Enlargement of a face on all sides, in metres, so that no light passes between two faces.
 const SLACK: f64 = 1e-9;
@@ -22,7 +22,7 @@ pub struct Axes([DVec3; 3]);
 #[derive(Clone, Debug, Default)]
 pub struct ShadowGrid {
     low: DVec2,
-    per_cell: f64,
+    cells_per_metre: f64,
     size: [usize; 2],
     /// By cell, index of its first entry in `members`; the last element is the end of the list.
     starts: Vec<u32>,
@@ -38,7 +38,7 @@ struct Caster {
     /// direction.
     edges: [[f64; 3]; 3],
     /// Coordinate of the face towards the sun, m, also a linear function of the position across the sun's direction.
-    height: [f64; 3],
+    plane: [f64; 3],
     /// Greatest coordinate towards the sun.
     highest: f64,
     /// Lowest and highest corner of its bounding rectangle.
@@ -49,8 +49,8 @@ struct Caster {
 }
 
 #[inline(always)]
-fn value([x, y, one]: [f64; 3], at: DVec2) -> f64 {
-    x * at.x + y * at.y + one
+fn evaluate([a, b, c]: [f64; 3], at: DVec2) -> f64 {
+    a * at.x + b * at.y + c
 }
 
 impl Axes {
@@ -65,7 +65,7 @@ impl Axes {
         self.0
     }
 
-    fn of(&self, point: DVec3) -> DVec3 {
+    fn coordinates(&self, point: DVec3) -> DVec3 {
         DVec3::from(self.0.map(|axis| axis.dot(point)))
     }
 }
@@ -80,8 +80,8 @@ impl Caster {
         // A ray towards the sun leaves a closed surface through a face that points to the sun.
         let is_hidden = is_closed && area < 0.0;
         // False for NaN.
-        let is_wide = area.abs() > 1e-9 * longest && longest < 1e30;
-        if is_hidden || !is_wide {
+        let is_usable = area.abs() > 1e-9 * longest && longest < 1e30;
+        if is_hidden || !is_usable {
             return None;
         }
         let edge = |from: DVec2, to: DVec2| {
@@ -93,7 +93,7 @@ impl Caster {
         let heights = corners.map(|corner| corner.z);
         Some(Self {
             edges: [edge(a, b), edge(b, c), edge(c, a)],
-            height: [x, y, corners[0].z - x * a.x - y * a.y],
+            plane: [x, y, corners[0].z - x * a.x - y * a.y],
             highest: heights[0].max(heights[1]).max(heights[2]),
             low: a.min(b).min(c),
             high: a.max(b).max(c),
@@ -104,23 +104,23 @@ impl Caster {
 
     /// Returns true if the face covers the sun at a place.
     #[inline(always)]
-    fn covers(&self, at: DVec2, height: f64) -> bool {
-        self.edges.iter().all(|edge| value(*edge, at) >= -SLACK) && value(self.height, at) > height + AWAY
+    fn hides_sun_from(&self, at: DVec2, height: f64) -> bool {
+        self.edges.iter().all(|edge| evaluate(*edge, at) >= -SLACK) && evaluate(self.plane, at) > height + SHADOW_BIAS
     }
 }
 
 impl ShadowGrid {
-    /// Fills the grid with the faces of all parts for which `counts` returns true.
+    /// Fills the grid with the faces of all parts for which `casts_shadow` returns true.
     pub fn fill(
         &mut self,
         scenery: &Scenery,
         posed: Option<&PosedScenery>,
         axes: &Axes,
-        counts: impl Fn(&Part) -> bool,
+        casts_shadow: impl Fn(&Part) -> bool,
     ) {
         self.faces.clear();
         let mut corners = Vec::new();
-        for (number, part) in scenery.parts().iter().enumerate().filter(|(_, part)| counts(part)) {
+        for (number, part) in scenery.parts().iter().enumerate().filter(|(_, part)| casts_shadow(part)) {
             let pose = match (part.attachment, posed) {
                 (Attachment::Fixed(pose), _) => Some(pose),
                 (_, posed) => posed.and_then(|posed| posed.poses()[number]),
@@ -130,19 +130,19 @@ impl ShadowGrid {
             for cluster in &render_mesh.clusters {
                 corners.clear();
                 let of_cluster = &render_mesh.corners[cluster.corners.clone()];
-                corners.extend(of_cluster.iter().map(|corner| axes.of(pose.transform_point(*corner))));
+                corners.extend(of_cluster.iter().map(|corner| axes.coordinates(pose.transform_point(*corner))));
                 for face in &render_mesh.faces[cluster.faces.clone()] {
                     let corners = face.corners.map(|corner| corners[usize::from(corner)]);
-                    let name = (number as u32, face.triangle);
-                    self.faces.extend(Caster::new(name, corners, cluster.closed.is_some()));
+                    let face_id = (number as u32, face.triangle);
+                    self.faces.extend(Caster::new(face_id, corners, cluster.closed.is_some()));
                 }
             }
         }
-        self.sort_in();
+        self.bin_faces();
     }
 
     /// Bins the faces into a grid of about four cells per face.
-    fn sort_in(&mut self) {
+    fn bin_faces(&mut self) {
         let low = self.faces.iter().fold(DVec2::INFINITY, |low, face| low.min(face.low)) - 2.0 * SLACK;
         let high = self.faces.iter().fold(DVec2::NEG_INFINITY, |high, face| high.max(face.high)) + 2.0 * SLACK;
         self.starts.clear();
@@ -155,8 +155,8 @@ impl ShadowGrid {
         let cells = (4 * self.faces.len()).clamp(64, 1 << 20) as f64;
         let cell = (extent.x * extent.y / cells).sqrt().max(extent.max_element() / 4096.0);
         self.low = low;
-        self.per_cell = 1.0 / cell;
-        self.size = [extent.x, extent.y].map(|side| (side * self.per_cell) as usize + 1);
+        self.cells_per_metre = 1.0 / cell;
+        self.size = [extent.x, extent.y].map(|side| (side * self.cells_per_metre) as usize + 1);
         self.starts.resize(self.size[0] * self.size[1] + 1, 0);
         let mut starts = std::mem::take(&mut self.starts);
         for face in &self.faces {
@@ -185,15 +185,15 @@ impl ShadowGrid {
     /// Visits the cells that a face overlaps.
     fn cells(&self, face: &Caster, mut visit: impl FnMut(usize)) {
         let [columns, rows] = self.size;
-        let place = |at: DVec2| ((at - self.low) * self.per_cell).max(DVec2::ZERO);
+        let place = |at: DVec2| ((at - self.low) * self.cells_per_metre).max(DVec2::ZERO);
         let (first, last) = (place(face.low - SLACK), place(face.high + SLACK));
-        let half = 0.5 / self.per_cell;
+        let half = 0.5 / self.cells_per_metre;
         for row in first.y as usize..=(last.y as usize).min(rows - 1) {
             for column in first.x as usize..=(last.x as usize).min(columns - 1) {
-                let middle = self.low + DVec2::new(column as f64 + 0.5, row as f64 + 0.5) / self.per_cell;
+                let middle = self.low + DVec2::new(column as f64 + 0.5, row as f64 + 0.5) / self.cells_per_metre;
                 let touches = face.edges.iter().all(|edge| {
                     let reach = (edge[0].abs() + edge[1].abs()) * half;
-                    value(*edge, middle) >= -reach * (1.0 + 1e-6) - 2.0 * SLACK
+                    evaluate(*edge, middle) >= -reach * (1.0 + 1e-6) - 2.0 * SLACK
                 });
                 if touches {
                     visit(row * columns + column);
@@ -206,7 +206,7 @@ impl ShadowGrid {
     #[inline]
     pub fn shades(&self, place: DVec3, own: (u32, u32), last: &mut usize) -> bool {
         let at = place.truncate();
-        let cell = (at - self.low) * self.per_cell;
+        let cell = (at - self.low) * self.cells_per_metre;
         let [columns, rows] = self.size;
         // False for NaN.
         let is_inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns as f64 && cell.y < rows as f64;
@@ -215,7 +215,7 @@ impl ShadowGrid {
         }
         let is_own = |face: &Caster| face.part == own.0 && face.triangle == own.1;
         if let Some(face) = self.faces.get(*last)
-            && face.covers(at, place.z)
+            && face.hides_sun_from(at, place.z)
             && !is_own(face)
         {
             return true;
@@ -223,10 +223,10 @@ impl ShadowGrid {
         let cell = cell.y as usize * columns + cell.x as usize;
         for &number in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
             let face = &self.faces[number as usize];
-            if face.highest <= place.z + AWAY {
+            if face.highest <= place.z + SHADOW_BIAS {
                 return false;
             }
-            if face.covers(at, place.z) && !is_own(face) {
+            if face.hides_sun_from(at, place.z) && !is_own(face) {
                 *last = number as usize;
                 return true;
             }

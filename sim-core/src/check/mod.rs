@@ -4,7 +4,7 @@
 //! 100 ms of virtual time. The cells and sections do not depend on the slots, so neither do instants and verdicts. A monitor reads only:
 //! it draws no random numbers and records nothing. Checks on events, output and the report are the host's.
 
-mod course;
+mod pending;
 mod region;
 mod section;
 mod swarm;
@@ -23,7 +23,7 @@ use crate::spec::{BodyRef, CheckKind, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
-use course::Course;
+use pending::PendingMotion;
 use watch::{Surroundings, Watch};
 
 /// Length of the stretches of time that are evaluated at once.
@@ -53,8 +53,8 @@ pub struct Monitor {
     /// Instant after which nothing counts.
     until: Time,
     /// In the order of the ids; `None` for a robot that has not been seen yet.
-    robots: Vec<Option<Course>>,
-    objects: Vec<Option<Course>>,
+    robots: Vec<Option<PendingMotion>>,
+    objects: Vec<Option<PendingMotion>>,
     /// Robots whose odometry is checked.
     odometry_of: Vec<RobotId>,
     /// Objects are checked.
@@ -105,8 +105,8 @@ impl Monitor {
             self.robots.resize_with(index + 1, || None);
         }
         let wants_odometry = self.odometry_of.contains(&motion.id());
-        let course = self.robots[index].get_or_insert_with(|| Course::of_robot(motion, from, wants_odometry));
-        course.follow(motion, (from, to));
+        let pending = self.robots[index].get_or_insert_with(|| PendingMotion::of_robot(motion, from, wants_odometry));
+        pending.append_robot(motion, (from, to));
     }
 
     /// Ends the slot that ends at `to`: all other bodies rested. Evaluates the cells that are complete.
@@ -114,7 +114,7 @@ impl Monitor {
         let to = to.min(self.until);
         self.rest(world, to);
         while self.cell + CELL <= to {
-            let is_at_rest = self.courses().all(Course::is_at_rest);
+            let is_at_rest = self.pending().all(PendingMotion::is_at_rest);
             let until = if is_at_rest { to.floor_to(CELL) } else { self.cell + CELL };
             self.evaluate(until);
         }
@@ -143,39 +143,39 @@ impl Monitor {
         self.watches.iter().filter_map(|(index, watch)| Some((*index, watch.series()?)))
     }
 
-    fn courses(&self) -> impl Iterator<Item = &Course> {
+    fn pending(&self) -> impl Iterator<Item = &PendingMotion> {
         self.robots.iter().chain(&self.objects).flatten()
     }
 
     /// Lets all bodies that have not been seen up to `to` rest until then, or until their removal.
     fn rest(&mut self, world: &mut World, to: Time) {
         self.robots.resize_with(world.robot_count(), || None);
-        for (index, course) in self.robots.iter_mut().enumerate() {
+        for (index, pending) in self.robots.iter_mut().enumerate() {
             let id = RobotId::from_index(index);
             let lifetime = world.robot_lifetime(id);
             let until = to.min(lifetime.until);
             let since = lifetime.since.max(Time::ZERO);
-            let course = course.get_or_insert_with(|| {
+            let pending = pending.get_or_insert_with(|| {
                 let body = world.body(id, to.max(since));
-                Course::resting(body.centre, body.radius, since)
+                PendingMotion::resting(body.centre, body.radius, since)
             });
-            course.rest_until(until);
+            pending.rest_until(until);
         }
         if !self.wants_objects {
             return;
         }
         self.objects.resize_with(world.object_count(), || None);
         let steps = world.take_object_steps();
-        for (index, course) in self.objects.iter_mut().enumerate() {
+        for (index, pending) in self.objects.iter_mut().enumerate() {
             let id = ObjectId::from_index(index);
             let lifetime = world.object_lifetime(id);
             let (until, since) = (to.min(lifetime.until), lifetime.since.max(Time::ZERO));
             let mut own = steps.iter().filter(|step| step.object == id).peekable();
             let first = own.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
-            let course = course.get_or_insert_with(|| Course::resting(first, 0.0, since));
-            own.filter(|step| step.at <= until).for_each(|step| course.step(step));
+            let pending = pending.get_or_insert_with(|| PendingMotion::resting(first, 0.0, since));
+            own.filter(|step| step.at <= until).for_each(|step| pending.step(step));
             // The next step begins on the grid of steps, also if the slot ends elsewhere.
-            course.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
+            pending.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }
     }
 
@@ -183,7 +183,7 @@ impl Monitor {
     fn evaluate(&mut self, until: Time) {
         let seconds = until.seconds();
         let [robots, objects] = [&mut self.robots, &mut self.objects]
-            .map(|courses| courses.iter_mut().map(|course| course.as_mut().map(|course| course.take_until(seconds))));
+            .map(|bodies| bodies.iter_mut().map(|pending| pending.as_mut().map(|pending| pending.take_until(seconds))));
         let (robots, objects) = (robots.collect::<Vec<_>>(), objects.collect::<Vec<_>>());
         let times = (self.cell, until);
         let surroundings = Surroundings { walls: &self.walls, robots: &robots, objects: &objects };

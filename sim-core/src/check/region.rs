@@ -85,9 +85,9 @@ impl Smooth for ToLine<'_> {
     }
 }
 
-/// The stretches of a section, in order, each with an answer of `is_inside` that holds throughout; `breaks` are the instants at which
+/// The intervals of a section, in order, each with an answer of `is_inside` that holds throughout; `breaks` are the instants at which
 /// it may change.
-pub(super) fn stretches(
+pub(super) fn intervals(
     section: &Section,
     mut breaks: Vec<f64>,
     is_inside: impl Fn(f64) -> bool,
@@ -110,8 +110,8 @@ pub(super) fn stretches(
     found
 }
 
-/// The stretches of a section inside and outside a place, grown by [`ROUNDING`].
-pub(super) fn stretches_in(section: &Section, place: &Place) -> Vec<(f64, f64, bool)> {
+/// The intervals of a section inside and outside a place, grown by [`ROUNDING`].
+pub(super) fn intervals_in(section: &Section, place: &Place) -> Vec<(f64, f64, bool)> {
     let margin = ROUNDING;
     let mut breaks = Vec::new();
     match place {
@@ -119,7 +119,7 @@ pub(super) fn stretches_in(section: &Section, place: &Place) -> Vec<(f64, f64, b
             let radius = radius + margin;
             let function = ToSegment { section, segment: Segment::new(*centre, *centre), less: radius * radius };
             find_zeros(&function, section.from, section.to, &mut breaks);
-            stretches(section, breaks, |t| function.at(t).0 <= 0.0)
+            intervals(section, breaks, |t| function.at(t).0 <= 0.0)
         }
         Place::Polygon(corners) => {
             for edge in edges(corners) {
@@ -130,7 +130,7 @@ pub(super) fn stretches_in(section: &Section, place: &Place) -> Vec<(f64, f64, b
                     find_zeros(&line, section.from, section.to, &mut breaks);
                 }
             }
-            stretches(section, breaks, |t| {
+            intervals(section, breaks, |t| {
                 let point = section.position(t);
                 is_within(corners, point) || edges(corners).any(|edge| edge.distance(point) <= margin)
             })

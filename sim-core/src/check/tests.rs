@@ -1,6 +1,6 @@
 use glam::DVec2;
 
-use super::region::{Between, Negative, ToSegment, stretches_in};
+use super::region::{Between, Negative, ToSegment, intervals_in};
 use super::section::{Section, Smooth, find_least, find_zeros, push, take_until};
 use crate::contact::{LengthLaw, Pace, Path};
 use crate::math;
@@ -16,9 +16,9 @@ fn disc(x: f64, y: f64, radius: f64) -> Place {
     Place::Disc { centre: DVec2::new(x, y), radius }
 }
 
-/// The stretches inside, as pairs of instants.
+/// The intervals inside, as pairs of instants.
 fn inside(section: &Section, place: &Place) -> Vec<(f64, f64)> {
-    stretches_in(section, place).into_iter().filter(|(.., inside)| *inside).map(|(from, to, _)| (from, to)).collect()
+    intervals_in(section, place).into_iter().filter(|(.., inside)| *inside).map(|(from, to, _)| (from, to)).collect()
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn a_way_that_grazes_a_disc_reaches_it_and_one_a_micrometre_beside_does_not() {
 fn a_circle_along_the_border_of_a_disc_is_inside_all_the_time() {
     // Radius 0.5 around (0, 0), from its rightmost point.
     let way = section(0.5, 0.0, 0.5 * std::f64::consts::PI, (0.25, 0.5), 0.1);
-    let found = stretches_in(&way, &disc(0.0, 0.0, 0.5));
+    let found = intervals_in(&way, &disc(0.0, 0.0, 0.5));
     assert_eq!(found, [(0.0, 0.1, true)]);
 }
 
@@ -51,7 +51,7 @@ fn stretches_in_a_polygon_are_those_that_samples_show() {
     let place = Place::Polygon(corners.to_vec());
     for turn in 0..40 {
         let way = section(0.2, -0.4, 0.15 * f64::from(turn), (0.4, 0.13 * f64::from(turn % 7 - 3)), 12.0);
-        let found = stretches_in(&way, &place);
+        let found = intervals_in(&way, &place);
         assert_eq!((found[0].0, found[found.len() - 1].1), (0.0, 12.0), "the section is covered");
         for sample in 1..1200 {
             let t = 0.01 * f64::from(sample);
@@ -67,8 +67,8 @@ fn stretches_in_a_polygon_are_those_that_samples_show() {
 #[test]
 fn a_way_along_an_edge_stays_in_the_polygon() {
     let square = Place::Polygon([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec());
-    assert_eq!(stretches_in(&section(0.1, 1.0, 0.0, (0.1, 0.0), 5.0), &square), [(0.0, 5.0, true)]);
-    let found = stretches_in(&section(0.5, 0.5, 0.0, (0.1, 0.0), 10.0), &square);
+    assert_eq!(intervals_in(&section(0.1, 1.0, 0.0, (0.1, 0.0), 5.0), &square), [(0.0, 5.0, true)]);
+    let found = intervals_in(&section(0.5, 0.5, 0.0, (0.1, 0.0), 10.0), &square);
     assert!((found[0].1 - 5.0).abs() < 1e-7 && found.len() == 2, "{found:?}");
 }
 

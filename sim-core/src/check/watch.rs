@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use super::Finding;
-use super::course::Stretch;
-use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, is_within, stretches, stretches_in};
+use super::pending::Interval;
+use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, intervals, intervals_in, is_within};
 use super::section::{Section, Smooth, find_least, find_zeros};
 use super::swarm::Swarm;
 use crate::RobotId;
@@ -18,21 +18,21 @@ const REPORTED: f64 = 1e-9;
 /// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that have not been seen.
 pub(super) struct Surroundings<'a> {
     pub walls: &'a Walls,
-    pub robots: &'a [Option<Stretch>],
-    pub objects: &'a [Option<Stretch>],
+    pub robots: &'a [Option<Interval>],
+    pub objects: &'a [Option<Interval>],
 }
 
 impl Surroundings<'_> {
-    fn robot(&self, id: RobotId) -> Option<&Stretch> {
+    fn robot(&self, id: RobotId) -> Option<&Interval> {
         self.robots.get(id.index())?.as_ref()
     }
 
     pub fn sections(&self, body: BodyRef) -> &[Section] {
-        let stretch = match body {
+        let interval = match body {
             BodyRef::Robot(id) => self.robot(id),
             BodyRef::Object(id) => self.objects.get(id.index()).and_then(Option::as_ref),
         };
-        stretch.map_or(&[], |stretch| &stretch.body)
+        interval.map_or(&[], |interval| &interval.body)
     }
 }
 
@@ -214,7 +214,7 @@ impl Reach {
             if self.done.is_some() {
                 return;
             }
-            for (from, to, is_inside) in stretches_in(section, &self.place) {
+            for (from, to, is_inside) in intervals_in(section, &self.place) {
                 if !is_inside {
                     self.since = None;
                 } else {
@@ -290,7 +290,7 @@ impl Visits {
     /// The next visit within a section: index of the place, and instant.
     fn next(&self, section: &Section) -> Option<(usize, f64)> {
         let candidates = if self.any_order { self.left.len() } else { self.left.len().min(1) };
-        let entry = |place: &Place| stretches_in(section, place).into_iter().find(|(.., is_inside)| *is_inside);
+        let entry = |place: &Place| intervals_in(section, place).into_iter().find(|(.., is_inside)| *is_inside);
         let entries = self.left[..candidates].iter().enumerate();
         let entries = entries.filter_map(|(index, place)| entry(place).map(|(at, ..)| (index, at)));
         entries.min_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -314,7 +314,7 @@ pub(super) struct StaysIn {
 impl StaysIn {
     fn take(&mut self, sections: &[Section]) {
         for section in sections.iter().filter(|_| self.left.is_none()) {
-            let outside = stretches_in(section, &self.place).into_iter().find(|(.., is_inside)| !is_inside);
+            let outside = intervals_in(section, &self.place).into_iter().find(|(.., is_inside)| !is_inside);
             if let Some((at, ..)) = outside {
                 self.left = Some((at, section.position(at)));
                 return;
@@ -344,7 +344,7 @@ impl Laps {
             let line = ToLine { section, point: self.gate.a, normal };
             let mut breaks = Vec::new();
             find_zeros(&line, section.from, section.to, &mut breaks);
-            for (from, _, is_left) in stretches(section, breaks, |t| line.at(t).0 > 0.0) {
+            for (from, _, is_left) in intervals(section, breaks, |t| line.at(t).0 > 0.0) {
                 let was_left = self.is_left.replace(is_left);
                 let position = section.position(from);
                 let is_within = self.gate.distance(position) <= 2.0 * ROUNDING;
@@ -428,7 +428,7 @@ impl Clearance {
             let mut breaks = Vec::new();
             find_zeros(&function, section.from, section.to, &mut breaks);
             let near =
-                stretches(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
+                intervals(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
             violations.extend(near.map(|(at, ..)| (at, section.position(at))));
         }
         let (gap, at) = self.least.unwrap_or((f64::INFINITY, section.from));
@@ -490,7 +490,7 @@ impl FollowsWall {
                 let gap = near.iter().map(|wall| wall.distance(position)).fold(f64::INFINITY, f64::min);
                 (limits[0]..=limits[1]).contains(&gap)
             };
-            for (from, to, is_followed) in stretches(section, breaks, is_followed) {
+            for (from, to, is_followed) in intervals(section, breaks, is_followed) {
                 let length = section.length(from, to);
                 self.path += length;
                 self.followed += if is_followed { length } else { 0.0 };
@@ -583,7 +583,7 @@ impl Coverage {
                 }
                 let point = self.origin + middle_of(place, self.columns) * self.cell;
                 let within = Place::Disc { centre: point, radius: self.half_width };
-                let entry = stretches_in(section, &within).into_iter().find(|(.., is_inside)| *is_inside);
+                let entry = intervals_in(section, &within).into_iter().find(|(.., is_inside)| *is_inside);
                 found.extend(entry.map(|(at, ..)| (at, place, section.position(at))));
             }
         }
@@ -626,7 +626,7 @@ impl OdometryError {
             if self.violated.is_none() && !self.at_end {
                 let mut breaks = Vec::new();
                 find_zeros(&within, truth.from, to, &mut breaks);
-                let beyond = stretches(&truth, breaks, |t| within.at(t).0 > 0.0);
+                let beyond = intervals(&truth, breaks, |t| within.at(t).0 > 0.0);
                 let beyond = beyond.into_iter().find(|(.., is_beyond)| *is_beyond);
                 self.violated = beyond.map(|(at, ..)| (at, truth.position(at)));
             }

@@ -11,25 +11,25 @@ use crate::world::ObjectStep;
 
 /// Motion of a body that has been seen and not yet evaluated.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct PendingMotion {
     radius: f64,
     /// Motion of the centre, without gaps.
     body: Vec<Section>,
     /// Instant up to which the motion is known.
-    known: f64,
+    known_until: f64,
     /// Position at that instant.
     position: DVec2,
-    odometry: Option<Box<OdometryCourse>>,
+    odometry: Option<Box<PendingOdometry>>,
 }
 
 /// Motion of a robot's axle: true, and by odometry.
 #[derive(Clone, Debug)]
-struct OdometryCourse {
+struct PendingOdometry {
     /// Distance of the axle ahead of the centre, m.
     ahead: f64,
     truth: Vec<Section>,
     /// In the world frame.
-    belief: Vec<Section>,
+    estimate: Vec<Section>,
     /// Turn (a unit vector) and shift from the odometry frame to the world frame.
     world_from_odometry: (DVec2, DVec2),
     /// The program has set its odometry, which fixes the frame.
@@ -40,7 +40,7 @@ struct OdometryCourse {
 
 /// A stretch of time of one body: radius, and sections.
 #[derive(Clone, Debug)]
-pub(super) struct Stretch {
+pub(super) struct Interval {
     /// Radius of the body, m; 0 for an object.
     pub radius: f64,
     /// Motion of its centre.
@@ -49,55 +49,55 @@ pub(super) struct Stretch {
     pub axle: [Vec<Section>; 2],
 }
 
-impl Course {
-    /// Course of a body at rest from `since` on.
+impl PendingMotion {
+    /// Pending motion of a body at rest from `since` on.
     pub fn resting(position: DVec2, radius: f64, since: Time) -> Self {
-        Self { radius, body: Vec::new(), known: since.seconds(), position, odometry: None }
+        Self { radius, body: Vec::new(), known_until: since.seconds(), position, odometry: None }
     }
 
-    /// Course of a robot that is first seen in a slot that starts at `from`.
+    /// Pending motion of a robot that is first seen in a slot that starts at `from`.
     pub fn of_robot(motion: &mut Motion, from: Time, wants_odometry: bool) -> Self {
-        let course = Self::resting(motion.pose(from).position, motion.radius(), from);
+        let pending = Self::resting(motion.pose(from).position, motion.radius(), from);
         let odometry = wants_odometry.then(|| {
             let state = motion.state(from);
-            let anchor = frame(&state.world_from_axle, &state.odometry);
+            let anchor = world_from_odometry(&state.world_from_axle, &state.odometry);
             let position = state.world_from_axle.position;
-            Box::new(OdometryCourse {
+            Box::new(PendingOdometry {
                 ahead: motion.model().axis_offset,
                 truth: Vec::new(),
-                belief: Vec::new(),
+                estimate: Vec::new(),
                 world_from_odometry: anchor,
                 is_anchored: false,
                 last: [position; 2],
             })
         });
-        Self { odometry, ..course }
+        Self { odometry, ..pending }
     }
 
     /// Appends the motion of a robot from `from` to `to`.
-    pub fn follow(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
+    pub fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         self.rest_until(from);
         let mut passages = Vec::new();
         motion.passages(from, to, &mut passages);
         Section::append(&mut self.body, &passages, (from, to), 0.0);
         if let Some(odometry) = &mut self.odometry {
             Section::append(&mut odometry.truth, &passages, (from, to), odometry.ahead);
-            odometry.follow(motion, (from, to));
+            odometry.append_robot(motion, (from, to));
         }
-        self.settle(to.seconds());
+        self.set_end(to.seconds());
     }
 
     /// Appends a step of an object.
     pub fn step(&mut self, step: &ObjectStep) {
         let to = step.at.seconds();
         let from = if step.is_jump { to } else { step.since.seconds() };
-        self.rest_until(step.since.max(Time::from_seconds_ceil(self.known)));
-        if from < to && step.from != step.to && self.known <= from {
+        self.rest_until(step.since.max(Time::from_seconds_ceil(self.known_until)));
+        if from < to && step.from != step.to && self.known_until <= from {
             let velocity = (step.to - step.from) / (to - from);
             let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };
             let path = Path { twist, ..Path::new(&Pose::new(step.from.x, step.from.y, 0.0), twist) };
             push(&mut self.body, Section::on(path, from, (from, to)));
-            self.known = to;
+            self.known_until = to;
         }
         self.position = step.to;
     }
@@ -105,59 +105,59 @@ impl Course {
     /// Lets the body rest until `until`.
     pub fn rest_until(&mut self, until: Time) {
         let until = until.seconds();
-        if self.known >= until {
+        if self.known_until >= until {
             return;
         }
-        push(&mut self.body, Section::resting(self.position, self.known, until));
+        push(&mut self.body, Section::resting(self.position, self.known_until, until));
         if let Some(odometry) = &mut self.odometry {
-            let [truth, belief] = odometry.last;
-            push(&mut odometry.truth, Section::resting(truth, self.known, until));
-            push(&mut odometry.belief, Section::resting(belief, self.known, until));
+            let [truth, estimate] = odometry.last;
+            push(&mut odometry.truth, Section::resting(truth, self.known_until, until));
+            push(&mut odometry.estimate, Section::resting(estimate, self.known_until, until));
         }
-        self.known = until;
+        self.known_until = until;
     }
 
     /// Returns true if the body rests throughout what is not yet evaluated.
     pub fn is_at_rest(&self) -> bool {
         let rests = |sections: &[Section]| sections.len() <= 1 && sections.iter().all(Section::is_resting);
         let odometry = self.odometry.as_ref();
-        rests(&self.body) && odometry.is_none_or(|odometry| rests(&odometry.truth) && rests(&odometry.belief))
+        rests(&self.body) && odometry.is_none_or(|odometry| rests(&odometry.truth) && rests(&odometry.estimate))
     }
 
     /// Takes the motion before `until`.
-    pub fn take_until(&mut self, until: f64) -> Stretch {
+    pub fn take_until(&mut self, until: f64) -> Interval {
         let axle = match &mut self.odometry {
-            Some(odometry) => [take_until(&mut odometry.truth, until), take_until(&mut odometry.belief, until)],
+            Some(odometry) => [take_until(&mut odometry.truth, until), take_until(&mut odometry.estimate, until)],
             None => [Vec::new(), Vec::new()],
         };
-        Stretch { radius: self.radius, body: take_until(&mut self.body, until), axle }
+        Interval { radius: self.radius, body: take_until(&mut self.body, until), axle }
     }
 
     /// Ends the known motion at `to`.
-    fn settle(&mut self, to: f64) {
+    fn set_end(&mut self, to: f64) {
         let end = |sections: &[Section]| sections.last().map(|section| section.position(to));
         self.position = end(&self.body).unwrap_or(self.position);
-        self.known = to;
+        self.known_until = to;
         if let Some(odometry) = &mut self.odometry {
-            let [truth, belief] = odometry.last;
-            odometry.last = [end(&odometry.truth).unwrap_or(truth), end(&odometry.belief).unwrap_or(belief)];
+            let [truth, estimate] = odometry.last;
+            odometry.last = [end(&odometry.truth).unwrap_or(truth), end(&odometry.estimate).unwrap_or(estimate)];
         }
     }
 }
 
-impl OdometryCourse {
+impl PendingOdometry {
     /// Appends the motion by odometry. The first time that the program sets its odometry fixes the frame of odometry in the world; later
     /// times are corrections, which count.
-    fn follow(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
-        let set = motion.odometry_set().filter(|_| !self.is_anchored);
-        let Some((at, pose)) = set.filter(|(at, _)| *at < to) else {
+    fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
+        let reset = motion.odometry_set().filter(|_| !self.is_anchored);
+        let Some((at, pose)) = reset.filter(|(at, _)| *at < to) else {
             return self.append(motion, (from, to));
         };
         if from < at {
             self.append(motion, (from, at));
         }
         let axle = motion.state(at).world_from_axle;
-        (self.world_from_odometry, self.is_anchored) = (frame(&axle, &pose), true);
+        (self.world_from_odometry, self.is_anchored) = (world_from_odometry(&axle, &pose), true);
         self.append(motion, (at.max(from), to));
     }
 
@@ -167,12 +167,12 @@ impl OdometryCourse {
         let mut sections = Vec::new();
         Section::append(&mut sections, &passages, times, 0.0);
         let (turn, shift) = self.world_from_odometry;
-        sections.iter().for_each(|section| push(&mut self.belief, section.placed(turn, shift)));
+        sections.iter().for_each(|section| push(&mut self.estimate, section.placed(turn, shift)));
     }
 }
 
 /// Turn and shift from the odometry frame to the world frame in which both poses of the axle agree.
-fn frame(world_from_axle: &Pose, odometry: &Pose) -> (DVec2, DVec2) {
+fn world_from_odometry(world_from_axle: &Pose, odometry: &Pose) -> (DVec2, DVec2) {
     let turn = world_from_axle.heading.turned(-odometry.heading.remainder()).direction();
     (turn, world_from_axle.position - turn.rotate(odometry.position))
 }
