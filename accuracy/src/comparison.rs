@@ -19,7 +19,7 @@ pub struct Parameter {
     pub start: f64,
     /// Factor of one step, above 1.
     pub ratio: f64,
-    /// Greatest value that has a meaning (1 for a share); infinite if all have. An optimum may lie there.
+    /// Maximum value that has a meaning (1 for a share); infinite if all have. An optimum may lie there.
     pub most: f64,
     /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all
     /// methods that have the parameter; greater for one whose steps multiply the work.
@@ -27,7 +27,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The value `step` steps from the start, `None` beyond the greatest with a meaning.
+    /// The value `step` steps from the start, `None` beyond the maximum with a meaning.
     fn value(&self, step: i32) -> Option<f64> {
         let value = self.start * self.ratio.powi(step);
         (value <= self.most).then_some(value)
@@ -41,7 +41,7 @@ pub struct Search {
     pub cases: usize,
     /// Number of cases, the first ones, on which coarse steps are tried; fine steps are tried on all.
     pub few: usize,
-    /// Greatest number of evaluations; one evaluation is one case with one setting.
+    /// Maximum number of evaluations; one evaluation is one case with one setting.
     pub budget: usize,
     /// Number of cases after which a setting is dropped if it is clearly no improvement: by two standard errors.
     pub first: usize,
@@ -81,7 +81,7 @@ pub enum TuneError {
     },
 }
 
-/// Searches the setting of a method with the least mean error over the training cases.
+/// Searches the setting of a method with the minimum mean error over the training cases.
 ///
 /// A compass search: each parameter is moved two steps up and down on a few cases, then one step on all cases, as long as this lowers the
 /// error; it ends when no single step along any parameter does. The last parameter comes first: it should be the resolution, without
@@ -191,7 +191,7 @@ fn mean_and_standard_error(sample: &[f64]) -> (f64, f64) {
     (mean, if count > 1.0 { (square / (count - 1.0) / count).sqrt() } else { f64::INFINITY })
 }
 
-/// Least number of pairs for an interval: the bootstrap of fewer is a matter of luck.
+/// Minimum number of pairs for an interval: the bootstrap of fewer is a matter of luck.
 const LEAST_PAIRS: usize = 10;
 /// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
@@ -216,7 +216,7 @@ pub struct Interval {
 pub enum Ends {
     /// Bootstrap interval of the mean at 95 %.
     Bootstrap,
-    /// Least and greatest value: there are too few values for an interval.
+    /// Minimum and maximum value: there are too few values for an interval.
     Range,
 }
 
@@ -299,7 +299,7 @@ mod tests {
         Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY, gain: 0.001 }
     }
 
-    /// Error with the least value at `at`, in steps, and a different level in each case.
+    /// Error with the minimum value at `at`, in steps, and a different level in each case.
     fn valley(value: f64, at: f64) -> f64 {
         1.0 + (value.log2() - at).powi(2)
     }

@@ -104,7 +104,7 @@ pub fn clearance(segments: &[Segment], centre: DVec2, radius: f64) -> f64 {
     segments.iter().map(|segment| distance_to_point(segment, centre)).fold(f64::INFINITY, f64::min) - radius
 }
 
-/// Source: the distance to the wall's line if the foot of the perpendicular lies on the wall, else to an end.
+/// Source: the distance to the wall's line if the foot of the perpendicular lies on the wall, otherwise to an end.
 fn distance_to_point(segment: &Segment, point: DVec2) -> f64 {
     let (from_a, from_b, along) = (point - segment.a, point - segment.b, segment.b - segment.a);
     if from_a.dot(along) > 0.0 && from_b.dot(along) < 0.0 {

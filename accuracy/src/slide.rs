@@ -26,7 +26,7 @@ pub struct Case {
     pub twist: Twist,
 }
 
-/// Greatest number of sweeps in the search for the forces of one step.
+/// Maximum number of sweeps in the search for the forces of one step.
 const ROUNDS: usize = 400;
 
 /// Gap that counts as closed, m: larger than the gap that opens in a step around a corner, too small for a step of its

@@ -48,7 +48,7 @@ impl Moments {
     }
 }
 
-/// Kolmogorov-Smirnov distance: the greatest difference between the empirical distribution of `sample`, sorted in place, and `cdf`.
+/// Kolmogorov-Smirnov distance: the maximum difference between the empirical distribution of `sample`, sorted in place, and `cdf`.
 pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     sample.sort_by(f64::total_cmp);
     let count = sample.len() as f64;
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn kolmogorov_has_its_published_values() {
-        // The midpoints of equal cells have the least distance; shifted by D their distance is D + 1 / 2n.
+        // The midpoints of equal cells have the minimum distance; shifted by D their distance is D + 1 / 2n.
         let sample =
             |count: usize, by: f64| (0..count).map(|k| (k as f64 + 0.5) / count as f64 + by).collect::<Vec<_>>();
         assert_eq!(kolmogorov(&mut sample(1000, 0.0), |x| x), 1.0);

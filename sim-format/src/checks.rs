@@ -9,7 +9,7 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec};
 
-/// Greatest number of squares of an area. Our choice.
+/// Maximum number of squares of an area. Our choice.
 const MAX_SQUARES: f64 = 1e6;
 
 /// Tells the programs of checks the folder of the file that states them.

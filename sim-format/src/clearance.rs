@@ -147,7 +147,7 @@ fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
 struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
 
 impl Grids {
-    /// Binary exponent of the greatest radius in the grid of bodies with this radius.
+    /// Binary exponent of the maximum radius in the grid of bodies with this radius.
     fn level_of(radius: f64) -> i32 {
         let mut level = -30;
         while level < 60 && radius > limit(level) {
@@ -188,7 +188,7 @@ impl Grids {
     }
 }
 
-/// Greatest radius of a level in metres.
+/// Maximum radius of a level in metres.
 fn limit(level: i32) -> f64 {
     f64::from_bits(((level + 1023) as u64) << 52)
 }

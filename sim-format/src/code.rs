@@ -44,7 +44,7 @@ macro_rules! codes {
     };
 }
 
-// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, else compilation fails; the page's third line repeats
+// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, otherwise compilation fails; the page's third line repeats
 // the meaning, and tests/codes.rs runs its examples.
 codes! {
     CheckBody = "check-body": "a check names a robot or an object that there is not",

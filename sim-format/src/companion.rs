@@ -14,7 +14,7 @@ use super::spec::{LIDAR, RobiSpec};
 use super::table::{Reader, Section};
 use super::used_names::UsedNames;
 
-/// Greatest number of names listed in a message.
+/// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
 /// Reads the companion `text` of a robi into `robi`, overriding the robi's own values.

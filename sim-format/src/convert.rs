@@ -194,7 +194,8 @@ pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a
 /// Converts as [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect
 /// of the sim file, which decides only where a program does not.
 ///
-/// Random values and places of a scene are drawn: with the seed of the `options`, which the result states, else with that of the scene.
+/// Random values and places of a scene are drawn: with the seed of the `options`, which the result states, otherwise with that of the
+/// scene.
 pub fn convert_with(
     from: &str,
     to: &str,

@@ -9,7 +9,7 @@ use super::spec::{BODY, LinkSpec, MAX_SONARS_ON_BUS, PathRef, RobiSpec};
 use super::table::Reader;
 use sim_core::build;
 
-/// Greatest number of names listed in a message.
+/// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
 /// Checks after all devices of a robot type are read.

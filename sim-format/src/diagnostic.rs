@@ -61,7 +61,7 @@ pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
-/// Greatest number of diagnostics kept per file; further ones are only counted.
+/// Maximum number of diagnostics kept per file; further ones are only counted.
 const MAX_KEPT: usize = 1000;
 
 /// Collects the diagnostics of one file.
@@ -171,7 +171,7 @@ fn printable(character: char) -> String {
     if is_unprintable(character) { character.escape_unicode().to_string() } else { character.to_string() }
 }
 
-/// Greatest lengths of a quoted word and of a message, in bytes.
+/// Maximum lengths of a quoted word and of a message, in bytes.
 const MAX_WORD: usize = 300;
 const MAX_MESSAGE: usize = 3000;
 
@@ -183,7 +183,7 @@ fn shorten(text: &mut String) {
     }
 }
 
-/// First and last sixth of `text` if it is longer than `max` bytes, else the whole text.
+/// First and last sixth of `text` if it is longer than `max` bytes, otherwise the whole text.
 fn cut(text: &str, max: usize) -> Cow<'_, str> {
     if text.len() <= max {
         return Cow::Borrowed(text);

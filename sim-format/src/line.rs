@@ -17,7 +17,7 @@ pub(super) struct Line<'a> {
     number: u32,
 }
 
-/// Greatest number of words per line, so that a file of a single line does not exhaust the memory.
+/// Maximum number of words per line, so that a file of a single line does not exhaust the memory.
 const MAX_WORDS: usize = 1000;
 
 /// A word of a line, without its quotes.

@@ -121,8 +121,8 @@ impl Loaded {
     }
 }
 
-/// Loads a scene, in our own form if its name ends in `.toml`, else a sim file, and all worlds, robis and object files that
-/// it refers to. Does not look for programs and meshes.
+/// Loads a scene, in our own form if its name ends in `.toml`, otherwise a sim file, and all worlds, robis and object files that it refers
+/// to. Does not look for programs and meshes.
 ///
 /// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once, however many
 /// robots or objects use it. Robots and objects that start inside something else give a warning.
@@ -143,9 +143,9 @@ pub struct Overrides<'a> {
     pub settings: &'a [Setting],
 }
 
-/// Greatest number of attempts to draw a scene that meets its own demands.
+/// Maximum number of attempts to draw a scene that meets its own demands.
 const ATTEMPTS: u32 = 100;
-/// Greatest number of attempts that fail because there is no room.
+/// Maximum number of attempts that fail because there is no room.
 const FULL_ATTEMPTS: u32 = 5;
 /// Seeds with which a check of a scene with random values tries them.
 const CHECKED_SEEDS: u64 = 10;
@@ -157,8 +157,8 @@ pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) 
     load_drawn(path, overrides, files).0
 }
 
-/// Loads a scene as [`load_scene_with`], and looks for mistakes that other seeds would show: the least and the greatest values of
-/// random ranges, all choices, and ten seeds.
+/// Loads a scene as [`load_scene_with`], and looks for mistakes that other seeds would show: the minimum and the maximum values of random
+/// ranges, all choices, and ten seeds.
 pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
     let (mut loaded, sim) = load_drawn(path, overrides, files);
     let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();

@@ -212,7 +212,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of its name, else a cylinder.
+    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of its name, otherwise a cylinder.
     fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);

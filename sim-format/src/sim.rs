@@ -217,7 +217,7 @@ impl Reader {
         }
     }
 
-    /// Reads a line without a keyword: a robot or an object of a loaded type if it has that form, else a mistake.
+    /// Reads a line without a keyword: a robot or an object of a loaded type if it has that form, otherwise a mistake.
     fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));

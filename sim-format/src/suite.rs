@@ -20,7 +20,7 @@ use super::{Files, InputFile, Loaded, Overrides, Span, load_scene_with};
 /// Suffix of file names that identifies a suite without reading its content.
 pub const SUITE_EXTENSION: &str = ".suite.toml";
 
-/// Greatest number of cases of a suite. Our choice: an hour of work at a hundred cases a second.
+/// Maximum number of cases of a suite. Our choice: an hour of work at a hundred cases a second.
 pub const MAX_CASES: u64 = 400_000;
 
 /// A suite.

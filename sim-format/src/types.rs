@@ -186,7 +186,7 @@ const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Obje
 const ABOVE: usize = 2;
 /// Depth of the search below the sim file's folder, and below those of the tree.
 const BELOW: usize = 2;
-/// Greatest numbers of folder entries, and of files, that the search reads.
+/// Maximum numbers of folder entries, and of files, that the search reads.
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 

@@ -17,7 +17,7 @@ const SETTINGS: [([u32; 2], u32); 6] =
 const VIEWS: usize = 6;
 /// Samples along a pixel's side for the reference.
 const TRUTH: u32 = 12;
-/// Greatest number of pixels compared per view.
+/// Maximum number of pixels compared per view.
 const PIXELS: usize = 60;
 
 fn run(effort: Effort) -> Outcome {

@@ -52,7 +52,7 @@ pub struct Row {
     pub method: String,
     /// Setting, with its unit: `slot of 50 ms`.
     pub setting: String,
-    /// Distance from the truth, in `unit`; finite and not negative. The greatest over all cases, unless the study states otherwise.
+    /// Distance from the truth, in `unit`; finite and not negative. The maximum over all cases, unless the study states otherwise.
     pub error: f64,
     /// Unit of the error.
     pub unit: &'static str,

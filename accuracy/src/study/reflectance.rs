@@ -15,14 +15,14 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// Greatest distance of the paper's sensor, m.
+/// Maximum distance of the paper's sensor, m.
 const MAX: f64 = 1.0;
 /// Signals as exponents of ten, 1/m.
 const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
 /// Number of signals at each setting: from the setting to ten times as much.
 const SIGNALS: usize = 1_000;
 
-/// Distance (m) from a signal (1/m) and a greatest distance (m).
+/// Distance (m) from a signal (1/m) and a maximum distance (m).
 type Root = fn(f64, f64) -> f64;
 
 fn run(effort: Effort) -> Outcome {

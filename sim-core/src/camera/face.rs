@@ -23,8 +23,8 @@ pub struct Face {
 /// Limit of all coefficients of a face, so that nothing overflows in `f32`.
 const GREATEST: f64 = 1e30;
 
-/// Reciprocal of the least distance in metres between camera and plane. At a smaller distance rounding decides whether
-/// the camera sees the face, so the face counts as edge-on. Our choice.
+/// Reciprocal of the minimum distance in metres between camera and plane. At a smaller distance rounding decides
+/// whether the camera sees the face, so the face counts as edge-on. Our choice.
 const NEAREST: f64 = 1e9;
 
 impl Face {

@@ -157,7 +157,7 @@ impl Optics {
         Some(PixelRect { first: [left, top], last: [right, bottom] })
     }
 
-    /// Rectangle for a fisheye: a circle about the face's middle, with the greatest magnification of the lens within it.
+    /// Rectangle for a fisheye: a circle about the face's middle, with the maximum magnification of the lens within it.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);

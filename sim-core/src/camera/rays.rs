@@ -105,7 +105,7 @@ pub struct Rays {
 pub struct Window {
     /// For a pinhole, the middle of the tile in lens space; otherwise the middle of its rays.
     middle: DVec3,
-    /// Greatest distance of a ray from the middle; for a pinhole, on each axis.
+    /// Maximum distance of a ray from the middle; for a pinhole, on each axis.
     radius: f64,
 }
 

@@ -39,7 +39,7 @@ struct Caster {
     edges: [[f64; 3]; 3],
     /// Coordinate of the face towards the sun, m, also a linear function of the position across the sun's direction.
     plane: [f64; 3],
-    /// Greatest coordinate towards the sun.
+    /// Maximum coordinate towards the sun.
     highest: f64,
     /// Lowest and highest corner of its bounding rectangle.
     low: DVec2,

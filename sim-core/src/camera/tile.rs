@@ -28,7 +28,7 @@ impl Tile {
 }
 
 /// Margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces is seen.
-/// Relative to the greatest reciprocal distance of the face in the tile. The margin shifts the line where two faces
+/// Relative to the maximum reciprocal distance of the face in the tile. The margin shifts the line where two faces
 /// intersect by less than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
@@ -62,7 +62,7 @@ fn nearest<S: Simd, const FLAT: bool>(
     let lanes = S::f32s::LEN;
     let mut nearest = [0.0_f32; PIXELS];
     *shown = [SKY; PIXELS];
-    // Least reciprocal distance of the nearest hits of all pixels: a face farther away everywhere can be skipped.
+    // Minimum reciprocal distance of the nearest hits of all pixels: a face farther away everywhere can be skipped.
     let mut all_nearer = 0.0;
     let (middle, more) = window.range::<FLAT>(ground);
     if middle + more > 0.0 {

@@ -38,8 +38,8 @@ pub struct Finding {
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
-    /// The measured quantity, as the variant of [`CheckKind`] suggests: distance to the place, number of places or passages, smallest
-    /// gap, share, greatest error; m, or a pure number.
+    /// The measured quantity, as the variant of [`CheckKind`] suggests: distance to the place, number of places or passages, smallest gap,
+    /// share, maximum error; m, or a pure number.
     pub value: Option<f64>,
 }
 

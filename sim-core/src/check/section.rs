@@ -205,7 +205,8 @@ fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -
     }
 }
 
-/// Least value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its instant.
+/// Minimum value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its
+/// instant.
 pub(super) fn find_least(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     let (value, slope) = function.at(middle);

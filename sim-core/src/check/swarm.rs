@@ -10,7 +10,7 @@ use crate::math;
 use crate::spec::{BodyRef, SwarmMetric};
 use crate::time::Time;
 
-/// Least speed of a robot whose direction counts, m/s.
+/// Minimum speed of a robot whose direction counts, m/s.
 const MOVING: f64 = 1e-6;
 
 /// A number that describes robots together, at the end of each cell, with demands on it.

@@ -12,7 +12,7 @@ use crate::scene::{Bounds, Segment, Walls};
 use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec, SwarmMetric};
 use crate::time::Time;
 
-/// Tolerance of least and greatest squares of distances that are only reported, m^2.
+/// Tolerance of minimum and maximum squares of distances that are only reported, m^2.
 const REPORTED: f64 = 1e-9;
 
 /// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that have not been seen.
@@ -204,7 +204,7 @@ pub(super) struct Reach {
     since: Option<(f64, DVec2)>,
     /// Instant at which the condition was met, and the position of the entry.
     done: Option<(f64, DVec2)>,
-    /// Square of the least distance to the centre or border, its instant and position.
+    /// Square of the minimum distance to the centre or border, its instant and position.
     nearest: (f64, f64, DVec2),
 }
 
@@ -609,7 +609,7 @@ pub(super) struct OdometryError {
     max: f64,
     at_end: bool,
     violated: Option<(f64, DVec2)>,
-    /// Square of the greatest error, negated, and its instant.
+    /// Square of the maximum error, negated, and its instant.
     greatest: (f64, f64),
     /// The last error, its instant and the true position.
     last: Option<(f64, f64, DVec2)>,

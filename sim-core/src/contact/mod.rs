@@ -18,11 +18,11 @@ pub use wall::{WallContact, first_contact};
 
 use crate::{ObjectId, RobotId, scene::WallId};
 
-/// Greatest gap in metres at which two bodies are in contact. Source: design section 4.
+/// Maximum gap in metres at which two bodies are in contact. Source: design section 4.
 pub const SKIN: f64 = 1e-6;
 
-/// Greatest gap in metres at which a body that starts to move counts as in contact: the skin, plus 1 nm for the
-/// rounding of poses.
+/// Maximum gap in metres at which a body that starts to move counts as in contact: the skin, plus 1 nm for the rounding
+/// of poses.
 pub const TOUCH: f64 = SKIN + 1e-9;
 
 /// Speed along the normal in m/s above which a body counts as approaching another one. The speed is far above rounding,

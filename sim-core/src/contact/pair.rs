@@ -20,7 +20,7 @@ pub struct MovingDisc {
 /// converge to the contact from before and never pass one.
 pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
-    // Least step in seconds for discs that roll along each other in contact.
+    // Minimum step in seconds for discs that roll along each other in contact.
     let least_step = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
     while t < span {
@@ -33,7 +33,7 @@ pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
             let excess = gap - TOUCH;
             let root = (rate * rate + 2.0 * acceleration * excess).sqrt();
             let step = if rate < 0.0 { 2.0 * excess / (root - rate) } else { (rate + root) / acceleration };
-            // The least step of half a picosecond ends the iteration; the remaining gap is then a rounding error.
+            // The minimum step of half a picosecond ends the iteration; the remaining gap is then a rounding error.
             t += step.max(5e-13);
             if !step.is_finite() {
                 return None;

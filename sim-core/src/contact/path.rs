@@ -49,7 +49,7 @@ pub enum LengthLaw {
     Steady(f64),
     /// A turning body slides along a straight wall at the speed `speed` sin(`phase` + `rate` t).
     Wave {
-        /// Greatest speed, m/s; negative where the track points against the contact's tangent.
+        /// Maximum speed, m/s; negative where the track points against the contact's tangent.
         speed: f64,
         /// Beta at the start, rad.
         phase: f64,
@@ -61,7 +61,7 @@ pub enum LengthLaw {
     Round {
         /// Distance of the track from the point, m.
         radius: f64,
-        /// Greatest speed, m/s.
+        /// Maximum speed, m/s.
         speed: f64,
         /// Beta at the start, rad.
         phase: f64,
@@ -154,8 +154,8 @@ fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Angle, rad, up to which the disc around an arc is that around its tangent, grown by the greatest distance between the two: half of
-/// the acceleration times the square of the time. It costs no trigonometric function. Our choice.
+/// Angle, rad, up to which the disc around an arc is that around its tangent, grown by the maximum distance between the two: half of the
+/// acceleration times the square of the time. It costs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {

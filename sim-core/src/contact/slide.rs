@@ -196,7 +196,7 @@ impl Push {
         }
     }
 
-    /// Greatest speed along a contact's tangent, m/s, and the angle of friction, rad.
+    /// Maximum speed along a contact's tangent, m/s, and the angle of friction, rad.
     fn edge(&self) -> (f64, f64) {
         (self.speed() * math::hypot(1.0, self.friction), math::atan(self.friction))
     }

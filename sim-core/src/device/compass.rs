@@ -57,7 +57,8 @@ impl Compass {
         Some(*self.angle.get_or_insert_with(|| measure(taken)))
     }
 
-    /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]; see [`super::psd::Psds::due`].
+    /// End of the measurement in progress if it is not continuous, otherwise [`Time::NEVER`]; see
+    /// [`super::psd::Psds::due`].
     #[inline]
     pub fn due(&self) -> Time {
         self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())

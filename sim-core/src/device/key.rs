@@ -35,7 +35,7 @@ pub const REMOTE_KEYS: [&str; 20] = [
     "IRTV_POWER",
 ];
 
-/// Greatest coordinate of a touch, in pixels: more than any display has.
+/// Maximum coordinate of a touch, in pixels: more than any display has.
 const MAX_PIXEL: i32 = 65_535;
 
 /// A press of a key or a touch of the display. Its text is, for example, `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsing

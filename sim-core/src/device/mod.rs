@@ -31,7 +31,7 @@ pub struct Devices {
     /// The scanner, once a program has set its fan of rays; `None` until then, while the scanner is as the robi
     /// describes it.
     pub scanner: Option<range::Scanner>,
-    /// Motor commands, in percent of the motors' greatest rate.
+    /// Motor commands, in percent of the motors' maximum rate.
     pub motor_percent: [i32; 4],
     /// Encoders of the wheels.
     pub encoders: encoder::Encoders,

@@ -100,8 +100,8 @@ impl Psds {
         start.cast()..end.cast()
     }
 
-    /// End of the measurement in progress if it is not continuous, else [`Time::NEVER`]. [`settle`](Self::settle) must
-    /// be called at that time, because the world keeps only a short history.
+    /// End of the measurement in progress if it is not continuous, otherwise [`Time::NEVER`]. [`settle`](Self::settle)
+    /// must be called at that time, because the world keeps only a short history.
     #[inline]
     pub fn due(&self) -> Time {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())

@@ -49,7 +49,7 @@ const SCAN: Time = Time(1);
 pub struct SensorView {
     /// Pose of the sensor; its x axis is the viewing direction.
     pub world_from_sensor: Pose3,
-    /// Greatest distance that the sensor measures, m.
+    /// Maximum distance that the sensor measures, m.
     pub reach: f64,
     /// Distance without errors, m; `None` if out of range.
     pub distance: Option<f64>,

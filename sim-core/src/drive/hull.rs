@@ -32,11 +32,11 @@ impl From<Drag> for [f64; 2] {
 /// Four thrusters: left and right push ahead, front and back push up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hull {
-    /// Force of a thruster at its greatest rate, N; in proportion to the rate.
+    /// Force of a thruster at its maximum rate, N; in proportion to the rate.
     pub thrust: f64,
     /// Drag ahead, to the side, of a turn, and up.
     pub drag: [Drag; 4],
-    /// Greatest height of the robot's frame above the floor, m: the top of the hull is at the surface of the water.
+    /// Maximum height of the robot's frame above the floor, m: the top of the hull is at the surface of the water.
     pub ceiling: f64,
 }
 
@@ -49,14 +49,14 @@ pub(super) struct Afloat {
     pub lift: f64,
 }
 
-/// Share of the greatest velocity below which a hull without thrust is at rest. Our choice.
+/// Share of the maximum velocity below which a hull without thrust is at rest. Our choice.
 const REST: f64 = 1e-9;
 
-/// Share of the greatest velocity within which a tick's change counts as none: after ten time constants or so nothing
+/// Share of the maximum velocity within which a tick's change counts as none: after ten time constants or so nothing
 /// changes any more, and no more pieces are opened. Our choice.
 const SETTLED: f64 = 1e-12;
 
-/// Greatest velocity, m/s or rad/s: beyond, a tick is no small step.
+/// Maximum velocity, m/s or rad/s: beyond, a tick is no small step.
 const MAX_VELOCITY: f64 = 50.0;
 
 impl Hull {
@@ -84,8 +84,8 @@ impl Hull {
         })
     }
 
-    /// Forces (N) and torque (N m) along the axes of a velocity, of thrusters in the order left, front, right, back that
-    /// turn at these shares of their greatest rate.
+    /// Forces (N) and torque (N m) along the axes of a velocity, of thrusters in the order left, front, right, back that turn at these
+    /// shares of their maximum rate.
     fn forces(&self, model: &Model, [left, front, right, back]: [f64; 4]) -> [f64; 4] {
         let turn = 0.5 * model.track * (right - left);
         [left + right, 0.0, turn, front + back].map(|share| self.thrust * share)

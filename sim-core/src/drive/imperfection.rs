@@ -38,7 +38,7 @@ pub struct Imperfection {
     /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). None while the
     /// robot is commanded to stand, or while its motors are commanded one by one.
     pub command: TwistNoise,
-    /// Greatest errors of the targets of drives.
+    /// Maximum errors of the targets of drives.
     pub bound: DriveBound,
     /// Noise on the twist that odometry computes from the wheels; none while the wheels stand.
     pub odometry: TwistNoise,

@@ -31,7 +31,7 @@ pub struct Model {
     pub kind: DriveKind,
     /// Diameter of the driven wheels, m.
     pub wheel_diameter: f64,
-    /// Greatest rate of a wheel, rad/s.
+    /// Maximum rate of a wheel, rad/s.
     pub max_wheel_rate: f64,
     /// Encoder ticks in one turn of a wheel.
     pub ticks_per_turn: f64,
@@ -41,20 +41,19 @@ pub struct Model {
     pub wheelbase: f64,
     /// Position of the axle along x from the robot's centre, m; drive and odometry refer to the axle's midpoint.
     pub axis_offset: f64,
-    /// Greatest speed that the VW interface commands, m/s; infinite for no limit.
+    /// Maximum speed that the VW interface commands, m/s; infinite for no limit.
     pub max_speed: f64,
-    /// Greatest turning speed that the VW interface commands, rad/s; infinite for no limit.
+    /// Maximum turning speed that the VW interface commands, rad/s; infinite for no limit.
     pub max_turn: f64,
     /// Radius of the body, a disc around the robot's centre, m.
     pub body_radius: f64,
     /// Time constant with which the wheels follow their command, s; 0 for wheels that follow at once.
     pub wheel_lag: f64,
-    /// Greatest steering angle to either side, rad (Ackermann); 45 degrees for the classic servo.
+    /// Maximum steering angle to either side, rad (Ackermann); 45 degrees for the classic servo.
     pub max_steering: f64,
     /// Mass of the robot, kg; it has an effect only among movable objects.
     pub mass: f64,
-    /// Coefficient of friction between wheels and floor: the greatest force of the wheels divided by the robot's
-    /// weight.
+    /// Coefficient of friction between wheels and floor: the maximum force of the wheels divided by the robot's weight.
     pub traction: f64,
 }
 
@@ -212,7 +211,7 @@ impl Model {
         if whole > 0.0 { product(of, onto) / whole } else { 0.0 }
     }
 
-    /// Greatest rate among the wheels, as a multiple of the limit.
+    /// Maximum rate among the wheels, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         if self.kind == DriveKind::Legged {
             // Speed and turning speed both move a foot beside the body, so their shares of the limits add up.

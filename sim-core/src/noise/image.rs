@@ -9,7 +9,7 @@ use crate::RobotId;
 ///
 /// 1. to each of its channels (red, green, blue, or grey) `sigma` G is added, G standard normal, and the sum is rounded
 ///    and clamped to 0 to 255;
-/// 2. with probability `salt_and_pepper` it becomes white with the probability `salt`, else black;
+/// 2. with probability `salt_and_pepper` it becomes white with the probability `salt`, otherwise black;
 /// 3. with probability `hundreds_and_thousands` it becomes a colour of which each channel is uniform over 0 to 255.
 ///
 /// Source: Koestler & Bräunl, section 5; the blur and the order are our choice.

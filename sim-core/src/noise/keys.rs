@@ -22,9 +22,9 @@ const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, pla
     Key { name, about, quantity, place }
 }
 
-/// Greatest error of a distance, mm: more than the range of any sensor.
+/// Maximum error of a distance, mm: more than the range of any sensor.
 const FAR: f64 = 1e6;
-/// Greatest error of a drive's speed, mm/s and degrees/s.
+/// Maximum error of a drive's speed, mm/s and degrees/s.
 const FAST: f64 = 1e5;
 
 const fn spread(name: &'static str) -> Quantity {

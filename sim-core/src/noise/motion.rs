@@ -17,7 +17,7 @@ pub struct MotionNoise {
     pub slip_sigma: f64,
     /// Noise between the commanded and the true twist.
     pub command: TwistNoise,
-    /// Greatest error of the target of a drive.
+    /// Maximum error of the target of a drive.
     pub bound: DriveBound,
     /// Noise between the twist of the wheels and the twist that odometry integrates.
     pub odometry: TwistNoise,
@@ -43,7 +43,7 @@ pub struct TwistNoise {
     pub turn_share: f64,
 }
 
-/// Greatest errors with which a drive to a target misses it; 0 for a drive that ends exactly there.
+/// Maximum errors with which a drive to a target misses it; 0 for a drive that ends exactly there.
 ///
 /// Each drive has an error of its own, uniform between the bound and its negative, and never greater than the drive itself: a drive of 1 mm
 /// with a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry tell where the drive has ended.

@@ -16,7 +16,7 @@ pub struct Parameter {
     pub what: &'static str,
     /// Its value, in its unit.
     pub value: f64,
-    /// Least and greatest value, in its unit.
+    /// Minimum and maximum value, in its unit.
     pub range: [f64; 2],
     /// Unit such as `mm`; empty for a pure number.
     pub unit: &'static str,

@@ -10,10 +10,10 @@ use crate::time::Time;
 /// Applied in this order to a measured distance d (or no return) at the time t since the start of the run:
 ///
 /// 1. with probability `dropout` the reading becomes no return;
-/// 2. else with probability `outlier` the reading is uniform over the sensor's range, even if there was no return;
-/// 3. else no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with
-///    s^2 = `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation
-///    `bias_sigma`, drawn once for each sensor;
+/// 2. otherwise with probability `outlier` the reading is uniform over the sensor's range, even if there was no return;
+/// 3. otherwise no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s^2 =
+///    `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`, drawn
+///    once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
 ///
 /// Source: additive Gaussian noise from Koestler & Bräunl, section 5; all else is our choice.

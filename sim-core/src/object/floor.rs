@@ -1,6 +1,6 @@
 //! Floor friction of a moving object.
 //!
-//! The friction of a body that slides and turns at the same time lies on the ellipsoid of greatest dissipation (Goyal,
+//! The friction of a body that slides and turns at the same time lies on the ellipsoid of maximum dissipation (Goyal,
 //! Ruina and Papadopoulos 1991; Howe and Cutkosky 1996). Let p, the arm of the friction torque, be the mean distance of
 //! the touched floor's points from the centre. The force is then proportional to v / l and the torque to p² w / l,
 //! where l² = v² + p² w², v is the speed and w the turning speed.

@@ -97,7 +97,7 @@ impl Properties {
         self.mass * self.gyration_squared()
     }
 
-    /// Greatest distance of a point of the footprint from the object's origin, m.
+    /// Maximum distance of a point of the footprint from the object's origin, m.
     pub fn reach(&self) -> f64 {
         let reach = |part: &Part| part.object_from_part.position.length() + part.shape.reach();
         self.parts.iter().map(reach).fold(0.0, f64::max)

@@ -51,7 +51,7 @@ impl Shape {
         }
     }
 
-    /// Greatest distance of a point from the centre, m.
+    /// Maximum distance of a point from the centre, m.
     pub fn reach(&self) -> f64 {
         match *self {
             Self::Disc { radius } => radius,

@@ -105,7 +105,7 @@ impl Station {
         self.coming.drain(..).map(unheard).collect()
     }
 
-    /// Start of the last transmission, if it lies after `now`, else `now`; of a token ring, which decides it later, `now`.
+    /// Start of the last transmission, if it lies after `now`, otherwise `now`; of a token ring, which decides it later, `now`.
     pub fn last_start(&self, now: Time) -> Time {
         self.outgoing.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }

@@ -392,7 +392,7 @@ events! {
         /// Number of inverted bits.
         bit_errors: u32,
     }
-    /// A message is lost; recorded for the intended receiver if there is one, else for the sender.
+    /// A message is lost; recorded for the intended receiver if there is one, otherwise for the sender.
     RadioLost = "radio_lost" {
         /// Number of the robot that sent it.
         from: u32,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Least distance between the segments `a` and `b`, in metres; either may be a point.
+/// Minimum distance between the segments `a` and `b`, in metres; either may be a point.
 ///
 /// Source: the clamped solution of the two normal equations, as by Ericson, Real-Time Collision Detection, 5.1.9.
 pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
@@ -28,7 +28,7 @@ pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     least.sqrt()
 }
 
-/// Least distance between a segment and a triangle, in metres; 0 if they cross. A triangle without area counts as its
+/// Minimum distance between a segment and a triangle, in metres; 0 if they cross. A triangle without area counts as its
 /// sides.
 pub(crate) fn segment_to_triangle(piece: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> f64 {
     let sides = [[a, b], [b, c], [c, a]].map(|side| segment_to_segment(piece, side));

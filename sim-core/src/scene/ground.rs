@@ -26,7 +26,7 @@ impl Ground {
         }
     }
 
-    /// Least height of the points of a segment above the ground, m, and the point with that height.
+    /// Minimum height of the points of a segment above the ground, m, and the point with that height.
     pub fn least_gap(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
         match self {
             Self::Flat => {
@@ -37,7 +37,7 @@ impl Ground {
         }
     }
 
-    /// Least and greatest height in a disc, m: see [`HeightField::range_in`].
+    /// Minimum and maximum height in a disc, m: see [`HeightField::range_in`].
     pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         match self {
             Self::Flat => (0.0, 0.0),

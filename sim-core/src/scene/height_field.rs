@@ -21,7 +21,7 @@ const TINTS: [[f32; 3]; 5] =
 
 /// Height as a function of place over a rectangle of the plane, world frame, in metres.
 ///
-/// The heights are given at the corners of a rectilinear grid. The diagonal from its least x and y to its greatest
+/// The heights are given at the corners of a rectilinear grid. The diagonal from its minimum x and y to its maximum
 /// divides each cell into two triangles, so the surface is continuous and rays find no gap. (One exception: if steps
 /// along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass
 /// within rounding.) A grid coordinate may occur twice: the cell between the two has no width and is an exact vertical
@@ -228,7 +228,7 @@ impl HeightField {
         self.heights[row * self.xs.len() + column]
     }
 
-    /// Heights of the corners of a cell: at its least x and y, then counter-clockwise.
+    /// Heights of the corners of a cell: at its minimum x and y, then counter-clockwise.
     fn cell(&self, column: usize, row: usize) -> [f64; 4] {
         [self.at(column, row), self.at(column + 1, row), self.at(column + 1, row + 1), self.at(column, row + 1)]
     }

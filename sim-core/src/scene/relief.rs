@@ -21,7 +21,7 @@ const LEAST_CELLS: f64 = 4.0;
 /// Random places tried for a boulder before it is left out.
 const TRIES: u32 = 64;
 
-/// Least ratio of a boulder's width to its length.
+/// Minimum ratio of a boulder's width to its length.
 const SLIMMEST: f64 = 0.6;
 
 /// Parameters of random terrain; in metres, world frame.
@@ -37,13 +37,13 @@ const SLIMMEST: f64 = 0.6;
 pub struct Relief {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Corner with the least x and y.
+    /// Corner with the minimum x and y.
     pub origin: DVec2,
     /// Width along x and along y; positive.
     pub size: DVec2,
     /// Height of the lowest ground.
     pub base: f64,
-    /// Upper bound of the grid's cell size, positive: each side is divided into the least number of equal cells.
+    /// Upper bound of the grid's cell size, positive: each side is divided into the smallest number of equal cells.
     pub cell: f64,
     /// Height of the smooth relief from its lowest to its highest point; not negative.
     pub relief: f64,
@@ -61,9 +61,9 @@ pub struct Relief {
 pub struct Boulders {
     /// Number of boulders; at most [`MAX_BOULDERS`].
     pub count: u32,
-    /// Least and greatest half length, in metres; the half width is 0.6 to 1 times the half length.
+    /// Minimum and maximum half length, in metres; the half width is 0.6 to 1 times the half length.
     pub radius: [f64; 2],
-    /// Least and greatest height above the surrounding relief, in metres.
+    /// Minimum and maximum height above the surrounding relief, in metres.
     pub height: [f64; 2],
 }
 

@@ -58,7 +58,7 @@ impl Segment {
 
     /// The four sides, counter-clockwise, of a wall `thickness` metres thick with this centre line.
     ///
-    /// The ends are flush with the ends of the centre line (our choice). Neighbouring sides share their corner to the
+    /// The ends are flush with the ends of the centre line (our choice). Neighbouring sides share their corner bit for
     /// bit. A centre line of length 0 gives a rectangle of length 0 parallel to the y axis.
     pub fn thickened(&self, thickness: f64) -> [Segment; 4] {
         let along = self.b - self.a;

@@ -10,7 +10,7 @@ pub const MAX_STEPS: u32 = 1000;
 /// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
-    /// Corner with the least x and y.
+    /// Corner with the minimum x and y.
     pub origin: DVec2,
     /// Width along x and along y; positive.
     pub size: DVec2,

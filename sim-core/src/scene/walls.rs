@@ -278,7 +278,7 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
     }
 }
 
-/// Least and greatest y, for x between `left` and `right`, of the segment from `a` to `b`, whose slope is between -1
+/// Minimum and maximum y, for x between `left` and `right`, of the segment from `a` to `b`, whose slope is between -1
 /// and 1; x beyond an end gives the y of that end.
 fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };

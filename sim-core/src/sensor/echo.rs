@@ -15,11 +15,11 @@ const ANGLE_ROUNDING: f64 = 1e-10;
 /// Source: France et al. 1999, section 5, with the paper's values in the three presets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
-    /// Least measurable distance, m.
+    /// Minimum measurable distance, m.
     pub min: f64,
-    /// Greatest measurable distance, m; also the reading if there is no echo.
+    /// Maximum measurable distance, m; also the reading if there is no echo.
     pub max: f64,
-    /// Greatest angle between the ray and the surface's normal, rad.
+    /// Maximum angle between the ray and the surface's normal, rad.
     pub incidence: f64,
 }
 
@@ -38,8 +38,8 @@ impl Echo {
         (self.min..=self.max).contains(&distance) && incidence <= self.incidence + ANGLE_ROUNDING
     }
 
-    /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's
-    /// `noise` N: d (1 + N) with an echo, else the greatest distance. The signal is 1 with an echo, else 0.
+    /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's `noise`
+    /// N: d (1 + N) with an echo, otherwise the maximum distance. The signal is 1 with an echo, otherwise 0.
     ///
     /// Source: France et al., section 5. The distance is never below 0: our choice.
     pub fn time_of_flight(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
@@ -51,9 +51,8 @@ impl Echo {
         }
     }
 
-    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N:
-    /// the signal of [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo, signal 0 and the greatest
-    /// distance.
+    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N: the signal of
+    /// [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo, signal 0 and the maximum distance.
     ///
     /// Source: France et al., Eq. 1 and section 5.
     pub fn reflectance(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
@@ -143,7 +142,7 @@ mod tests {
         for exponent in 0..150 {
             for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
                 let found = recovered_distance(reflected_signal(d, 0.0, max, 0.0), max);
-                // Near the greatest distance the signal is a small difference of distances, and loses digits.
+                // Near the maximum distance the signal is a small difference of distances, and loses digits.
                 assert!((found - d).abs() <= 4e-16 * d, "{d}: {found}");
             }
         }

@@ -54,8 +54,7 @@ pub struct Posture<'a> {
 /// Reading of a range sensor at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their greatest distance instead
-    /// of `None`.
+    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of `None`.
     pub distance: Option<f64>,
     /// Signal behind the distance: for a reflectance sensor in 1/m; for a sonar the energy of the echo, relative to
     /// a perfect reflector 1 m ahead; for the others 1 with an echo and 0 without.
@@ -82,7 +81,7 @@ impl RangeModel {
         }
     }
 
-    /// Least and greatest measurable distance, m.
+    /// Minimum and maximum measurable distance, m.
     pub fn limits(&self) -> [f64; 2] {
         match self {
             Self::Psd { range } => [0.0, *range],

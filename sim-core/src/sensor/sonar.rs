@@ -11,8 +11,8 @@ use crate::{
     world::{HitSurface, Ray, RayHit, World},
 };
 
-/// Greatest incidence angle at which a mirror's echo returns to the sensor, rad. The angle is far above rounding; at
-/// the longest ranges it shifts the echo by a few um.
+/// Maximum incidence angle at which a mirror's echo returns to the sensor, rad. The angle is far above rounding; at the
+/// longest ranges it shifts the echo by a few um.
 const HEAD_ON: f64 = 1e-6;
 
 /// Angle between successive points of a spiral that covers a disc evenly, rad: the golden angle.
@@ -24,9 +24,9 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// a perfect reflector 1 m ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sonar {
-    /// Least measurable distance, m. Echoes from nearer surfaces return while the sensor still transmits.
+    /// Minimum measurable distance, m. Echoes from nearer surfaces return while the sensor still transmits.
     pub min: f64,
-    /// Greatest measurable distance, m.
+    /// Maximum measurable distance, m.
     pub max: f64,
     /// Half of the beam angle, rad: the angle at which the main lobe has fallen by 6 dB, to half of the pressure and a
     /// quarter of the energy, as in data sheets of transducers.
@@ -129,12 +129,12 @@ impl Sonar {
         }
     }
 
-    /// Greatest distance of a detectable echo at `angle` rad off the line of sight, m.
+    /// Maximum distance of a detectable echo at `angle` rad off the line of sight, m.
     fn reach(&self, angle: f64) -> f64 {
         (self.gain(angle) / self.threshold.sqrt()).min(self.max)
     }
 
-    /// Angle from the line of sight beyond which no echo is detectable at more than the least distance, rad.
+    /// Angle from the line of sight beyond which no echo is detectable at more than the minimum distance, rad.
     fn aperture(&self) -> f64 {
         let least = self.min * self.threshold.sqrt();
         let width = |gain: f64, half_width: f64| half_width * (math::ln((gain / least).max(1.0)) / (2.0 * LN_2)).sqrt();
@@ -150,7 +150,7 @@ struct EchoSearch<'a> {
     by: RobotId,
     world_from_sensor: &'a Pose3,
     at: Time,
-    /// Distance of the nearest echo so far; initially the greatest distance.
+    /// Distance of the nearest echo so far; initially the maximum distance.
     distance: f64,
     /// Energy of the nearest echo so far; 0 if there is none.
     energy: f64,

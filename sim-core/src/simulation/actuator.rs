@@ -25,8 +25,8 @@ impl Robot {
         is_steering
     }
 
-    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100. Other motors keep their rates, and indices without a
-    /// motor are ignored.
+    /// Sets motors to a percentage of the wheels' maximum rate, -100 to 100. Other motors keep their rates, and indices without a motor are
+    /// ignored.
     pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
         let count = self.spec.drive.motors.len().min(self.devices.motor_percent.len());
         for index in motors.into_iter().filter(|index| *index < count) {

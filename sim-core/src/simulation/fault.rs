@@ -9,7 +9,7 @@ use crate::record::Action;
 use crate::spec::{FaultKind, FaultSpec, FaultTime, SlippingWheels};
 use crate::time::Time;
 
-/// Greatest number of times that a random fault begins.
+/// Maximum number of times that a random fault begins.
 const MOST: usize = 10_000;
 
 /// Faults of a run that are still to come, as interventions in order of time.

@@ -15,10 +15,10 @@ use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
 
-/// Greatest coordinate of a placement, m; larger than any world.
+/// Maximum coordinate of a placement, m; larger than any world.
 const FAR: f64 = 1e6;
 
-/// Greatest heading of a placement, rad.
+/// Maximum heading of a placement, rad.
 const MAX_HEADING: f64 = 1e6;
 
 /// Reason why an action is refused, worded for the user.

@@ -71,8 +71,8 @@ impl Roster {
     }
 
     /// Spec of a new robot of the type called `kind` at `start`: x and y in m, heading in rad. It runs the program of
-    /// `program_of`. Its noise profile is the one of `program_of`, else of the first robot of its type, else of the
-    /// scene.
+    /// `program_of`. Its noise profile is the one of `program_of`, otherwise of the first robot of its type, otherwise
+    /// of the scene.
     ///
     /// # Errors
     /// [`Refusal`] if a name or number is unknown, the place is occupied, or the limit is reached.

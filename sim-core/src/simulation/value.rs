@@ -20,8 +20,8 @@ use crate::world::World;
 /// Robots in their environment, without programs: the caller commands them, with the devices, noise and timing that a
 /// program would get.
 ///
-/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original,
-/// and evolve identically, to the bit. Walls, meshes and types are shared between copies.
+/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original, and
+/// evolve identically, bit for bit. Walls, meshes and types are shared between copies.
 ///
 /// A command acts at the present time, [`Simulation::now`]; other robots see it from the next slot on. Within a slot the order in which
 /// robots act has no effect. There is no access to files, clocks or other outside state.
@@ -47,9 +47,9 @@ pub struct Simulation {
 /// Options of a simulation besides its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Seed of all randomness; default: the scene's seed, else 0.
+    /// Seed of all randomness; default: the scene's seed, otherwise 0.
     pub seed: Option<u64>,
-    /// Length of a slot, positive; default: the scene's slot length, else 50 ms.
+    /// Length of a slot, positive; default: the scene's slot length, otherwise 50 ms.
     pub slot: Option<Time>,
 }
 
@@ -204,7 +204,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes a spawned entity visible to cameras: with the appearance of its type if that is known, else as its
+    /// Makes a spawned entity visible to cameras: with the appearance of its type if that is known, otherwise as its
     /// colliders.
     fn show(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {

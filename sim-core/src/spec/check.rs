@@ -60,7 +60,7 @@ pub enum CheckKind {
         body: BodyRef,
         /// Centres of the places.
         places: Vec<DVec2>,
-        /// Greatest distance from the centre of a place.
+        /// Maximum distance from the centre of a place.
         within: f64,
         /// Time by which the last one must be visited.
         by: Option<Time>,
@@ -98,7 +98,7 @@ pub enum CheckKind {
     FollowsWall {
         /// The robot.
         robot: RobotId,
-        /// Least and greatest gap between body and wall.
+        /// Minimum and maximum gap between body and wall.
         gap: [f64; 2],
         /// Smallest share of the length of the path, 0 to 1.
         share: f64,
@@ -124,9 +124,9 @@ pub enum CheckKind {
         robots: Vec<RobotId>,
         /// The number.
         of: SwarmMetric,
-        /// Least value.
+        /// Minimum value.
         min: Option<f64>,
-        /// Greatest value.
+        /// Maximum value.
         max: Option<f64>,
         /// Time before which the limits do not count.
         since: Time,
@@ -137,7 +137,7 @@ pub enum CheckKind {
     OdometryError {
         /// The robot.
         robot: RobotId,
-        /// Greatest distance between the axle's pose by odometry and its true pose.
+        /// Maximum distance between the axle's pose by odometry and its true pose.
         max: f64,
         /// Only the end of the run counts.
         at_end: bool,
@@ -148,16 +148,16 @@ pub enum CheckKind {
         robot: Option<RobotId>,
         /// The obstacles that count.
         with: Contacted,
-        /// Greatest number.
+        /// Maximum number.
         max: u64,
     },
     /// A number of the report is within limits.
     Metric {
         /// Path into the report, such as `robots[0].path_m`.
         path: String,
-        /// Least value.
+        /// Minimum value.
         min: Option<f64>,
-        /// Greatest value.
+        /// Maximum value.
         max: Option<f64>,
         /// Value for all points.
         full: Option<f64>,
@@ -188,7 +188,7 @@ pub enum CheckKind {
         event: Kind,
         /// How often.
         count: Counts,
-        /// Time by which the least number must have happened.
+        /// Time by which the minimum number must have happened.
         by: Option<Time>,
     },
     /// A function of RoBIOS is called a number of times.
@@ -353,7 +353,7 @@ pub enum Printed {
     Numbers {
         /// The rows.
         rows: Vec<Vec<f64>>,
-        /// Greatest deviation of a number.
+        /// Maximum deviation of a number.
         tolerance: f64,
     },
 }
@@ -361,9 +361,9 @@ pub enum Printed {
 /// Bounds of a number of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// Least number.
+    /// Minimum number.
     pub min: u64,
-    /// Greatest number.
+    /// Maximum number.
     pub max: Option<u64>,
 }
 
@@ -391,7 +391,7 @@ pub enum SwarmMetric {
     Order,
     /// Number of groups of robots that are connected by distances of at most `reach`.
     Groups {
-        /// Greatest distance between neighbours, m.
+        /// Maximum distance between neighbours, m.
         reach: f64,
     },
     /// Share of an area over which a tool at each robot's centre has passed, 0 to 1.

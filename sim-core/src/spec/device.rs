@@ -10,10 +10,10 @@ use crate::camera::Lens;
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel};
 use crate::spec::Span;
 
-/// Greatest distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
+/// Maximum distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
 pub const DEFAULT_PSD_RANGE: f64 = 0.8;
 
-/// Greatest distance of a PSD sensor in a robot file of EyeSim VR, in metres: the cap of EyeSim VR's readings.
+/// Maximum distance of a PSD sensor in a robot file of EyeSim VR, in metres: the cap of EyeSim VR's readings.
 pub const VR_PSD_RANGE: f64 = 9.999;
 
 /// Name of the laser scanner in lists of sensors and in noise profiles.
@@ -25,7 +25,7 @@ pub const DEFAULT_LIDAR_POINTS: u32 = 360;
 /// Default height of a laser scanner, in metres. Source: our choice.
 pub const DEFAULT_LIDAR_HEIGHT: f64 = 0.1;
 
-/// Default greatest distance of a laser scanner, in metres: the 9999 mm that programs get for no return.
+/// Default maximum distance of a laser scanner, in metres: the 9999 mm that programs get for no return.
 pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 
 /// A PSD distance sensor.
@@ -43,13 +43,13 @@ pub struct PsdSpec {
     pub pitch: f64,
     /// Link that carries the sensor; `None`: the body.
     pub on: Option<PathRef>,
-    /// Greatest measurable distance, in metres.
+    /// Maximum measurable distance, in metres.
     pub range: f64,
     /// Place of its line in the file.
     pub span: Span,
 }
 
-/// Greatest number of sonars on one bus: the SRF08 has 16 addresses. Source: Gois & Hiller, section 6.
+/// Maximum number of sonars on one bus: the SRF08 has 16 addresses. Source: Gois & Hiller, section 6.
 pub const MAX_SONARS_ON_BUS: usize = 16;
 
 /// A range sensor other than a PSD.
@@ -99,7 +99,7 @@ pub const MAX_FIELD_OF_VIEW_DEG: f64 = 170.0;
 /// Default number of samples per side of a pixel. Source: our choice, see docs/camera.md.
 pub const DEFAULT_SAMPLES: u32 = 2;
 
-/// Greatest number of samples per side of a pixel.
+/// Maximum number of samples per side of a pixel.
 pub const MAX_SAMPLES: u32 = 8;
 
 /// Default lens of a camera.
@@ -143,7 +143,7 @@ impl Default for CameraSpec {
 pub struct LidarSpec {
     /// Mounting pose; x is the middle of its scan.
     pub mount: MountSpec,
-    /// Greatest measurable distance along a ray, in metres.
+    /// Maximum measurable distance along a ray, in metres.
     pub range: f64,
     /// Number of points of a scan.
     pub points: u32,

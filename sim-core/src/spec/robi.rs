@@ -35,7 +35,7 @@ const MAX_STEER_DEG: f64 = 45.0;
 /// Hull of a robot with [`DriveKind::Thrusters`], which stays upright and neither rises nor sinks by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HullSpec {
-    /// Force of a thruster at its greatest rate, in N.
+    /// Force of a thruster at its maximum rate, in N.
     pub thrust: f64,
     /// Drag ahead, to the side, of a turn, and up.
     pub drag: [Drag; 4],
@@ -147,7 +147,7 @@ pub struct RobiSpec {
     pub mass: f64,
     /// Centre of mass in the robot's frame, in metres.
     pub centre_of_mass: DVec3,
-    /// Coefficient of friction between wheels and floor: greatest pushing force divided by the robot's weight.
+    /// Coefficient of friction between wheels and floor: maximum pushing force divided by the robot's weight.
     pub traction: f64,
     /// Coefficient of friction between body and walls.
     pub friction: f64,

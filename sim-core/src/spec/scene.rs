@@ -40,7 +40,7 @@ pub struct ObjectSpec {
     pub pose: Pose,
     /// Coefficient of sliding friction on the floor.
     pub friction: f64,
-    /// Path of its line in a scene in TOML, such as `object.2`; else empty.
+    /// Path of its line in a scene in TOML, such as `object.2`; otherwise empty.
     pub line: String,
     /// Place in the file.
     pub span: Span,
@@ -460,7 +460,7 @@ pub struct SimSpec {
 /// A robot of a scene, ready to be built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
-    /// Number from 1: given by the scene, else the position among the robots of the file.
+    /// Number from 1: given by the scene, otherwise the position among the robots of the file.
     pub id: RobotId,
     /// Type of the robot, shared by robots of one file.
     pub robi: Arc<RobiSpec>,
@@ -472,12 +472,12 @@ pub struct RobotSpec {
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not give it.
     pub api: Option<u32>,
-    /// Noise profile of devices and drive, from the robot's line, else from the scene. A profile in a file has been read.
+    /// Noise profile of devices and drive, from the robot's line, otherwise from the scene. A profile in a file has been read.
     pub noise: Option<NoiseRef>,
     /// Dialect of the robot's line, as the generation of the RoBIOS API of the simulator that uses it: 6 for `robi`
     /// lines, 7 for lines of EyeSim VR; in our own format that of the scene's dialect.
     pub dialect: Option<u32>,
-    /// Path of its line in a scene in TOML, such as `robot.2`; else empty.
+    /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,
     /// Place of its line in the sim file.
     pub span: Span,

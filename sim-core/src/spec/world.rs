@@ -134,7 +134,7 @@ pub struct TerrainImage {
     pub height: f64,
 }
 
-/// Default greatest side of the cells of a random terrain, in metres. Source: our choice.
+/// Default maximum side of the cells of a random terrain, in metres. Source: our choice.
 pub const DEFAULT_TERRAIN_CELL: f64 = 0.05;
 
 /// Default height of the relief of a random terrain, in metres. Source: our choice.

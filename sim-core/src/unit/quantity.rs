@@ -137,7 +137,7 @@ impl Quantity {
         self.unit.name
     }
 
-    /// Least and greatest value in the quantity's unit.
+    /// Minimum and maximum value in the quantity's unit.
     pub const fn bounds(&self) -> [f64; 2] {
         [self.low, self.high]
     }

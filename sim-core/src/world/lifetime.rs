@@ -151,8 +151,8 @@ impl World {
     }
 
     /// The first obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present
-    /// slot: a wall or fixed body (also if the disc is wholly inside it), else a robot, else a movable object. Touching
-    /// is no overlap.
+    /// slot: a wall or fixed body (also if the disc is wholly inside it), otherwise a robot, otherwise a movable
+    /// object. Touching is no overlap.
     pub fn overlapped(&self, centre: DVec2, radius: f64) -> Option<Thing> {
         let inner = (radius - TOUCH).max(0.0);
         let mut wall = self.surrounding(centre);

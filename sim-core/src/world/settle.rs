@@ -614,7 +614,7 @@ impl<'a> View<'a> {
     fn moving_disc(&self, robot: RobotId, t: f64) -> (MovingDisc, f64) {
         let passages = self.passages(robot);
         // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
-        // at it, to the bit.
+        // at it, bit for bit.
         let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
         let place = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
         let passage = &passages[place];

@@ -31,7 +31,7 @@ pub struct LegContact {
 pub struct LegClearance {
     /// Contacts of its parts, in the order of parts and obstacles.
     pub contacts: Vec<LegContact>,
-    /// Least distance of thighs, shanks and body from the ground, m; negative if a part is below the ground, and at
+    /// Minimum distance of thighs, shanks and body from the ground, m; negative if a part is below the ground, and at
     /// most the requested bound.
     pub clearance: f64,
 }

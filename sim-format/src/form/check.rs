@@ -22,9 +22,9 @@ use sim_core::time::Time;
 use sim_core::unit::metres_from_mm;
 use sim_core::{ObjectId, RobotId};
 
-/// Greatest number of corners of an area, of places, and of numbers in a row or column.
+/// Maximum number of corners of an area, of places, and of numbers in a row or column.
 const MAX_ITEMS: usize = 1000;
-/// Greatest count.
+/// Maximum count.
 const MAX_COUNT: i64 = 1_000_000_000;
 const POINTS: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
 const WITHIN: Quantity = Quantity::length("distance");

@@ -26,15 +26,15 @@ use sim_core::unit::{degrees_from_radians, radians_from_degrees};
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
 /// Smallest width and height of the display in pixels: a menu with some text above it.
 const MIN_LCD_SIDE: i64 = 64;
-/// Greatest width of the display in pixels.
+/// Maximum width of the display in pixels.
 const MAX_LCD_WIDTH: i64 = 1920;
-/// Greatest height of the display in pixels.
+/// Maximum height of the display in pixels.
 const MAX_LCD_HEIGHT: i64 = 1200;
-/// Greatest width and height of an image in pixels.
+/// Maximum width and height of an image in pixels.
 const MAX_PIXELS: i64 = 65_536;
 /// Number of digital lines, and of serial interfaces, numbered from 1.
 const LINES: u8 = 16;
-/// Greatest voltage of a battery.
+/// Maximum voltage of a battery.
 const MAX_VOLTAGE: f64 = 1000.0;
 
 impl Form for InfraredSpec {

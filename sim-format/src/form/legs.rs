@@ -14,7 +14,7 @@ use sim_core::drive::DriveKind;
 use sim_core::drive::legged::Foot;
 use sim_core::unit;
 
-/// Greatest number of legs of a robot, and of gaits.
+/// Maximum number of legs of a robot, and of gaits.
 const MAX_PARTS: usize = 16;
 const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 

@@ -19,7 +19,7 @@ use crate::table::{Reader, Section};
 use sim_core::RobotId;
 use sim_core::pose::{Heading, Pose};
 
-/// Greatest number of robots in a scene.
+/// Maximum number of robots in a scene.
 pub(crate) const MAX_ROBOTS: u32 = 100_000;
 
 /// Extensions of files with robot types, and of files with object types.
@@ -32,7 +32,7 @@ const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
 pub(crate) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 const HEADING: Quantity = Quantity::angle("heading");
 
-/// Reference to a type: a file if it ends in one of these extensions, else a name.
+/// Reference to a type: a file if it ends in one of these extensions, otherwise a name.
 struct TypeName(&'static [&'static str]);
 
 impl Kind<TypeRef> for TypeName {
@@ -370,7 +370,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
     keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut place.y);
 }
 
-/// Greatest number of repetitions of an entry.
+/// Maximum number of repetitions of an entry.
 pub(crate) const MOST_REPEATED: i64 = 100_000;
 
 /// Declares `layout`, which replaces the keys `others`; returns true if the place is random.

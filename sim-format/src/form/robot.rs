@@ -16,7 +16,7 @@ use crate::spec::{HullSpec, LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
 use crate::table::{Reader, Section};
 use sim_core::drive::DriveKind;
 
-/// Greatest number of links of a robot, more than ten times what any robot needs.
+/// Maximum number of links of a robot, more than ten times what any robot needs.
 const MAX_LINKS: usize = 256;
 
 impl Form for RobiSpec {
@@ -243,7 +243,7 @@ impl Kind<Vec<MotorSpec>> for Motors {
     }
 }
 
-/// Links, up to the greatest number.
+/// Links, up to the maximum number.
 const LINKS: Custom<Vec<LinkSpec>> = Custom {
     read: |at| {
         let At { reader, section, key } = at;

@@ -23,7 +23,7 @@ use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, RadioModel};
 use sim_core::time::Time;
 
-/// Greatest cost of a call: an hour, in microseconds.
+/// Maximum cost of a call: an hour, in microseconds.
 const MAX_COST_US: i64 = 3_600_000_000;
 /// Longest slot: an hour, in milliseconds; longest run: 31 years, in seconds.
 const MAX_SLOT_MS: f64 = 3.6e6;

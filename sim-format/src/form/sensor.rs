@@ -17,9 +17,9 @@ use crate::spec::{
 use sim_core::sensor::{Echo, RangeModel, SideLobes, Sonar};
 use sim_core::unit::mm_from_metres;
 
-/// Greatest bus number: a robot has several microcontrollers for its sonars, but hardly a hundred.
+/// Maximum bus number: a robot has several microcontrollers for its sonars, but hardly a hundred.
 const MAX_BUS: i64 = 100;
-/// Greatest number of rays of a sonar.
+/// Maximum number of rays of a sonar.
 const MAX_RAYS: i64 = 4096;
 
 const PITCH: Quantity = Quantity::angle("pitch");
@@ -279,7 +279,7 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
     keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
 }
 
-/// Declares least and greatest distance. A pair that leaves an empty range is reported and ignored.
+/// Declares minimum and maximum distance. A pair that leaves an empty range is reported and ignored.
 fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 2]) {
     let usual = [*min, *max];
     keys.key("min_mm", about[0]).optional(Bounded(Quantity::length("least distance")), min);

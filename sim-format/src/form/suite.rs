@@ -19,7 +19,7 @@ use sim_core::time::Time;
 
 /// Longest processor time of a limit: a day, in seconds.
 const MAX_PROCESSOR_S: f64 = 86_400.0;
-/// Greatest limit of memory and output, megabytes.
+/// Maximum limit of memory and output, megabytes.
 const MAX_MEGABYTES: f64 = 1e6;
 const LINGER: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 

@@ -146,7 +146,7 @@ fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, scale);
 }
 
-/// Declares the extent of a terrain: the corner with the least x and y, and the size from there.
+/// Declares the extent of a terrain: the corner with the minimum x and y, and the size from there.
 fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
     let mut offset = origin.extend(*base);
     keys.key("offset_mm", about).optional(PLACE, &mut offset);

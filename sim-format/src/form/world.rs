@@ -35,7 +35,7 @@ pub(crate) struct WorldTable {
 }
 
 impl WorldTable {
-    /// The world of `sim`: as a drawing if it is a maze that a drawing reproduces, else by its walls.
+    /// The world of `sim`: as a drawing if it is a maze that a drawing reproduces, otherwise by its walls.
     pub(crate) fn of(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
             (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
@@ -74,7 +74,7 @@ impl WorldTable {
     }
 }
 
-/// Kind of a world's file: that of its extension, else the stated one.
+/// Kind of a world's file: that of its extension, otherwise the stated one.
 fn kind_of_file(path: &PathRef, stated: Option<WorldKind>) -> WorldKind {
     match path::extension(&path.text).as_str() {
         "maz" | "maze" => WorldKind::Maze,

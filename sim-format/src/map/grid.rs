@@ -7,10 +7,10 @@ use glam::DVec2;
 use crate::spec::{DEFAULT_WALL_HEIGHT, WallSpec, WorldSpec};
 use sim_core::pose::Pose;
 
-/// Greatest number of cells of a grid: 8192 times 8192.
+/// Maximum number of cells of a grid: 8192 times 8192.
 pub(crate) const MAX_CELLS: u64 = 1 << 26;
 
-/// Greatest number of walls of a world made from a grid. Source: our choice, some 100 MB.
+/// Maximum number of walls of a world made from a grid. Source: our choice, some 100 MB.
 pub(crate) const MAX_WALLS: usize = 1_000_000;
 
 /// Distance in sides of a cell within which a wall lies on the border of a cell.
@@ -103,9 +103,9 @@ impl Grid {
 
     /// The grid of a world with cells of this side, on the floor and, where walls stand on its edge, one cell beyond.
     ///
-    /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the one that cannot be reached, else
-    /// the one on its right, seen from its first end. Free is what can be reached from the starts of the world, and without starts all that is
-    /// not occupied; the rest is unknown. `None` if there are too many cells.
+    /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the one that cannot be reached,
+    /// otherwise the one on its right, seen from its first end. Free is what can be reached from the starts of the world, and without
+    /// starts all that is not occupied; the rest is unknown. `None` if there are too many cells.
     pub fn of_world(world: &WorldSpec, cell: f64) -> Option<Self> {
         let mut raster = Raster::new(world, cell)?;
         world.walls.iter().for_each(|wall| raster.wall(wall));

@@ -242,7 +242,7 @@ pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) 
     (scenarios, loader.finish(scene))
 }
 
-/// The map of a scenario: as named, else the file of its name beside the scenarios.
+/// The map of a scenario: as named, otherwise the file of its name beside the scenarios.
 pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Span) -> Option<(String, Vec<u8>)> {
     let folder = path::folder_of(file);
     let beside = path::join(folder, path::file_name(map));
@@ -257,7 +257,7 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
     loader.find(file, folder, &PathRef { text: map.to_owned(), span })
 }
 
-/// Place in a file that may not be text: its line and column if all before it is UTF-8, else none.
+/// Place in a file that may not be text: its line and column if all before it is UTF-8, otherwise none.
 fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
     let end = (at + length).min(bytes.len());
     let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };

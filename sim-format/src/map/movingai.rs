@@ -225,7 +225,7 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     Some(scenario)
 }
 
-/// The values of a line: between tabs if there are as many, since names may have blanks, else between blanks.
+/// The values of a line: between tabs if there are as many, since names may have blanks, otherwise between blanks.
 fn fields<'t>(line: &Line<'t>) -> Vec<Word<'t>> {
     let mut start = 0;
     let mut words = Vec::new();

@@ -22,10 +22,10 @@ use sim_core::pose::Pose;
 /// Distance in metres that the sides of a polygon may be from the circle that it stands for. Source: our choice.
 const ROUND: f64 = 5e-4;
 
-/// Least and greatest number of sides of such a polygon.
+/// Minimum and maximum number of sides of such a polygon.
 const SIDES: [f64; 2] = [8.0, 256.0];
 
-/// Greatest depth of elements.
+/// Maximum depth of elements.
 const MAX_DEPTH: usize = 64;
 
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
@@ -102,7 +102,7 @@ impl Shape {
         }
     }
 
-    /// The corners of its outline, and the greatest distance between outline and shape.
+    /// The corners of its outline, and the maximum distance between outline and shape.
     ///
     /// A circle becomes a regular polygon whose corners are as far outside of it as the middles of its sides are inside:
     /// r tan²(π/2n) each for n sides.

@@ -14,7 +14,7 @@ use sim_core::pose::Pose;
 /// How pixels become cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// Occupied above one threshold, free below the other, else unknown.
+    /// Occupied above one threshold, free below the other, otherwise unknown.
     Trinary,
     /// The same, where pixels that are not opaque are unknown.
     Scale,

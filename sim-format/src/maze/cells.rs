@@ -104,8 +104,8 @@ impl Ends {
     }
 }
 
-/// Adds the start to a drawing of `rows` rows: its letter tells the heading, towards the only open side, else north. Returns what is to be
-/// told of the maze.
+/// Adds the start to a drawing of `rows` rows: its letter tells the heading, towards the only open side, otherwise north. Returns what is
+/// to be told of the maze.
 pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span) -> String {
     let columns = drawing.columns as usize;
     let passages = Passages::of(drawing, rows);

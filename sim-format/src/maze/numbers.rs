@@ -11,7 +11,7 @@ use crate::line;
 
 const FORM: &str = "`X Y N E S W`: column and row from the south-west corner, then 1 for a wall and 0 for none";
 
-/// Greatest number of columns and rows.
+/// Maximum number of columns and rows.
 const MAX_SIDE: usize = 256;
 
 /// Returns true if the first line consists of six whole numbers.

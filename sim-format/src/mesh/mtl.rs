@@ -9,10 +9,10 @@ use crate::spec::PathRef;
 use crate::{Code, Diagnostic};
 use sim_core::scene::Material;
 
-/// Greatest number of materials in a file.
+/// Maximum number of materials in a file.
 const MAX_MATERIALS: usize = 10_000;
 
-/// Options of `map_Kd` before the name of the image, with their greatest number of values.
+/// Options of `map_Kd` before the name of the image, with their maximum number of values.
 const OPTIONS: [(&str, usize); 10] = [
     ("-blendu", 1),
     ("-blendv", 1),

@@ -14,7 +14,7 @@ use crate::spec::{MAX_LENGTH, PathRef};
 use crate::{Code, Diagnostic, Span};
 use sim_core::scene::Triangle;
 
-/// Greatest number of triangles, and of entries in each list: a hundred times that of typical robot models.
+/// Maximum number of triangles, and of entries in each list: a hundred times that of typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
 const FACE: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";

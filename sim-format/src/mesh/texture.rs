@@ -10,7 +10,7 @@ use zune_core::options::DecoderOptions;
 
 use super::bmp::Bmp;
 
-/// Greatest number of pixels of an image: 4096 times 4096.
+/// Maximum number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
 /// Bytes that the png decoder may allocate besides the image itself.

@@ -13,7 +13,7 @@ use super::path;
 use super::spec::{LIDAR, NoiseRef, NoiseSection, NoiseSpec, Preset, RobiSpec, RobotSpec};
 use super::table::{Reader, Section};
 
-/// Greatest number of names listed in a message.
+/// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
 /// Suffix of file names that identifies a profile without reading its content.

@@ -9,7 +9,7 @@ use super::number::written_mm;
 use crate::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
 use crate::{content, read_maze};
 
-/// Greatest number of cells of a drawing.
+/// Maximum number of cells of a drawing.
 const MAX_CELLS: f64 = 1e6;
 
 /// Reason why a world cannot be drawn as a maze.

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::number::written;
 
-/// Greatest length of a line that is not broken.
+/// Maximum length of a line that is not broken.
 const WIDTH: usize = 110;
 
 /// Text of a document: a section per table and per table of an array, with nested values on single lines.

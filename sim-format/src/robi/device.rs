@@ -13,7 +13,7 @@ use crate::line::{self, Line, Quantity, Word};
 use crate::spec::{CameraSpec, DEFAULT_PSD_RANGE, JointSpec, Lens, LidarSpec, PsdSpec};
 use sim_core::unit;
 
-/// Greatest pan or tilt in the last two numbers of a VR `camera` line; larger numbers are the size of an image.
+/// Maximum pan or tilt in the last two numbers of a VR `camera` line; larger numbers are the size of an image.
 const MAX_JOINT_DEG: f64 = 180.0;
 /// Image size of the EyeBot's camera in classic files, never interpreted as a range of angles.
 const CLASSIC_IMAGE: [u32; 2] = [80, 60];
@@ -251,7 +251,7 @@ const CAMERA_POSITION: [Quantity; 3] = [
 const IMAGE: [Quantity; 2] =
     [Quantity::number("image width", 1.0, 65_536.0).minor(), Quantity::number("image height", 1.0, 65_536.0).minor()];
 const FISHEYE: [Quantity; 1] = [Quantity::angle("field of view").within(1.0, 360.0).minor()];
-/// Greatest number of points of a scan.
+/// Maximum number of points of a scan.
 pub(crate) const MAX_LIDAR_POINTS: u32 = 65_536;
 pub(crate) const LIDAR_TILT: Quantity = Quantity::angle("tilt of the scanner").within(-90.0, 90.0).minor();
 pub(crate) const LIDAR_SWEEP: Quantity = Quantity::angle("angle of a scan").within(1.0, 360.0).minor();

@@ -74,7 +74,7 @@ impl Reader {
         }
     }
 
-    /// Diameter of the body as far as the file determines it: `diameter`, else the smallest disc around the robot's centre that
+    /// Diameter of the body as far as the file determines it: `diameter`, otherwise the smallest disc around the robot's centre that
     /// contains all colliders; in a classic file without either, the default.
     fn body(&self) -> Option<f64> {
         if self.has_diameter {

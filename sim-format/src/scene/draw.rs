@@ -26,10 +26,10 @@ const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze
 /// Lists of a scene whose entries have paths and may be repeated.
 const LISTS: [&str; 6] = ["robot", "object", "marker", "world.wall", "world.object", "world.start"];
 
-/// Greatest number of repetitions of an entry.
+/// Maximum number of repetitions of an entry.
 const MOST: i64 = 100_000;
 
-/// Greatest number of columns and of rows of a random maze.
+/// Maximum number of columns and of rows of a random maze.
 const MOST_CELLS: i64 = 200;
 
 /// Number of draws from a normal distribution before its limits count as out of reach.
@@ -43,7 +43,7 @@ const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
 pub(crate) enum Draw {
     /// The seed of the scene, or this one in place of it, and the number of an attempt.
     Seed(Option<u64>, u32),
-    /// Extreme values, to find mistakes: the least of all ranges for even numbers, the greatest for odd ones, and the choice with this
+    /// Extreme values, to find mistakes: the minimum of all ranges for even numbers, the maximum for odd ones, and the choice with this
     /// number.
     Extreme(usize),
 }
@@ -78,7 +78,7 @@ pub(crate) struct DrawnDocument<'i> {
     pub(crate) paths: BTreeMap<String, Vec<String>>,
 }
 
-/// Greatest number of choices of a draw in the document; 0 if nothing is drawn.
+/// Maximum number of choices of a draw in the document; 0 if nothing is drawn.
 pub(crate) fn choices(root: &DeTable<'_>) -> usize {
     root.iter().map(|(_, value)| choices_of(value.get_ref())).max().unwrap_or_default()
 }

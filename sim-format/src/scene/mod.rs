@@ -75,7 +75,7 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
     (sim, reader.sink.finish())
 }
 
-/// Greatest number of choices of one random value of a scene in TOML; 0 if the text has none.
+/// Maximum number of choices of one random value of a scene in TOML; 0 if the text has none.
 pub(super) fn choices(text: &str) -> usize {
     draw::choices(&Reader::parse("", text).1)
 }

@@ -9,7 +9,7 @@ use super::FreeSpace;
 /// Share of the disc's width that a step of the grid is long.
 const STEP: f64 = 0.125;
 
-/// Greatest number of the grid's points along a side of the floor.
+/// Maximum number of the grid's points along a side of the floor.
 const MOST: f64 = 2000.0;
 
 /// Returns true if a disc of this radius can move from the disc around `from` to the one around `to`, on a floor of this size, without

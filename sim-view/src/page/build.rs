@@ -9,7 +9,7 @@ use std::time::SystemTime;
 /// Sources of the page, relative to its folder.
 pub(crate) const SOURCES: [&str; 6] =
     ["index.html", "package-lock.json", "package.json", "src", "tsconfig.json", "vite.config.ts"];
-/// Least major version of Node.js, as Vite 6 requires it.
+/// Minimum major version of Node.js, as Vite 6 requires it.
 const NODE: u32 = 18;
 
 /// Files of the page: path and content of each.

@@ -243,7 +243,7 @@ pub struct Sensor {
     pub kind: SensorKind,
     /// Pose in the robot's frame; the sensor looks along its own x axis.
     pub mount: Option<Point>,
-    /// Least and greatest distance that it measures.
+    /// Minimum and maximum distance that it measures.
     pub range_m: Option<[f64; 2]>,
     /// Half the angle of its beam; 0 for a ray.
     pub half_angle_rad: f64,

@@ -238,7 +238,7 @@ pub struct Parameter {
     pub what: String,
     /// Its value.
     pub value: f64,
-    /// Least and greatest value.
+    /// Minimum and maximum value.
     pub range: [f64; 2],
     /// Unit of the value; empty for a ratio.
     pub unit: String,

@@ -46,7 +46,7 @@ const HULL_SIDES: u32 = 36;
 /// Ratios of the height of a round hull, and of a box hull, to the robot's diameter.
 const ROUND_HEIGHT: f64 = 0.4;
 const BOX_HEIGHT: f64 = 0.26;
-/// Least ratio of the hull's height to the robot's diameter, for a hull under a low camera.
+/// Minimum ratio of the hull's height to the robot's diameter, for a hull under a low camera.
 const LEAST_HEIGHT: f64 = 0.15;
 /// Scale of the hull within its outline, so that lamps protrude.
 const INSET: f64 = 0.98;

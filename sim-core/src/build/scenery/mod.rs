@@ -146,7 +146,7 @@ fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point share its corners to the
+/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point share its corners bit for
 /// bit.
 fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
     let mut sketch = Sketch::default();

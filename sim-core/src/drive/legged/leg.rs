@@ -13,10 +13,10 @@ use crate::{
 /// knee, a millimetre of height would turn it by an arbitrarily large angle. Our choice.
 const STRETCH: f64 = 0.998;
 
-/// Least height of the hip while walking, as a fraction of its height while standing. Our choice.
+/// Minimum height of the hip while walking, as a fraction of its height while standing. Our choice.
 pub(super) const LOWEST_HIP: f64 = 5.0 / 6.0;
 
-/// Greatest flexion of a knee, rad: 150 degrees. Our choice.
+/// Maximum flexion of a knee, rad: 150 degrees. Our choice.
 const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
 
 /// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and optionally a foot.
@@ -120,18 +120,18 @@ impl Leg {
         joints.into_iter().enumerate().take(self.link_count()).map(link).collect()
     }
 
-    /// Least and greatest height of the hip at which the leg can stand with its foot below the hip, m.
+    /// Minimum and maximum height of the hip at which the leg can stand with its foot below the hip, m.
     pub fn standing_heights(&self) -> (f64, f64) {
         let height = self.ankle_above(Sole::default()).y;
         (height + self.least_reach(), height + self.reach())
     }
 
-    /// The greatest distance from hip to ankle, m.
+    /// The maximum distance from hip to ankle, m.
     pub fn reach(&self) -> f64 {
         STRETCH * (self.thigh + self.shank)
     }
 
-    /// The least distance from hip to ankle, m.
+    /// The minimum distance from hip to ankle, m.
     fn least_reach(&self) -> f64 {
         let (thigh, shank) = (self.thigh, self.shank);
         (thigh * thigh + shank * shank + 2.0 * thigh * shank * math::cos(MAX_KNEE)).max(0.0).sqrt()
@@ -144,8 +144,8 @@ impl Leg {
         DVec2::new(-sole.ahead * cos - height * sin, -sole.ahead * sin + height * cos)
     }
 
-    /// Greatest height of the hip above a contact point within reach of the sole. The point lies `offset` ahead and
-    /// left of the hip, in the frame of a leg with the yaw of its sole. `None` for a point that is out of reach at any
+    /// Maximum height of the hip above a contact point within reach of the sole. The point lies `offset` ahead and left
+    /// of the hip, in the frame of a leg with the yaw of its sole. `None` for a point that is out of reach at any
     /// height.
     pub fn greatest_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
         let above = self.ankle_above(sole);

@@ -21,7 +21,7 @@ pub use leg::{Foot, Joints, Leg, Sole};
 pub use limb::{BodyPart, Limb};
 pub(in crate::drive) use walk::{Course, Plan, Walk};
 
-/// Greatest speed of a natural gait, as a multiple of the source's speed. Our choice.
+/// Maximum speed of a natural gait, as a multiple of the source's speed. Our choice.
 const FASTEST: f64 = 1.2;
 
 /// The legs of a robot and their gaits.
@@ -142,7 +142,7 @@ impl Legs {
         self.legs.iter().flat_map(of_leg).collect()
     }
 
-    /// Greatest distance of a standing foot from its place under the hip, m: the leg reaches it with the hip lowered by
+    /// Maximum distance of a standing foot from its place under the hip, m: the leg reaches it with the hip lowered by
     /// a sixth. Our choice.
     pub fn excursion(&self) -> f64 {
         let of_leg = |leg: &Leg| {
@@ -159,8 +159,8 @@ impl Legs {
         Some(natural.stride / gait.period.seconds())
     }
 
-    /// Greatest speed of a gait, m/s, at which a standing foot stays within four fifths of its excursion to either
-    /// side; a natural gait is limited to 1.2 times the speed of its source. Our choice.
+    /// Maximum speed of a gait, m/s, at which a standing foot stays within four fifths of its excursion to either side;
+    /// a natural gait is limited to 1.2 times the speed of its source. Our choice.
     pub fn greatest_speed(&self, gait: &Gait) -> f64 {
         if let Some(speed) = self.natural_speed(gait) {
             return FASTEST * speed;
@@ -168,7 +168,7 @@ impl Legs {
         2.0 * 0.8 * self.excursion() / (gait.duty * gait.period.seconds())
     }
 
-    /// Greatest turning speed of a gait, rad/s, at which no standing foot leaves its reach or turns too far.
+    /// Maximum turning speed of a gait, rad/s, at which no standing foot leaves its reach or turns too far.
     pub fn greatest_turn(&self, gait: &Gait) -> f64 {
         let radius = self.legs.iter().map(|leg| math::hypot(leg.hip.x, leg.hip.y)).fold(0.0, f64::max);
         // A foot turns by at most 45 degrees to either side.

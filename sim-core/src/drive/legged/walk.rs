@@ -26,16 +26,16 @@ use crate::{
 
 /// Tolerance (m, and rad) within which a foot of a standing robot counts as at its place and is not lifted. Our choice.
 const AT_PLACE: f64 = 5e-3;
-/// Least change of its goal (m, and rad) that redirects a foot in the air. Our choice.
+/// Minimum change of its goal (m, and rad) that redirects a foot in the air. Our choice.
 const SAME_GOAL: f64 = 1e-3;
 /// Last fraction of the swing in which a foot keeps its goal. Our choice.
 const KEPT: f64 = 0.25;
 /// Angle between body and standing foot beyond which the foot is lifted before its turn, rad: 60 degrees. Our choice.
 const MAX_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
-/// Greatest change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
+/// Maximum change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
 /// swing. Our choice.
 const MAX_TURNED: f64 = 1.6;
-/// Greatest scale of the natural curves. Our choice.
+/// Maximum scale of the natural curves. Our choice.
 const MAX_LEVEL: f64 = 1.2;
 /// Changes of the scale of the natural curves below this value are ignored. Our choice.
 const SAME_LEVEL: f64 = 0.02;
@@ -43,7 +43,7 @@ const SAME_LEVEL: f64 = 0.02;
 const TRIED_PLACES: i32 = 16;
 /// Number of intervals between two footholds at whose ends the height of the ground is sampled.
 const ASKED_PLACES: i32 = 8;
-/// Greatest step up or down, as a fraction of the hip's height. Our choice.
+/// Maximum step up or down, as a fraction of the hip's height. Our choice.
 const TALLEST_STEP: f64 = 0.4;
 /// Maximum number of steps kept per leg until footfalls are taken.
 const REMEMBERED: usize = 64;

@@ -45,7 +45,7 @@ impl Motion {
         walk.command(at, command)
     }
 
-    /// Feet, joints and height of the body at `at`; for a robot without legs empty, with the height of a hull in the water, else 0.
+    /// Feet, joints and height of the body at `at`; for a robot without legs empty, with the height of a hull in the water, otherwise 0.
     pub fn stance(&mut self, at: Time) -> Stance {
         let Some(mut walk) = self.walk.take() else {
             let is_afloat = self.hull().is_some();

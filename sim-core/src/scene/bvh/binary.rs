@@ -125,7 +125,7 @@ impl Subtree {
     }
 }
 
-/// Partitions `order` where the expected cost is least, and returns the size of the first part. Both parts are
+/// Partitions `order` where the expected cost is lowest, and returns the size of the first part. Both parts are
 /// non-empty.
 ///
 /// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007. If all middles coincide, the

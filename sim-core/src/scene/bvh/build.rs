@@ -1,4 +1,4 @@
-//! The wide tree: a binary tree collapsed to eight children per node at the least expected cost.
+//! The wide tree: a binary tree collapsed to eight children per node at the minimum expected cost.
 
 use glam::{DVec3, Vec3};
 

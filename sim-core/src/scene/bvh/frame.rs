@@ -9,7 +9,7 @@ pub(super) struct Frame {
     /// Bounds of the mesh.
     pub low: DVec3,
     pub high: DVec3,
-    /// Greatest absolute coordinate of the mesh, m.
+    /// Maximum absolute coordinate of the mesh, m.
     pub greatest_coordinate: f64,
     /// Middle of the mesh.
     pub centre: DVec3,

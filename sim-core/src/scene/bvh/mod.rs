@@ -39,7 +39,7 @@ pub struct MeshHit {
 /// hit.
 ///
 /// # Definition of a hit
-/// Both sides of a triangle can be hit, edges and corners included. Where triangles share corners (equal to the bit),
+/// Both sides of a triangle can be hit, edges and corners included. Where triangles share corners (equal bit for bit),
 /// no ray slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is
 /// the same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which
 /// hits both. A ray within a triangle's plane hits the triangle where it enters it. A ray that starts on a triangle
@@ -122,7 +122,7 @@ fn has_area(corners: &[DVec3; 3]) -> bool {
 }
 
 /// Vector normal to the triangle, on the side from which its corners are counter-clockwise. Its length is twice the
-/// triangle's area divided by the square of the greatest coordinate extent of its edges, so that nothing overflows.
+/// triangle's area divided by the square of the maximum coordinate extent of its edges, so that nothing overflows.
 fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (*b - *a, *c - *a);
     let extent = ab.abs().max(ac.abs()).max_element();

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 /// Children per node, and triangles per batch.
 pub(super) const WIDTH: usize = 8;
 
-/// Margin of the boxes around their triangles on all sides, in tree units: 24 u, where u = 2^-24 is the greatest
+/// Margin of the boxes around their triangles on all sides, in tree units: 24 u, where u = 2^-24 is the maximum
 /// rounding error of an `f32` next to 1.
 ///
 /// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts the entry along that axis by at

@@ -16,7 +16,7 @@ pub(super) struct Ray {
     shear: [f64; 2],
     /// Metres along the ray per metre on the last axis.
     stretch: f64,
-    /// Greatest absolute coordinate of origin and mesh, m.
+    /// Maximum absolute coordinate of origin and mesh, m.
     greatest_coordinate: f64,
     /// Tree units per metre.
     scale: f64,
@@ -40,7 +40,7 @@ const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
 const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Least ratio of twice a triangle's area, projected along the ray, to the square of the distance of its farthest
+/// Minimum ratio of twice a triangle's area, projected along the ray, to the square of the distance of its farthest
 /// corner from the ray. With a smaller ratio the triangle is treated as a line.
 ///
 /// The weight of a corner (three products) has an error of at most 2^-50 of that square, which shifts a hit by at most

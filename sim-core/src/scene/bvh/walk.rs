@@ -121,8 +121,8 @@ impl<S: Simd> Probe<S> {
     /// Bit mask of the triangles of a batch that the ray's line may hit.
     ///
     /// In units u of rounding of 1: a corner relative to the origin has an error of 4.1 u, and 17 u on each axis after
-    /// shearing. Let m, at most 4.2, be the greatest of these coordinates. Then the offset of an edge has an error of
-    /// 4 (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
+    /// shearing. Let m, at most 4.2, be the maximum of these coordinates. Then the offset of an edge has an error of 4
+    /// (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
     #[inline(always)]
     fn triangles(&self, simd: S, batch: &TriangleBatch) -> u32 {
         let (ax, ay) = self.seen(simd, batch, 0);

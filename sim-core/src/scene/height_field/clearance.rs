@@ -8,7 +8,7 @@ use crate::scene::distance::segment_to_triangle;
 
 impl HeightField {
     /// Distance of the segment between two points of the world from the ground, in metres; 0 if they touch. For a
-    /// segment below the ground, the result is minus the greatest height of the ground above a point of the segment.
+    /// segment below the ground, the result is minus the maximum height of the ground above a point of the segment.
     ///
     /// The distance is exact up to `within`; if it is greater, the result is some value of at least `within`. Beyond
     /// the rectangle the height above the ground replaces the distance. NaN if a coordinate is NaN.
@@ -44,7 +44,7 @@ impl HeightField {
         least
     }
 
-    /// Least height of the points of the segment above the ground, in metres, negative if the point is below; and the
+    /// Minimum height of the points of the segment above the ground, in metres, negative if the point is below; and the
     /// point with that height.
     ///
     /// Segment and ground are linear between the lines of the grid and the diagonals, so only the crossings must be
@@ -92,7 +92,7 @@ impl HeightField {
         (least.0, a + least.1 * along)
     }
 
-    /// Bounds of the height of the ground in a disc, in metres: the least and the greatest height among the disc's
+    /// Bounds of the height of the ground in a disc, in metres: the minimum and the maximum height among the disc's
     /// centre and the corners of the cells that the disc touches. The bounds are never too narrow.
     pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         let middle = self.height(centre.x, centre.y);
@@ -120,7 +120,8 @@ mod tests {
     use crate::RobotId;
     use crate::noise::{Purpose, Stream};
 
-    /// Reference by brute force: least height gap and least distance over many points of the segment and all triangles.
+    /// Reference by brute force: minimum height gap and minimum distance over many points of the segment and all
+    /// triangles.
     fn brute(field: &HeightField, [a, b]: [DVec3; 2]) -> (f64, f64) {
         let points: Vec<DVec3> = (0..=4000).map(|step| a + f64::from(step) / 4000.0 * (b - a)).collect();
         let gap = |point: &DVec3| point.z - field.height(point.x, point.y);
@@ -144,7 +145,7 @@ mod tests {
         (gap, least.fold(f64::INFINITY, f64::min))
     }
 
-    /// By projection: onto the plane if the foot lies inside the triangle, else onto the sides.
+    /// By projection: onto the plane if the foot lies inside the triangle, otherwise onto the sides.
     fn nearest_on_triangle(point: DVec3, corners: [DVec3; 3]) -> DVec3 {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);

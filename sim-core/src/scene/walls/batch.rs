@@ -199,7 +199,7 @@ impl WallBatch {
 struct Probe {
     x: Vec4,
     y: Vec4,
-    /// Least and greatest offset from the ray's line at which a point may lie on it.
+    /// Minimum and maximum offset from the ray's line at which a point may lie on it.
     right: Vec4,
     left: Vec4,
     /// Coordinate of the ray's start along its line.

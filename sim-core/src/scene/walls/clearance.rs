@@ -15,7 +15,7 @@ const CELLS: f64 = 4096.0;
 #[derive(Clone, Debug)]
 pub(super) struct Clearance {
     grid: Grid,
-    /// Chebyshev distance, at most 255; 0 for a cell with a wall. A ring of cells around the grid has the greatest value.
+    /// Chebyshev distance, at most 255; 0 for a cell with a wall. A ring of cells around the grid has the maximum value.
     cells: Vec<u8>,
 }
 

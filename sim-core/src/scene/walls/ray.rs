@@ -10,7 +10,7 @@ use super::{WallHit, WallId};
 pub(super) struct Ray {
     pub origin: DVec2,
     pub direction: DVec2,
-    /// Greatest distance from a wall's point at which the ray touches it.
+    /// Maximum distance from a wall's point at which the ray touches it.
     pub rounding_error: f64,
     /// Upper bound of the product of a wall's length and the distance within which an origin counts as on the wall.
     pub area_rounding_error: f64,

@@ -21,7 +21,7 @@ const WRONG_TOKEN: Duration = Duration::from_millis(500);
 const PING: Duration = Duration::from_secs(5);
 /// A page that reads or sends nothing for this long is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
-/// Least time between two updates of a page: 60 a second.
+/// Minimum time between two updates of a page: 60 a second.
 const NEWS: Duration = Duration::from_millis(16);
 /// Rate limit of a page's messages: on average one in each interval `READ_INTERVAL` (200 a second), and bursts that run ahead of
 /// this rate by up to `READ_BURST` (100 at once).
@@ -82,7 +82,7 @@ async fn close(mut socket: WebSocket, reason: CloseReason) {
     let farewell = async {
         let frame = CloseFrame { code: reason.code, reason: why.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
-            // Unread messages of the page are drained: else the system would drop the close frame together with the connection.
+            // Unread messages of the page are drained: otherwise the system would drop the close frame together with the connection.
             while let Some(Ok(_)) = socket.recv().await {}
         }
     };
