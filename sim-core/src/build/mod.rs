@@ -27,10 +27,11 @@ pub use scenery::{
 /// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
 
-/// Deceleration over gravity of an object that floats: constant, in place of the drag of the water. Source: our choice.
+/// Deceleration of a floating object as a fraction of gravity: a constant that replaces the water's drag. Source: our
+/// choice.
 const WATER_RESISTANCE: f64 = 0.005;
 
-/// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
+/// The static walls of a world. A thick wall becomes the four sides of its rectangle.
 pub fn walls(world: &WorldSpec) -> Arc<Walls> {
     let (segments, heights) = segments(world);
     Arc::new(Walls::new(segments).with_heights(heights))
@@ -89,7 +90,7 @@ pub fn space(scene: &SceneSpec) -> Space {
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
     let mut objects = Vec::new();
-    // Objects or robots of one type share one figure. The keys are addresses, so the maps must never be iterated.
+    // Objects or robots of the same type share a figure. The keys are addresses, so the maps must never be iterated.
     let (mut of_types, mut of_robis) = (BTreeMap::new(), BTreeMap::new());
     for object in &scene.objects {
         let figure = of_types.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
@@ -115,7 +116,7 @@ pub fn space(scene: &SceneSpec) -> Space {
 }
 
 /// Default surface of the ground. Floors, stairs and meshes are smooth, because echoes of a rough floor would mask all
-/// other echoes for a low sonar. Hills are rough, because no facet of a smooth hill need face the sensor, so that it
+/// other echoes for a low sonar. Hills are rough, because a smooth hill may have no facet that faces the sensor and
 /// would return hardly any echo. Our choice.
 fn default_ground_surface(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
@@ -124,14 +125,14 @@ fn default_ground_surface(world: &WorldSpec) -> Surface {
     }
 }
 
-/// The shape in space of a robot's type: see [`space`].
+/// The shape in space of a type of robot: see [`space`].
 pub fn robot_figure(robi: &RobiSpec) -> Figure {
     let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
     Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
-/// The shape in space of an object's type: its colliders, or its mesh if the mesh is solid; without both, its
-/// footprint.
+/// The shape in space of a type of object: its mesh if the mesh is solid, otherwise its colliders, or its footprint if
+/// it has neither.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
         spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
@@ -144,7 +145,7 @@ pub fn figure(kind: &ObjectType) -> Figure {
     Figure { solids, surface: kind.surface }
 }
 
-/// `mesh` at this height above its own place, in metres.
+/// `mesh` raised by `lift` metres.
 fn raised(mesh: &Arc<Mesh>, lift: f64) -> Arc<Mesh> {
     let mut mesh = Arc::clone(mesh);
     if lift > 0.0 {
@@ -159,7 +160,7 @@ fn index(mesh: &Mesh) -> Arc<MeshIndex> {
     Arc::new(MeshIndex::new(&corners))
 }
 
-/// A collider as a solid.
+/// The solid of a collider.
 fn solid(collider: &Collider) -> Solid {
     let prism = |bottom, top| {
         let Part { shape: footprint, object_from_part: body_from_footprint } = part(collider);
@@ -277,7 +278,7 @@ pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize
     (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &places))
 }
 
-/// Pose on the parent.
+/// Pose relative to the parent.
 fn pose(mount: &MountSpec) -> Pose3 {
     Pose3::from_angles(mount.position, mount.roll, mount.pitch, mount.yaw)
 }
@@ -287,7 +288,7 @@ fn parent_link(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option
     on.and_then(|on| places.get(on.text.as_str()).copied())
 }
 
-/// Indices of the links in [`links`] by name; of several links with the same name, the first counts.
+/// Indices of the links in [`links`] by name; the first of several links with the same name counts.
 fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut places = BTreeMap::new();
     let mut first = 0;
@@ -403,8 +404,8 @@ pub fn hull_height(robi: &RobiSpec) -> f64 {
     robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
 }
 
-/// Contact rule of a robot at walls. The coefficient of friction is the lower one of robot and walls, as among objects. A hull always
-/// slides, since it may rise and sink meanwhile.
+/// Contact rule of a robot at walls. The coefficient of friction is the smaller of the robot's and the walls', as between objects. A hull
+/// always slides, since it may rise and sink at the same time.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
         ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,

@@ -8,18 +8,18 @@ use super::rays::{RayTable, Window};
 use super::{Label, PosedScenery, View};
 use crate::RobotId;
 
-/// The faces that may be visible, in total and by tile.
+/// The faces that may be visible: all of them, and those of each tile.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
     pub faces: Vec<Face>,
-    /// By tile, the numbers of its faces in ascending order.
+    /// For each tile, the numbers of its faces in ascending order.
     pub tiles: Vec<Vec<u32>>,
     /// Buffer: corners of the cluster in progress in lens space, with their landmarks.
     corners: Vec<(DVec3, DVec3)>,
 }
 
 impl Bins {
-    /// Bins all faces in the view; the body of `by` is left out.
+    /// Bins all faces in the view, except those of the robot `by`.
     pub fn fill(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
         let [columns, rows] = optics.tiles().map(|count| count as usize);
         self.faces.clear();

@@ -20,7 +20,7 @@ pub struct Face {
     pub is_outside: bool,
 }
 
-/// Limit of all coefficients of a face, so that nothing overflows in `f32`.
+/// Limit of all coefficients of a face, which prevents overflow in `f32`.
 const GREATEST: f64 = 1e30;
 
 /// Reciprocal of the minimum distance in metres between camera and plane. At a smaller distance rounding decides
@@ -28,8 +28,8 @@ const GREATEST: f64 = 1e30;
 const NEAREST: f64 = 1e9;
 
 impl Face {
-    /// The face with these corners; `None` if the camera sees it edge-on, if it has no area, or, with `is_hidden`, if
-    /// the camera sees its inside.
+    /// The face with these corners. `None` if the camera sees it edge-on, if it has no area, or if the camera sees its
+    /// inside and `is_hidden` is true.
     #[inline(always)]
     pub fn new(
         (part, triangle): (u32, u32),
@@ -39,7 +39,7 @@ impl Face {
     ) -> Option<Self> {
         let normal = (b - a).cross(c - a);
         let det = a.dot(normal);
-        // For a camera outside, the corners are counter-clockwise and their determinant is negative.
+        // Seen from outside, the corners are counter-clockwise and their determinant is negative.
         if is_hidden && det > 0.0 || det == 0.0 {
             return None;
         }
@@ -55,8 +55,8 @@ impl Face {
         is_sound.then_some(Self { edges, plane, per_det, part, triangle, is_outside: det < 0.0 })
     }
 
-    /// Linear form that interpolates values at the corners over the face: at a ray, the value is that of the first
-    /// corner plus the ratio of the form's dot product with the ray to that of [`plane`](Self::plane).
+    /// Linear form that interpolates corner values over the face. At a ray, the value is the first corner's plus the
+    /// form's dot product with the ray, divided by that of [`plane`](Self::plane).
     #[inline(always)]
     pub fn form(&self, [a, b, c]: [f64; 3]) -> DVec3 {
         (self.edges[1] * (b - a) + self.edges[2] * (c - a)) * self.per_det

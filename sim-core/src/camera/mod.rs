@@ -1,38 +1,37 @@
 //! Software renderer for cameras: pictures, depths and labels of a scene, without a graphics card.
 //!
-//! A [`Scenery`] is all that can be seen of a scene, the same for all cameras; a [`PosedScenery`] adds the poses of its parts
-//! at an instant; a [`View`] is a camera's pose, its lens and the size of its image; a [`Camera`] renders a still in a
-//! view.
+//! A [`Scenery`] is everything visible in a scene, the same for all cameras; a [`PosedScenery`] adds the poses of its parts at an instant;
+//! a [`View`] is a camera's pose, its lens and the size of its image; a [`Camera`] renders a still in a view.
 //!
 //! # Pictures
 //! Row 0 is on top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first
-//! hit of the ray through its middle. Pixels are square. A camera's frame is that of sensors: x along the optical axis,
-//! y to the left, z up.
+//! hit of the ray through its middle. Pixels are square. A camera has the frame of sensors: x along the optical axis, y
+//! to the left, z up.
 //!
 //! # Definition of a hit
 //! A ray from the camera hits a face if it lies in the cone over the face's corners, from either side. With the corners
 //! v0, v1, v2 in the camera's frame and e0 = v1 x v2 (and so on), all dot products e . ray then have the sign of the
 //! determinant v0 . e0 (ray against edges: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates,
-//! 1997). The test is the same for every lens, and faces behind the camera or across its plane need no clipping. Edges
-//! are widened by 1e-4 pixels (2e-6 rad for a fisheye), which exceeds all rounding, so that nothing shows through
-//! between faces that share an edge or a corner. Of coplanar faces the one with the lower part number is seen, then the
-//! one with the lower triangle number. A face is invisible to a camera less than 1 nm from the face's plane. The ground
-//! is the plane z = 0, visible only from above; behind all faces and the ground is the sky. Ground and sky are computed
+//! 1997). The test is the same for every lens, and faces behind the camera or crossing its plane need no clipping.
+//! Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which exceeds all rounding, so that nothing shows through
+//! between faces that share an edge or a corner. Among coplanar faces the lowest part number is visible, then the
+//! lowest triangle number. A face is invisible to a camera less than 1 nm from the face's plane. The ground is the
+//! plane z = 0, visible only from above; behind all faces and the ground is the sky. Ground and sky are computed
 //! without faces. Our choices.
 //!
 //! # Colour
-//! The colour of a surface is that of its material times its texture, times the light: `ambient`, `fill` times (1 + n .
+//! The colour of a surface is its material's colour times its texture times the light: `ambient`, `fill` times (1 + n .
 //! f) / 2, where f points to the side opposite to the sun, and `diffuse` times n . l if the sun reaches the surface. On
 //! faces with normals at the corners, n is interpolated between them; it is flipped to the side from which the face is
-//! seen. With `shadows`, the sun reaches a place if no other face, more than 1e-6 m away, covers the sun. Shadows are
-//! hard and exact. Every visible face casts them, also faces of the camera's own robot; the ground casts none. Textures
-//! are filtered: see [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255, without gamma
-//! correction.
+//! seen. With `shadows`, the sun reaches a point if no other face farther than 1e-6 m from it hides the sun. Shadows
+//! are hard and exact. Every visible face casts shadows, including faces of the camera's own robot; the ground does
+//! not. Textures are filtered: see [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255,
+//! without gamma correction.
 //!
 //! # Implementation
 //! Faces are binned into tiles of 8 x 8 pixels (`bins`); for each tile, `tile` finds the nearest face of each pixel
 //! with SIMD instructions, and `shade` then colours the pixels, face by face. Linear forms on rays are set up in `f64`
-//! and evaluated relative to a tile's middle in `f32`. The bits of an image are the same on every processor, because no
+//! and evaluated relative to a tile's middle in `f32`. Images are bit-identical on every processor, because no
 //! operations are fused and no sum runs over lanes.
 
 mod bins;

@@ -84,7 +84,7 @@ impl Optics {
         }
     }
 
-    /// Tiles across and down.
+    /// Number of columns and rows of tiles.
     pub fn tiles(&self) -> [u32; 2] {
         self.size.map(|side| side.div_ceil(TILE))
     }
@@ -112,7 +112,7 @@ impl Optics {
         } else if corner.z > 0.0 {
             DVec3::new(corner.x / corner.z, corner.y / corner.z, 1.0)
         } else {
-            // Not ahead of the camera: unchanged.
+            // A corner not ahead of the camera stays unchanged.
             DVec3::new(corner.x, corner.y, corner.z.min(0.0))
         }
     }
@@ -126,7 +126,7 @@ impl Optics {
             let (low, high) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
             return self.within(low, high);
         }
-        // Across the camera's plane: out of sight only if all corners are beyond one border.
+        // A face that crosses the camera's plane is out of sight only if all corners are beyond one border.
         let all = |is_beyond: fn(DVec3, DVec2) -> bool| {
             let size = DVec2::from(self.size.map(f64::from));
             is_beyond(a, size) && is_beyond(b, size) && is_beyond(c, size)
@@ -172,7 +172,7 @@ impl Optics {
         if farthest > 3.0 {
             return Some(self.everything());
         }
-        // Across the radius, a fisheye magnifies by angle / sin(angle); along it by no more.
+        // A fisheye magnifies by angle / sin(angle) perpendicular to the radius, and by no more along it.
         let reach = self.focal * width / math::sinc(farthest) + 1.0;
         let scale = if across > 0.0 { self.focal * off_axis / across } else { 0.0 };
         let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);

@@ -12,13 +12,13 @@ use super::{Lens, View};
 /// Number of pixels of a tile.
 pub const PIXELS: usize = (TILE * TILE) as usize;
 
-/// Cache of a fisheye's rays and of the cones around those of each tile, valid for one lens and size.
+/// Cache of a fisheye's rays and of the cone around the rays of each tile, valid for one lens and size.
 #[derive(Clone, Debug, Default)]
 pub struct RayTable {
     made_for: Option<(Lens, [u32; 2])>,
     /// Ray components by axis, row by row, with a border of one ray around the pixels of the tiles.
     axes: [Vec<f32>; 3],
-    /// Flags of the rays that are in the image; the others only serve to compute differences between pixels.
+    /// For each ray, true if it is in the image; other rays only serve to compute differences between pixels.
     is_shown: Vec<bool>,
     stride: usize,
     cones: Vec<Cone>,
@@ -83,7 +83,7 @@ impl RayTable {
         DVec3::new(f64::from(x[place]), f64::from(y[place]), f64::from(z[place]))
     }
 
-    /// The cone of a tile by its number.
+    /// The cone of tile `tile`.
     pub fn cone_of(&self, tile: usize) -> Cone {
         self.cones[tile]
     }
@@ -152,7 +152,7 @@ impl Rays {
         Self { axes: [x, y, [1.0; PIXELS]], steps: [[[0.0; PIXELS]; 3]; 2] }
     }
 
-    /// Replaces the rays by those of a tile of a fisheye.
+    /// Loads the rays of a fisheye's tile.
     pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
         let start = table.place(tile.map(|place| place * TILE));
         let side = TILE as usize;

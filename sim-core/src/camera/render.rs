@@ -13,7 +13,7 @@ use super::tile::{GROUND, SKY, Tile, find_visible};
 use super::{Attachment, Label, Picture, PosedScenery, View};
 use crate::RobotId;
 
-/// Renders pictures and reuses its buffers from one to the next.
+/// Renders pictures and reuses its buffers from one picture to the next.
 #[derive(Clone, Debug)]
 pub struct Camera {
     level: Level,
@@ -51,9 +51,9 @@ impl Camera {
         }
     }
 
-    /// Colour picture of this view: red, green, blue. The body of `by` is left out. Each pixel is the rounded mean of
-    /// `samples` x `samples` pixels of a larger picture; `samples` is reduced to the size limit of [`View`], and is at
-    /// least 1.
+    /// Colour picture of this view (red, green, blue) without the body of the robot `by`. Each pixel is the rounded
+    /// mean of `samples` x `samples` pixels of a larger picture; `samples` is reduced to the size limit of [`View`],
+    /// and is at least 1.
     pub fn colour(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
         let (samples, fine) =
             (1..=samples.max(1)).rev().find_map(|n| Some((n, view.enlarged(n).ok()?))).unwrap_or((1, *view));
@@ -167,7 +167,7 @@ impl Camera {
 }
 
 impl Frame<'_> {
-    /// Number of columns and rows of a tile that lie within the image.
+    /// Number of columns and rows of a tile within the image.
     fn inside(&self, origin: [u32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
     }
@@ -210,7 +210,7 @@ impl Frame<'_> {
         wanted
     }
 
-    /// Calls `visit` with each tile, after finding the face shown by each pixel.
+    /// Finds the face shown by each pixel and calls `visit` with each tile.
     fn survey(&self, level: Level, mut visit: impl FnMut(&Tile, &Rays, &Window)) {
         let [columns, rows] = self.optics.tiles();
         let is_flat = self.optics.is_flat;

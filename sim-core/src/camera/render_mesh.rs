@@ -15,10 +15,10 @@ const CLUSTER: usize = 64;
 pub struct RenderMesh {
     pub bounds: Sphere,
     pub clusters: Vec<Cluster>,
-    /// Corners by cluster, each once per cluster.
+    /// Corners, cluster by cluster; each corner occurs once per cluster.
     pub corners: Vec<DVec3>,
     pub faces: Vec<ShapeFace>,
-    /// By triangle of the mesh, its unit normal on the side from which the corners are counter-clockwise; 0 for a
+    /// For each triangle of the mesh, the unit normal on the side from which the corners are counter-clockwise; 0 for a
     /// triangle without area.
     pub normals: Vec<DVec3>,
 }
@@ -108,8 +108,8 @@ impl Sphere {
     }
 }
 
-/// Connected surfaces of a mesh, joined at corners: by index in `triangles`, the number of the surface; and by surface,
-/// its bounding box if it is closed with its faces pointing outwards.
+/// Surfaces of a mesh, connected at corners: the number of the surface for each index in `triangles`, and for each
+/// surface its bounding box if it is closed with its faces pointing outwards.
 fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3, DVec3)>>) {
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     for &number in triangles {
@@ -136,7 +136,7 @@ fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3,
         let [a, b, c] = triangle.corners;
         edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to, surface)));
     }
-    // A surface is closed if each edge occurs once in either direction.
+    // A surface is closed if each edge occurs exactly once in each direction.
     edges.sort_unstable();
     let mut is_closed: Vec<bool> = volumes.iter().map(|(_, volume)| *volume > 0.0).collect();
     for of_edge in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {

@@ -1,4 +1,4 @@
-//! Scenery: all that cameras can see of a scene, and the poses of its parts at an instant.
+//! Scenery: everything that cameras can see of a scene, and the poses of its parts at an instant.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -19,7 +19,7 @@ use crate::{ObjectId, RobotId};
 pub enum Label {
     /// The sky: no surface.
     Sky,
-    /// The plane z = 0 with everything painted on it, or the terrain in its place.
+    /// The plane z = 0 with everything painted on it, or the terrain.
     Ground,
     /// A wall, by its index in the world file, from 0.
     Wall(u32),
@@ -47,7 +47,7 @@ pub enum Attachment {
 /// A visible part of a scene. Parts that look alike share their mesh.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Its surface, visible from both sides.
+    /// Its mesh, visible from both sides.
     pub mesh: Arc<Mesh>,
     /// Its label in label pictures.
     pub label: Label,
@@ -63,12 +63,12 @@ pub struct Light {
     pub towards: DVec3,
     /// Share of light that reaches every surface equally.
     pub ambient: f64,
-    /// Share that comes, without shadows, from the side opposite to the sun, so that faces in the shade differ in
-    /// brightness too.
+    /// Share that comes, without shadows, from the side opposite to the sun, so that faces in shadow differ in
+    /// brightness.
     pub fill: f64,
     /// Share of the sun on a surface that faces it directly.
     pub diffuse: f64,
-    /// Surfaces in the shade do not receive the sun's share.
+    /// If true, surfaces in shadow do not receive the sun's share.
     pub shadows: bool,
 }
 
@@ -114,11 +114,11 @@ pub struct Spot {
     pub colour: [u8; 4],
 }
 
-/// All that cameras can see of a scene: immutable, and shared by all cameras.
+/// Everything that cameras can see of a scene: immutable, and shared by all cameras.
 #[derive(Clone, Debug)]
 pub struct Scenery {
     parts: Vec<Part>,
-    /// By part, the index of its mesh in `meshes`.
+    /// For each part, the index of its mesh in `meshes`.
     mesh_of: Vec<usize>,
     meshes: Vec<Arc<PreparedMesh>>,
     ground: Option<Ground>,
@@ -133,7 +133,7 @@ pub struct Scenery {
 #[derive(Clone, Debug)]
 struct PreparedMesh {
     render_mesh: RenderMesh,
-    /// By material.
+    /// One entry per material.
     materials: Vec<PreparedMaterial>,
 }
 
@@ -234,11 +234,11 @@ impl Scenery {
         self.with_poses(self.parts.iter().map(pose).collect())
     }
 
-    /// A still with these poses of the parts, in their order, `None` for an absent part; for example from another
+    /// A still with the given pose of each part, `None` for an absent part; for example the poses of another
     /// [`PosedScenery`] of this scenery.
     ///
     /// # Panics
-    /// If the number of poses differs from that of the parts.
+    /// If the number of poses differs from the number of parts.
     pub fn with_poses(&self, poses: Vec<Option<Pose3>>) -> PosedScenery<'_> {
         assert_eq!(poses.len(), self.parts.len(), "a pose for each part");
         PosedScenery { scenery: self, poses }

@@ -15,7 +15,7 @@ pub type Colours = [[f32; PIXELS]; 3];
 
 type Rgb<S> = [<S as Simd>::f32s; 3];
 
-/// An [`Attribute`] in a tile: its value at one of the pixels, and a form for the difference at others.
+/// An [`Attribute`] in a tile: its value at one pixel, and a form for its difference at the other pixels.
 #[derive(Clone, Copy)]
 struct Local {
     here: f64,
@@ -229,7 +229,7 @@ fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]
     colour
 }
 
-/// Shares of light, dim and sun, for a normal that varies over the surface.
+/// Shares of indirect light and of sunlight, for a normal that varies over the surface.
 #[inline(always)]
 fn smooth<S: Simd, const FLAT: bool>(
     simd: S,
@@ -299,7 +299,7 @@ fn rgb<S: Simd>(simd: S, [red, green, blue]: [f32; 3]) -> Rgb<S> {
     [S::f32s::splat(simd, red), S::f32s::splat(simd, green), S::f32s::splat(simd, blue)]
 }
 
-/// Blends a colour over another with an opacity of 0 to 1.
+/// Blends `upper` over `under` with an opacity of 0 to 1.
 #[inline(always)]
 fn over<S: Simd>(_: S, upper: Rgb<S>, opacity: S::f32s, under: Rgb<S>) -> Rgb<S> {
     [
@@ -323,7 +323,7 @@ fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colo
     while channel < 3 {
         let place = &mut colours[channel][first..first + S::f32s::LEN];
         let before = S::f32s::from_slice(simd, place);
-        // Black also for NaN.
+        // NaN becomes black.
         let within = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
         mask.select(within, before).store_slice(place);
         channel += 1;

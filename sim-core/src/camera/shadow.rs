@@ -1,14 +1,15 @@
-//! Shadows: a grid across the sun's direction with the faces that cast shadows.
+//! Shadows: the shadow-casting faces, binned in a grid perpendicular to the sun's direction.
 //!
-//! The shadows are hard and exact, without a shadow map: a place is in the shade if a face other than its own, farther
-//! away than [`SHADOW_BIAS`], covers the sun as seen from the place. Everything visible casts shadows, a camera's own robot
-//! too; the ground casts none. Our choice.
+//! The shadows are hard and exact, without a shadow map: a point is in shadow if a face other than its own, farther from it than
+//! [`SHADOW_BIAS`], hides the sun from it. Everything visible except the ground casts shadows, including the camera's own robot. The
+//! sources say nothing about shadows: all of this is our choice.
 
 use glam::{DVec2, DVec3};
 
 use super::{Attachment, Part, PosedScenery, Scenery};
 
-/// Distance in metres below which a face casts no shadow, because touching faces are equal within rounding.
+/// Shadow bias: faces nearer than this, in metres, cast no shadow, because rounding would make touching faces shadow
+/// each other.
 pub const SHADOW_BIAS: f64 = 1e-6;
 
 /// Enlargement of a face on all sides, in metres, so that no light passes between two faces.
@@ -18,15 +19,15 @@ const SLACK: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([DVec3; 3]);
 
-/// Shadow casters, binned in a grid across the sun's direction.
+/// Shadow casters, binned in a grid perpendicular to the sun's direction.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowGrid {
     low: DVec2,
     cells_per_metre: f64,
     size: [usize; 2],
-    /// By cell, index of its first entry in `members`; the last element is the end of the list.
+    /// For each cell, the index of its first entry in `members`; one more element holds `members.len()`.
     starts: Vec<u32>,
-    /// Numbers of faces; in each cell, those that reach farthest towards the sun come first.
+    /// Indices of faces; in each cell, the faces that reach farthest towards the sun come first.
     members: Vec<u32>,
     faces: Vec<Caster>,
 }
@@ -34,14 +35,14 @@ pub struct ShadowGrid {
 /// A face that casts a shadow.
 #[derive(Clone, Debug)]
 struct Caster {
-    /// By edge, distance from it in metres, positive inside, as a linear function of the position across the sun's
-    /// direction.
+    /// For each edge, the signed distance from it (m, positive inside) as a linear function of the position
+    /// perpendicular to the sun's direction.
     edges: [[f64; 3]; 3],
-    /// Coordinate of the face towards the sun, m, also a linear function of the position across the sun's direction.
+    /// Coordinate of the face towards the sun (m), as a linear function of the same position.
     plane: [f64; 3],
     /// Maximum coordinate towards the sun.
     highest: f64,
-    /// Lowest and highest corner of its bounding rectangle.
+    /// Lower left corner of its bounding rectangle; `high` is the upper right one.
     low: DVec2,
     high: DVec2,
     part: u32,
@@ -60,7 +61,7 @@ impl Axes {
         Self([first, second, towards])
     }
 
-    /// The two axes across the sun's direction, and the one towards it.
+    /// The two axes perpendicular to the sun's direction and the axis towards the sun.
     pub fn directions(&self) -> [DVec3; 3] {
         self.0
     }
@@ -102,7 +103,7 @@ impl Caster {
         })
     }
 
-    /// Returns true if the face covers the sun at a place.
+    /// Returns true if the face hides the sun from a point.
     #[inline(always)]
     fn hides_sun_from(&self, at: DVec2, height: f64) -> bool {
         self.edges.iter().all(|edge| evaluate(*edge, at) >= -SLACK) && evaluate(self.plane, at) > height + SHADOW_BIAS
@@ -202,7 +203,7 @@ impl ShadowGrid {
         }
     }
 
-    /// Returns true if a face lies between the sun and a place on the face `own`; `last` caches the last such face.
+    /// Returns true if a face hides the sun from a point on the face `own`; `last` caches the last such face.
     #[inline]
     pub fn shades(&self, place: DVec3, own: (u32, u32), last: &mut usize) -> bool {
         let at = place.truncate();

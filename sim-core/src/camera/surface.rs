@@ -8,8 +8,8 @@ use super::shadow::{Axes, ShadowGrid};
 use super::texture::MipMap;
 use super::{Ground, Light, PosedScenery, Scenery, View};
 
-/// A value that varies over a surface. At a ray it is `base` plus the quotient of two dot products with the ray, that
-/// of `form` over that of the surface's plane.
+/// A value that varies over a surface. At a ray it is `base` plus the ray's dot product with `form`, divided by its dot
+/// product with the surface's plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Attribute {
     pub base: f64,
@@ -26,7 +26,7 @@ pub struct ShadedSurface<'a> {
     pub tint: [f32; 3],
     pub image: Option<Image<'a>>,
     pub light: Lighting,
-    /// Part and triangle; numbers that do not exist for the ground.
+    /// Numbers of part and triangle; for the ground, numbers that no face has.
     pub name: (u32, u32),
     pub painted: Option<Painted<'a>>,
 }
@@ -38,11 +38,11 @@ pub struct Image<'a> {
     pub place: [Attribute; 2],
 }
 
-/// Light on a surface: indirect light, and light of the sun.
+/// Light on a surface: indirect light and sunlight.
 pub enum Lighting {
     Flat(Shares),
     /// Varies with the normal. The forms give the components of the normal (world frame, on the visible side, not
-    /// normalised); the shares are those of the flat face and are used where the normal vanishes.
+    /// normalised); the shares belong to the flat face and are used where the normal vanishes.
     Smooth([DVec3; 3], Shares),
 }
 
@@ -60,16 +60,16 @@ pub struct Painted<'a> {
     pub at: [Attribute; 2],
 }
 
-/// Shadow test: finds the places that the sun reaches.
+/// Shadow test: finds the points that the sun reaches.
 pub struct Sun<'a> {
-    /// Shadow casters that never move, and the moving ones.
+    /// Shadow casters that never move, and moving shadow casters.
     pub grids: [&'a ShadowGrid; 2],
-    /// Coordinates across the sun's direction and towards the sun.
+    /// Coordinates perpendicular to the sun's direction and towards the sun.
     at: [Attribute; 3],
 }
 
 impl Sun<'_> {
-    /// Returns the pixels of the bit mask `pixels` that are in the sun. The pixels show the face `own`; `ray_of` gives
+    /// Returns the pixels of the bit mask `pixels` that the sun reaches. The pixels show the face `own`; `ray_of` gives
     /// their rays in lens space.
     pub fn reaches(&self, plane: DVec3, own: (u32, u32), pixels: u64, ray_of: &dyn Fn(usize) -> DVec3) -> u64 {
         let mut lit = pixels;

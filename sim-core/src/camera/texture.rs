@@ -14,11 +14,11 @@ pub enum Wrap {
     Clamp,
 }
 
-/// A mip map: an image in all its levels, each half as wide and high as the one before (Williams, Pyramidal
+/// A mip map: an image at several levels, each half as wide and high as the previous one (Williams, Pyramidal
 /// parametrics, 1983).
 ///
-/// A texel of a level is the mean of the two by two texels of the level before, or of the one or two that exist,
-/// rounded half up. A last odd row or column is left out.
+/// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of the one or two
+/// that exist. A last odd row or column is left out.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
@@ -37,8 +37,9 @@ pub enum Wrap {
 #[derive(Clone, Debug)]
 pub struct MipMap {
     levels: Vec<MipLevel>,
-    /// Texels of all levels, each level with a border of one texel by wrap mode. An entry is a texel and the one below
-    /// it, so that the four texels around a position are adjacent. Red is the lowest byte, opacity the highest.
+    /// Texels of all levels, each level with a border of one texel, filled according to the wrap mode. An entry is a
+    /// texel and the texel below it, so that the four texels around a position are adjacent. Red is the lowest byte,
+    /// opacity the highest.
     texels: Vec<[i32; 2]>,
     wrap: Wrap,
     pub(super) is_opaque: bool,
@@ -191,7 +192,7 @@ impl MipMap {
         colour
     }
 
-    /// A coordinate within the image, from 0 to 1, by wrap mode; 0 for NaN.
+    /// Wraps a coordinate into the image, 0 to 1, by the wrap mode; NaN becomes 0.
     #[inline(always)]
     fn wrapped<S: Simd>(&self, simd: S, part: S::f32s) -> S::f32s {
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
@@ -284,7 +285,7 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let mantissa = (bits & S::u32s::splat(simd, 0x007f_ffff)) | S::u32s::splat(simd, 0x3f80_0000);
     let mantissa: S::f32s = mantissa.bitcast();
     let t = mantissa - 1.0;
-    // Interpolates the values at 0, 1 and four places between them, so it is continuous.
+    // Interpolates the values at 0, 1 and four points between them, so it is continuous.
     let curve = ((t * -0.044_873_955 + 0.150_533_2) * t - 0.269_578) * t + 0.442_418_58;
     exponent + t + t * (S::f32s::splat(simd, 1.0) - t) * curve
 }

@@ -8,7 +8,7 @@ use super::face::Face;
 use super::optics::TILE;
 use super::rays::{PIXELS, Rays, Window};
 
-/// Numbers beyond those of faces, for pixels that show the sky or the ground.
+/// Face numbers reserved for pixels that show the sky or the ground.
 pub const SKY: u32 = u32::MAX;
 pub const GROUND: u32 = u32::MAX - 1;
 
@@ -27,12 +27,12 @@ impl Tile {
     }
 }
 
-/// Margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces is seen.
-/// Relative to the maximum reciprocal distance of the face in the tile. The margin shifts the line where two faces
-/// intersect by less than 1e-5 pixels.
+/// Margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces is
+/// visible. Relative to the maximum reciprocal distance of the face in the tile. The margin shifts the line where two
+/// faces intersect by less than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
-/// Finds the face shown by each pixel of a tile: one of the listed `faces`, or the ground, whose plane is `ground`.
+/// Finds the face shown by each pixel of a tile: one of `faces`, or the ground, whose plane is `ground`.
 pub fn find_visible(
     level: Level,
     is_flat: bool,

@@ -107,7 +107,7 @@ impl View {
     /// This view at `factor` times the resolution.
     ///
     /// # Errors
-    /// [`ViewError::Size`] if the pixels are too many, or none.
+    /// [`ViewError::Size`] if the image has too many pixels, or none.
     pub fn enlarged(&self, factor: u32) -> Result<Self, ViewError> {
         Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
     }
@@ -134,13 +134,13 @@ impl View {
         }
     }
 
-    /// Unit vector, in the world frame, of the line of sight through the position `at` of the image; `None` beyond the
-    /// image of a fisheye.
+    /// Unit vector, in the world frame, of the line of sight through the image position `at`; `None` beyond a fisheye's
+    /// image.
     pub fn direction(&self, at: DVec2) -> Option<DVec3> {
         self.ray(at).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
     }
 
-    /// Position in the image, or beyond its border, of a point in the world; `None` for a point without a projection:
+    /// Image position of a point in the world, possibly beyond the border. `None` for a point without a projection:
     /// beside or behind a pinhole, straight behind a fisheye, or in the camera itself.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let DVec3 { x, y, z } = self.world_from_camera.inverse_transform_point(point);

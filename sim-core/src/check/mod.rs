@@ -1,8 +1,8 @@
 //! Evaluation of checks on the motion of bodies, at exact instants.
 //!
-//! A [`Monitor`] sees the motion of each slot before the world forgets it, as sections in closed form, and evaluates it in cells of
-//! 100 ms of virtual time. The cells and sections do not depend on the slots, so neither do instants and verdicts. A monitor reads only:
-//! it draws no random numbers and records nothing. Checks on events, output and the report are the host's.
+//! A [`Monitor`] sees the motion of each slot before the world forgets it, as sections in closed form, and evaluates it in cells of 100 ms
+//! of virtual time. Cells and sections do not depend on the slots, and neither do instants and verdicts. A monitor only reads: it draws no
+//! random numbers and records nothing. The host evaluates checks on events, output and the report.
 
 mod pending;
 mod region;
@@ -26,20 +26,20 @@ use crate::{ObjectId, RobotId};
 use pending::PendingMotion;
 use watch::{Surroundings, Watch};
 
-/// Length of the stretches of time that are evaluated at once.
+/// Length of a cell: the interval of virtual time that is evaluated at once.
 const CELL: Time = Time::from_millis(100);
 
 /// Result of a check on motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// The condition is met.
+    /// True if the condition is met.
     pub is_met: bool,
     /// Instant of the verdict, s: when the condition was met, or first violated, or came nearest to being met.
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
-    /// The measured quantity, as the variant of [`CheckKind`] suggests: distance to the place, number of places or passages, smallest gap,
-    /// share, maximum error; m, or a pure number.
+    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or passages, smallest
+    /// gap, share, maximum error; in m, or a pure number.
     pub value: Option<f64>,
 }
 
@@ -47,17 +47,17 @@ pub struct Finding {
 /// `coverage`, `odometry_error`, `swarm`.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    /// The checks with their places in the scene.
+    /// The checks with their indices in the scene.
     watches: Vec<(usize, Watch)>,
     walls: Arc<Walls>,
-    /// Instant after which nothing counts.
+    /// Instant after which motion does not count.
     until: Time,
-    /// In the order of the ids; `None` for a robot that has not been seen yet.
+    /// Robots in the order of their ids; `None` for a robot that was not observed yet.
     robots: Vec<Option<PendingMotion>>,
     objects: Vec<Option<PendingMotion>>,
     /// Robots whose odometry is checked.
     odometry_of: Vec<RobotId>,
-    /// Objects are checked.
+    /// True if a check concerns movable objects.
     wants_objects: bool,
     /// Start of the first cell that has not been evaluated.
     cell: Time,
@@ -109,7 +109,7 @@ impl Monitor {
         pending.append_robot(motion, (from, to));
     }
 
-    /// Ends the slot that ends at `to`: all other bodies rested. Evaluates the cells that are complete.
+    /// Ends the slot that ends at `to`: bodies not observed in it were at rest. Evaluates the complete cells.
     pub(crate) fn end_slot(&mut self, world: &mut World, to: Time) {
         let to = to.min(self.until);
         self.rest(world, to);
@@ -120,9 +120,9 @@ impl Monitor {
         }
     }
 
-    /// Ends the run at `time`. `is_settled`: it has ended because nothing can happen any more.
+    /// Ends the run at `time`; `is_settled` if it ended because nothing can happen any more.
     pub fn finish(&mut self, world: &mut World, time: Time, is_settled: bool) {
-        // A run without any time shows where the bodies start.
+        // A run of length 0 shows where the bodies start.
         let time = time.min(self.until).max(Time(1));
         self.end_slot(world, time);
         if self.cell < time {
@@ -132,13 +132,13 @@ impl Monitor {
         self.watches.iter_mut().for_each(|(_, watch)| watch.finish(end, is_settled));
     }
 
-    /// The findings up to the last cell, each with the place of its check in the scene.
+    /// The findings up to the last cell, each with the index of its check in the scene.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
         self.watches.iter().map(|(index, watch)| (*index, watch.finding()))
     }
 
-    /// The metrics of swarms over time, each with the place of its check in the scene: instants, s, and values, wherever the value has
-    /// changed.
+    /// The metrics of swarms over time, each with the index of its check in the scene: instants (s) at which the value changed, with the
+    /// new values.
     pub fn series(&self) -> impl Iterator<Item = (usize, &[[f64; 2]])> {
         self.watches.iter().filter_map(|(index, watch)| Some((*index, watch.series()?)))
     }
@@ -147,7 +147,7 @@ impl Monitor {
         self.robots.iter().chain(&self.objects).flatten()
     }
 
-    /// Lets all bodies that have not been seen up to `to` rest until then, or until their removal.
+    /// Keeps all bodies that were not observed up to `to` at rest until then, or until their removal.
     fn rest(&mut self, world: &mut World, to: Time) {
         self.robots.resize_with(world.robot_count(), || None);
         for (index, pending) in self.robots.iter_mut().enumerate() {
@@ -174,12 +174,12 @@ impl Monitor {
             let first = own.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
             let pending = pending.get_or_insert_with(|| PendingMotion::resting(first, 0.0, since));
             own.filter(|step| step.at <= until).for_each(|step| pending.step(step));
-            // The next step begins on the grid of steps, also if the slot ends elsewhere.
+            // The next step begins on the grid of steps even if the slot does not end on it.
             pending.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }
     }
 
-    /// Evaluates all sections from the start of the present cell to `until`.
+    /// Evaluates all sections from the start of the current cell to `until`.
     fn evaluate(&mut self, until: Time) {
         let seconds = until.seconds();
         let [robots, objects] = [&mut self.robots, &mut self.objects]

@@ -1,4 +1,4 @@
-//! The course of a body: its motion that has been seen and not yet evaluated.
+//! Motion of a body that was observed but not yet evaluated by the checks.
 
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ use crate::pose::{Pose, Twist};
 use crate::time::Time;
 use crate::world::ObjectStep;
 
-/// Motion of a body that has been seen and not yet evaluated.
+/// Motion of a body that was observed but not yet evaluated.
 #[derive(Clone, Debug)]
 pub(super) struct PendingMotion {
     radius: f64,
@@ -22,30 +22,30 @@ pub(super) struct PendingMotion {
     odometry: Option<Box<PendingOdometry>>,
 }
 
-/// Motion of a robot's axle: true, and by odometry.
+/// Motion of a robot's axle: the true one and the one that odometry computes.
 #[derive(Clone, Debug)]
 struct PendingOdometry {
     /// Distance of the axle ahead of the centre, m.
     ahead: f64,
     truth: Vec<Section>,
-    /// In the world frame.
+    /// The motion that odometry computes, in the world frame.
     estimate: Vec<Section>,
-    /// Turn (a unit vector) and shift from the odometry frame to the world frame.
+    /// Rotation (a unit vector) and translation from the odometry frame to the world frame.
     world_from_odometry: (DVec2, DVec2),
-    /// The program has set its odometry, which fixes the frame.
+    /// True once the program has set its odometry, which fixes the frame.
     is_anchored: bool,
-    /// Positions at the end of the known motion: true, and by odometry.
+    /// True position and odometry position at the end of the known motion.
     last: [DVec2; 2],
 }
 
-/// A stretch of time of one body: radius, and sections.
+/// Motion of one body over a time interval.
 #[derive(Clone, Debug)]
 pub(super) struct Interval {
     /// Radius of the body, m; 0 for an object.
     pub radius: f64,
     /// Motion of its centre.
     pub body: Vec<Section>,
-    /// Motion of its axle, true and by odometry, if odometry is checked.
+    /// True motion of its axle and the one that odometry computes; empty if odometry is not checked.
     pub axle: [Vec<Section>; 2],
 }
 
@@ -55,7 +55,7 @@ impl PendingMotion {
         Self { radius, body: Vec::new(), known_until: since.seconds(), position, odometry: None }
     }
 
-    /// Pending motion of a robot that is first seen in a slot that starts at `from`.
+    /// Pending motion of a robot that is first observed in a slot that starts at `from`.
     pub fn of_robot(motion: &mut Motion, from: Time, wants_odometry: bool) -> Self {
         let pending = Self::resting(motion.pose(from).position, motion.radius(), from);
         let odometry = wants_odometry.then(|| {
@@ -102,7 +102,7 @@ impl PendingMotion {
         self.position = step.to;
     }
 
-    /// Lets the body rest until `until`.
+    /// Keeps the body at rest until `until`.
     pub fn rest_until(&mut self, until: Time) {
         let until = until.seconds();
         if self.known_until >= until {
@@ -117,7 +117,7 @@ impl PendingMotion {
         self.known_until = until;
     }
 
-    /// Returns true if the body rests throughout what is not yet evaluated.
+    /// Returns true if the body is at rest during all motion that is not yet evaluated.
     pub fn is_at_rest(&self) -> bool {
         let rests = |sections: &[Section]| sections.len() <= 1 && sections.iter().all(Section::is_resting);
         let odometry = self.odometry.as_ref();
@@ -146,8 +146,8 @@ impl PendingMotion {
 }
 
 impl PendingOdometry {
-    /// Appends the motion by odometry. The first time that the program sets its odometry fixes the frame of odometry in the world; later
-    /// times are corrections, which count.
+    /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the world; later calls
+    /// are corrections and count in the check.
     fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         let reset = motion.odometry_set().filter(|_| !self.is_anchored);
         let Some((at, pose)) = reset.filter(|(at, _)| *at < to) else {
@@ -171,7 +171,8 @@ impl PendingOdometry {
     }
 }
 
-/// Turn and shift from the odometry frame to the world frame in which both poses of the axle agree.
+/// Rotation and translation from the odometry frame to the world frame that take the odometry pose of the axle to its
+/// true pose.
 fn world_from_odometry(world_from_axle: &Pose, odometry: &Pose) -> (DVec2, DVec2) {
     let turn = world_from_axle.heading.turned(-odometry.heading.remainder()).direction();
     (turn, world_from_axle.position - turn.rotate(odometry.position))

@@ -1,4 +1,4 @@
-//! Stretches of time in which a point is within a part of the floor.
+//! Time intervals in which a point is within a region of the floor.
 
 use glam::DVec2;
 
@@ -6,10 +6,10 @@ use super::section::{Section, Smooth, find_zeros};
 use crate::scene::Segment;
 use crate::spec::Place;
 
-/// Distance in metres by which borders are moved in favour of whoever is checked, for the rounding of poses: 1 nm.
+/// Tolerance in metres for the rounding of poses: borders move by 1 nm in favour of the checked body.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Square of the distance between a moving point and a fixed segment, less a square.
+/// Squared distance between a moving point and a fixed segment, minus a squared reference distance.
 pub(super) struct ToSegment<'a> {
     pub section: &'a Section,
     pub segment: Segment,
@@ -30,7 +30,7 @@ impl Smooth for ToSegment<'_> {
     }
 }
 
-/// Square of the distance between two moving points, less a square.
+/// Squared distance between two moving points, minus a squared reference distance.
 pub(super) struct Between<'a> {
     pub sections: [&'a Section; 2],
     pub less: f64,
@@ -52,7 +52,7 @@ impl Smooth for Between<'_> {
     }
 }
 
-/// A function whose values are those of another one with the other sign.
+/// A function with the opposite sign of another function.
 pub(super) struct Negative<F>(pub F);
 
 impl<F: Smooth> Smooth for Negative<F> {
@@ -85,8 +85,8 @@ impl Smooth for ToLine<'_> {
     }
 }
 
-/// The intervals of a section, in order, each with an answer of `is_inside` that holds throughout; `breaks` are the instants at which
-/// it may change.
+/// The intervals of a section, in order, each with the constant value of `is_inside`; `breaks` are the instants at which this value may
+/// change.
 pub(super) fn intervals(
     section: &Section,
     mut breaks: Vec<f64>,
@@ -110,7 +110,7 @@ pub(super) fn intervals(
     found
 }
 
-/// The intervals of a section inside and outside a place, grown by [`ROUNDING`].
+/// The intervals of a section inside and outside a place, enlarged by [`ROUNDING`].
 pub(super) fn intervals_in(section: &Section, place: &Place) -> Vec<(f64, f64, bool)> {
     let margin = ROUNDING;
     let mut breaks = Vec::new();
@@ -143,7 +143,7 @@ pub(super) fn edges(corners: &[DVec2]) -> impl Iterator<Item = Segment> + '_ {
     (0..corners.len()).map(|index| Segment::new(corners[index], corners[(index + 1) % corners.len()]))
 }
 
-/// Returns true if `point` lies inside a polygon, by the number of edges that a ray to the right crosses.
+/// Returns true if `point` lies inside a polygon; counts the edges that a ray to the right crosses.
 pub(super) fn is_within(corners: &[DVec2], point: DVec2) -> bool {
     let crossed = edges(corners).filter(|Segment { a, b }| {
         (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)

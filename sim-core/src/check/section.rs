@@ -7,7 +7,7 @@ use crate::drive::Passage;
 use crate::pose::Heading;
 use crate::time::Time;
 
-/// Motion of a point of a body on one path for a stretch of time. Times are absolute, in seconds.
+/// Motion of a point of a body on one path over a time interval. Times are absolute, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Section {
     /// First instant of the section.
@@ -19,12 +19,12 @@ pub(super) struct Section {
     path: Path,
     /// Distance of the point ahead of the path's point, m.
     ahead: f64,
-    /// Heading of the body at `origin`; without a meaning if `ahead` is 0.
+    /// Heading of the body at `origin`; meaningless if `ahead` is 0.
     heading: Heading,
 }
 
 impl Section {
-    /// Rest at `position`.
+    /// A section at rest at `position`.
     pub fn resting(position: DVec2, from: f64, to: f64) -> Self {
         Self { from, to, origin: from, path: Path::resting(position), ahead: 0.0, heading: Heading::new(0.0) }
     }
@@ -34,7 +34,7 @@ impl Section {
         Self { from, to, origin, path, ahead: 0.0, heading: Heading::new(0.0) }
     }
 
-    /// Appends the motion on a chain of passages from `from` to `to` to `sections`, for the point `ahead` metres ahead of the centre.
+    /// Appends to `sections` the motion on a chain of passages from `from` to `to`, for the point `ahead` metres ahead of the centre.
     pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), ahead: f64) {
         let origin = |passage: &Passage| passage.start.seconds() + passage.begin;
         let (from, to) = (from.seconds(), to.seconds());
@@ -81,7 +81,7 @@ impl Section {
         self.heading.turned(self.path.omega() * seconds).direction() * self.ahead
     }
 
-    /// Returns true if the point rests throughout the section.
+    /// Returns true if the point is at rest throughout the section.
     pub fn is_resting(&self) -> bool {
         self.path.is_resting() && (self.ahead == 0.0 || self.path.omega() == 0.0)
     }
@@ -97,7 +97,7 @@ impl Section {
         self.velocity(t).length() + self.acceleration() * half
     }
 
-    /// Length of the way from `from` to `to`, m.
+    /// Length of the path from `from` to `to`, m.
     pub fn length(&self, from: f64, to: f64) -> f64 {
         match self.path.pace {
             _ if self.path.is_resting() => 0.0,
@@ -134,7 +134,8 @@ impl Section {
     }
 }
 
-/// Appends `section`, merged with the last one if it continues that one: so sections do not depend on the slots in which they were seen.
+/// Appends `section`, merged with the last section if it continues that one, so that sections do not depend on the slots in which they were
+/// observed.
 pub(super) fn push(sections: &mut Vec<Section>, section: Section) {
     match sections.last_mut() {
         Some(last) if last.to == section.from && last.continues_in(&section) => last.to = section.to,
@@ -142,7 +143,7 @@ pub(super) fn push(sections: &mut Vec<Section>, section: Section) {
     }
 }
 
-/// Removes from `sections` what lies before `until`, and returns it, cut there.
+/// Removes the motion before `until` from `sections` and returns it; a section across `until` is split.
 pub(super) fn take_until(sections: &mut Vec<Section>, until: f64) -> Vec<Section> {
     let mut taken: Vec<Section> = Vec::new();
     let done = sections.partition_point(|section| section.to <= until);
@@ -154,7 +155,7 @@ pub(super) fn take_until(sections: &mut Vec<Section>, until: f64) -> Vec<Section
     taken
 }
 
-/// Function of time with bounded curvature, whose zeros are to be found.
+/// Function of time with a bounded second derivative, for [`find_zeros`] and [`find_least`].
 pub(super) trait Smooth {
     /// Value and derivative at `t`.
     fn at(&self, t: f64) -> (f64, f64);
@@ -163,13 +164,13 @@ pub(super) trait Smooth {
     fn curvature(&self, t: f64, half: f64) -> f64;
 }
 
-/// Half of the shortest interval in seconds that the search for zeros divides; zeros closer to each other are one.
+/// Half of the shortest interval, in seconds, that the search for zeros divides; closer zeros count as one.
 const SHORTEST: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// An interval without a zero is recognised by the values in its middle and the bound of the curvature, one in which the function is
-/// monotonic by its slope; others are halved. No zero is missed, except pairs closer than a microsecond.
+/// The value in the middle and the bound of the second derivative tell whether an interval has no zero; the slope tells whether the
+/// function is monotonic in it. Any other interval is halved. No zero is missed, except pairs closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     if half <= 0.0 {
@@ -194,7 +195,7 @@ pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut
     }
 }
 
-/// The first number of those that a double can hold at which a monotonic function has changed its sign.
+/// The first `f64` at which a monotonic function has changed its sign.
 fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -> f64 {
     loop {
         let middle = 0.5 * (from + to);

@@ -10,10 +10,10 @@ use crate::math;
 use crate::spec::{BodyRef, SwarmMetric};
 use crate::time::Time;
 
-/// Minimum speed of a robot whose direction counts, m/s.
+/// Minimum speed, m/s, at which a robot's direction counts.
 const MOVING: f64 = 1e-6;
 
-/// A number that describes robots together, at the end of each cell, with demands on it.
+/// A metric of a group of robots at the end of each cell, with the demands on it.
 #[derive(Clone, Debug)]
 pub(super) struct Swarm {
     pub robots: Vec<RobotId>,
@@ -23,15 +23,15 @@ pub(super) struct Swarm {
     /// Instant before which the demands do not count.
     pub since: Time,
     pub at_end: bool,
-    /// Squares that a tool has passed; only for coverage.
+    /// Squares that a tool has covered; only for the metric coverage.
     pub coverage: Option<Coverage>,
     pub violated: Option<f64>,
-    /// Instants and values at which the value has changed.
+    /// Instants at which the value changed, with the new values.
     pub series: Vec<[f64; 2]>,
 }
 
 impl Swarm {
-    /// Takes cells from `from` to `until`, s; if it is more than one, all bodies rest.
+    /// Evaluates the cells from `from` to `until`, s; in more than one cell all bodies are at rest.
     pub fn take(&mut self, surroundings: &Surroundings<'_>, (from, until): (Time, Time)) {
         if let Some(coverage) = &mut self.coverage {
             coverage.take(surroundings);

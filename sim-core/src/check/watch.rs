@@ -1,4 +1,4 @@
-//! Conditions on motion, each with what it has seen so far.
+//! Conditions on motion, each with its state so far.
 
 use glam::DVec2;
 
@@ -12,10 +12,10 @@ use crate::scene::{Bounds, Segment, Walls};
 use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec, SwarmMetric};
 use crate::time::Time;
 
-/// Tolerance of minimum and maximum squares of distances that are only reported, m^2.
+/// Tolerance of the minima and maxima of squared distances that are only reported, m^2.
 const REPORTED: f64 = 1e-9;
 
-/// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that have not been seen.
+/// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that were not observed.
 pub(super) struct Surroundings<'a> {
     pub walls: &'a Walls,
     pub robots: &'a [Option<Interval>],
@@ -36,7 +36,7 @@ impl Surroundings<'_> {
     }
 }
 
-/// A condition on motion, with what it has seen so far.
+/// A condition on motion, with its state so far.
 #[derive(Clone, Debug)]
 pub(super) enum Watch {
     Reach(Reach),
@@ -51,7 +51,7 @@ pub(super) enum Watch {
 }
 
 impl Watch {
-    /// The condition of this kind before the run; `None` if it is not about motion.
+    /// The condition of this kind before the run; `None` if it does not concern motion.
     pub fn new(kind: &CheckKind, scene: &SceneSpec) -> Option<Self> {
         let seconds = |by: Option<Time>| by.map_or(f64::INFINITY, Time::seconds);
         Some(match kind {
@@ -119,7 +119,7 @@ impl Watch {
         })
     }
 
-    /// Takes what follows: one cell, or several in which all bodies rest; `times` are its start and end.
+    /// Evaluates the next cell, or several cells in which all bodies are at rest; `times` are start and end.
     pub fn take(&mut self, surroundings: &Surroundings<'_>, times: (Time, Time)) {
         match self {
             Self::Reach(watch) => watch.take(surroundings.sections(watch.body)),
@@ -149,12 +149,12 @@ impl Watch {
             && watch.done.is_none()
             && watch.since.is_some()
         {
-            // The body stays where it is for ever.
+            // The body stays where it is forever.
             watch.done = watch.since.map(|(since, position)| ((since + watch.stay).max(end), position));
         }
     }
 
-    /// The finding up to now.
+    /// The finding so far.
     pub fn finding(&self) -> Finding {
         match self {
             Self::Reach(watch) => watch.finding(),
@@ -170,12 +170,12 @@ impl Watch {
     }
 }
 
-/// These robots, or all of the scene if there are none.
+/// `robots`, or all robots of the scene if the list is empty.
 fn robots_of(robots: &[RobotId], scene: &SceneSpec) -> Vec<RobotId> {
     if robots.is_empty() { scene.robots.iter().map(|robot| robot.id).collect() } else { robots.to_vec() }
 }
 
-/// Corners of an area; by default those of the floor.
+/// Corners of an area; by default the corners of the floor.
 fn corners_of(area: Option<&[DVec2]>, scene: &SceneSpec) -> Vec<DVec2> {
     let floor = scene.world.floor;
     let floor = [DVec2::ZERO, DVec2::new(floor.x, 0.0), floor, DVec2::new(0.0, floor.y)];
@@ -183,17 +183,17 @@ fn corners_of(area: Option<&[DVec2]>, scene: &SceneSpec) -> Vec<DVec2> {
 }
 
 impl Finding {
-    /// Finding of a condition that is met unless it was violated at this instant and place.
+    /// Finding of a condition that is met unless it was violated at this instant and position.
     fn violated(violation: Option<(f64, DVec2)>, value: Option<f64>) -> Self {
         let (at, position) = violation.unzip();
         Self { is_met: violation.is_none(), at, position, value }
     }
 }
 
-/// No square of a distance found yet.
+/// Initial value: no squared distance found yet.
 const NOTHING: (f64, f64, DVec2) = (f64::INFINITY, 0.0, DVec2::ZERO);
 
-/// A body comes to a place.
+/// Condition: a body reaches a place.
 #[derive(Clone, Debug)]
 pub(super) struct Reach {
     pub body: BodyRef,
@@ -204,7 +204,7 @@ pub(super) struct Reach {
     since: Option<(f64, DVec2)>,
     /// Instant at which the condition was met, and the position of the entry.
     done: Option<(f64, DVec2)>,
-    /// Square of the minimum distance to the centre or border, its instant and position.
+    /// Squared minimum distance to the centre or border, with its instant and position.
     nearest: (f64, f64, DVec2),
 }
 
@@ -260,7 +260,7 @@ impl Reach {
     }
 }
 
-/// A body comes to several places.
+/// Condition: a body visits several places.
 #[derive(Clone, Debug)]
 pub(super) struct Visits {
     pub body: BodyRef,
@@ -303,7 +303,7 @@ impl Visits {
     }
 }
 
-/// A body never leaves a place.
+/// Condition: a body never leaves a place.
 #[derive(Clone, Debug)]
 pub(super) struct StaysIn {
     pub body: BodyRef,
@@ -323,7 +323,7 @@ impl StaysIn {
     }
 }
 
-/// A body passes a gate.
+/// Condition: a body passes a gate.
 #[derive(Clone, Debug)]
 pub(super) struct Laps {
     pub body: BodyRef,
@@ -366,7 +366,7 @@ impl Laps {
     }
 }
 
-/// A robot's body keeps away from others.
+/// Condition: a robot's body keeps a clearance from other bodies and walls.
 #[derive(Clone, Debug)]
 pub(super) struct Clearance {
     robot: RobotId,
@@ -402,7 +402,7 @@ impl Clearance {
 
     fn walls(&mut self, walls: &Walls, section: &Section, radius: f64, violations: &mut Vec<(f64, DVec2)>) {
         let (middle, half_way) = section.surrounding_disc();
-        // The nearest wall of the whole world is looked for once; later only a nearer one counts.
+        // The nearest wall of the whole world is searched once; later only a nearer wall counts.
         let gap =
             self.least.map_or_else(|| nearest_wall(walls, section.position(section.from)) - radius, |(gap, _)| gap);
         let reach = half_way + radius + gap.max(self.min) + 2.0 * ROUNDING;
@@ -413,7 +413,7 @@ impl Clearance {
         }
     }
 
-    /// Takes the distance to one other body; `radius` is the distance at which they touch.
+    /// Evaluates the distance to one other body; `radius` is the distance at which the two touch.
     fn meet<F: Smooth>(
         &mut self,
         function: impl Fn(f64) -> F,
@@ -451,7 +451,7 @@ fn nearest_wall(walls: &Walls, point: DVec2) -> f64 {
     walls.segments().iter().map(|wall| wall.distance(point)).fold(f64::INFINITY, f64::min)
 }
 
-/// The parts of two courses that have the same times.
+/// The parts of two lists of sections over the same time intervals.
 fn overlaps<'a>(a: &'a [Section], b: &'a [Section]) -> impl Iterator<Item = (Section, Section)> + 'a {
     a.iter().flat_map(move |one| {
         b.iter().filter_map(move |other| {
@@ -461,7 +461,7 @@ fn overlaps<'a>(a: &'a [Section], b: &'a [Section]) -> impl Iterator<Item = (Sec
     })
 }
 
-/// A robot drives along walls.
+/// Condition: a robot drives along walls.
 #[derive(Clone, Debug)]
 pub(super) struct FollowsWall {
     robot: RobotId,
@@ -505,7 +505,7 @@ impl FollowsWall {
     }
 }
 
-/// A tool passes over an area.
+/// Condition: a tool covers an area.
 #[derive(Clone, Debug)]
 pub(super) struct Coverage {
     robots: Vec<RobotId>,
@@ -516,9 +516,9 @@ pub(super) struct Coverage {
     /// Lower left corner of the grid.
     origin: DVec2,
     columns: usize,
-    /// The squares row by row: to be covered and not yet covered.
+    /// The squares, row by row: true if the square is to be covered and is not yet covered.
     is_open: Vec<bool>,
-    /// Number of squares to be covered.
+    /// Total number of squares to be covered.
     whole: usize,
     covered: usize,
     share: f64,
@@ -602,14 +602,14 @@ fn middle_of(index: usize, columns: usize) -> DVec2 {
     DVec2::new((index % columns) as f64 + 0.5, (index / columns) as f64 + 0.5)
 }
 
-/// Odometry deviates from the truth.
+/// Condition: odometry deviates little from the true pose.
 #[derive(Clone, Debug)]
 pub(super) struct OdometryError {
     robot: RobotId,
     max: f64,
     at_end: bool,
     violated: Option<(f64, DVec2)>,
-    /// Square of the maximum error, negated, and its instant.
+    /// Negated square of the maximum error, and its instant.
     greatest: (f64, f64),
     /// The last error, its instant and the true position.
     last: Option<(f64, f64, DVec2)>,

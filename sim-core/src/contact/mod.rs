@@ -1,8 +1,8 @@
 //! Contacts of a moving disc: time of impact with static walls and with other discs, and sliding along walls.
 //!
 //! A body is in contact when the gap to its neighbour is no larger than the skin of 1 um. In contact the body may still
-//! move in every way that does not approach a contact point. This room computes paths and shapes; what a robot does at
-//! a contact is decided in `drive`.
+//! move in every way that does not approach a contact point. This room computes paths and shapes; `drive` decides what
+//! a robot does at a contact.
 
 mod pair;
 mod path;
@@ -29,7 +29,7 @@ pub const TOUCH: f64 = SKIN + 1e-9;
 /// and moves a body by less than 0.1 mm a day.
 pub const APPROACH: f64 = 1e-9;
 
-/// What a body, a leg or a ray can meet.
+/// Anything that a body, a leg or a ray can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Thing {
     /// A static wall. A thick wall consists of its four sides; a ray that hits its upper face reports one of the sides.
@@ -37,7 +37,7 @@ pub enum Thing {
     /// The floor, or for legs the ground. Only rays and legs can meet it.
     Floor,
     /// A body that never moves, by its index in [`Space::fixed`](crate::world::Space::fixed). Only rays and legs can
-    /// meet it; in the plane its outlines are walls.
+    /// meet it; in the plane its outline consists of walls.
     Fixed(u32),
     /// The body of a robot.
     Robot(RobotId),

@@ -1,4 +1,4 @@
-//! First contact of two moving discs, found in steps that a bound on the second derivative of their gap makes safe.
+//! First contact of two moving discs, by steps that are safe because the second derivative of the gap is bounded.
 
 use super::{APPROACH, Path, TOUCH};
 
@@ -17,7 +17,7 @@ pub struct MovingDisc {
 ///
 /// The second derivative of the gap is at least -A, where A is the sum of the accelerations of both discs. From a gap g
 /// with rate g', the discs cannot meet before the root h of g + g' h - A h^2 / 2. Repeated steps to this root therefore
-/// converge to the contact from before and never pass one.
+/// converge to the contact and never pass it.
 pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
     // Minimum step in seconds for discs that roll along each other in contact.
@@ -41,7 +41,7 @@ pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
         } else if rate < -APPROACH {
             return Some(t);
         } else if acceleration == 0.0 {
-            // Two discs on straight lines that do not approach each other now never will.
+            // Discs on straight lines that do not approach each other now never will.
             return None;
         } else {
             t += ((rate + APPROACH) / acceleration).max(least_step);

@@ -10,8 +10,8 @@ use crate::{
     scene::Bounds,
 };
 
-/// The path of a point that moves at constant twist (a straight line, a circle, or rest), or that slides along such a
-/// line or circle, its track. Times are seconds since the path's start.
+/// The path of a point that moves at constant twist (a straight line, a circle, or rest), or that slides along a track,
+/// which is such a line or circle. Times are seconds since the path's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Position at the start, in the world frame, m.
@@ -154,8 +154,8 @@ fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Angle, rad, up to which the disc around an arc is that around its tangent, grown by the maximum distance between the two: half of the
-/// acceleration times the square of the time. It costs no trigonometric function. Our choice.
+/// Angle, rad, up to which an arc is enclosed by the disc around its tangent, enlarged by the maximum distance between both: half of the
+/// acceleration times the squared time. This needs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {
@@ -195,7 +195,7 @@ impl Path {
         }
     }
 
-    /// Time in seconds at which the path's twist alone reaches the point's position after `seconds`.
+    /// Seconds that motion with the path's twist takes to the position that the point reaches after `seconds`.
     fn twist_seconds(&self, seconds: f64) -> f64 {
         match self.pace {
             Pace::ConstantTwist => seconds,
@@ -225,7 +225,7 @@ impl Path {
 
     /// Seconds after which a circle of constant twist repeats itself; infinite for a straight line.
     pub fn period(&self) -> f64 {
-        // Without turning, the quotient is infinite.
+        // Without rotation, the quotient is infinite.
         TAU / self.twist.omega.abs()
     }
 
@@ -242,7 +242,7 @@ impl Path {
         }
         let (from, to) = (self.twist_seconds(from), self.twist_seconds(to));
         let speed = self.speed();
-        // No point is farther from the middle than half the length of the way, or than the diameter of the circle.
+        // No point is farther from the middle than half the length of the path, or than the diameter of the circle.
         let half_way = 0.5 * speed * (to - from);
         let (middle, omega) = (0.5 * (from + to), self.twist.omega.abs());
         if to * omega <= NEARLY_STRAIGHT {
@@ -271,7 +271,7 @@ mod tests {
             let (middle, radius) = path.surrounding_disc(from, from + length);
             let distance = (path.position(from + part * length) - middle).length();
             prop_assert!(distance <= radius + 1e-12, "{distance} {radius}");
-            // Not much wider than the way is long.
+            // Not much wider than the path is long.
             prop_assert!(radius <= 0.5 * path.speed() * (length + 0.125 * (from + length)) + 1e-12);
         }
     }

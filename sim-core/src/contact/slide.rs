@@ -1,9 +1,9 @@
-//! Sliding of a disc whose wheels push it against walls: the quasi-static contact problem, and the stretches of motion
+//! Sliding of a disc that its wheels push against walls: the quasi-static contact problem, and the segments of motion
 //! that solve it.
 //!
-//! docs/motion.md, section Sliding, gives the formulas and frames and shows that the solution is unique. Each stretch
-//! of motion has a closed form. A stretch ends where the kind of contact changes, where a wall ends, or where the disc
-//! meets another wall.
+//! docs/motion.md, section Sliding, gives the formulas and frames and shows that the solution is unique. Each segment
+//! has a closed form. It ends where the kind of contact changes, where a wall ends, or where the disc meets another
+//! wall.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -30,22 +30,22 @@ pub struct Push {
     pub friction: f64,
 }
 
-/// A stretch of the motion of a pushed disc.
+/// A segment of the motion of a pushed disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slide {
     /// Path of the centre.
     pub path: Path,
-    /// Duration in seconds. Infinite for a free stretch, because its end at the next wall is found elsewhere.
+    /// Duration in seconds. Infinite for a free segment, because the search for its end at the next wall is elsewhere.
     pub after: f64,
-    /// Wall against which the disc is pressed, and the touched point; `None` for a free stretch.
+    /// Wall against which the disc is pressed, and the touched point; `None` for a free segment.
     pub against: Option<(WallId, DVec2)>,
-    /// Wall at which the stretch ends, if the disc did not touch that wall before.
+    /// Wall at which the segment ends, if the disc did not touch that wall before.
     pub meets: Option<WallId>,
 }
 
 impl Push {
-    /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are found
-    /// at the start; `met` counts as touched in any case.
+    /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
+    /// determined at the start; `met` always counts as touched.
     pub fn slide(&self, walls: &Walls, met: Option<WallId>, duration: f64) -> Slide {
         let touched = self.touched(walls, met);
         if !touched.iter().any(|contact| self.is_approached(&self.free, contact, duration)) {
@@ -69,7 +69,7 @@ impl Push {
         best.map_or_else(|| self.rest(&touched), |(_, slide)| slide)
     }
 
-    /// The centre rests for `seconds`, while the body may turn.
+    /// The centre is at rest for `seconds`, while the body may turn.
     pub fn resting(&self, seconds: f64, against: Option<(WallId, DVec2)>) -> Slide {
         let twist = Twist { vx: 0.0, vy: 0.0, omega: self.omega() };
         Slide { path: Path { twist, ..self.free }, after: seconds, against, meets: None }
@@ -108,15 +108,15 @@ impl Push {
     /// start.
     fn is_approached(&self, path: &Path, contact: &Contact, duration: f64) -> bool {
         if contact.distance - self.radius > TOUCH {
-            // The disc is so far from the world's origin that rounding of positions exceeds the skin.
+            // The disc is so far from the world's origin that the rounding of positions exceeds the skin.
             return path.velocity(0.0).dot(contact.normal) < 0.0;
         }
         first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.after == 0.0)
     }
 
-    /// Motion that this contact alone allows: the slip speed of the wheels over the floor, m/s, and the track of the
-    /// centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the way without
-    /// pressure.
+    /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
+    /// track of the centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the
+    /// way without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
         let is_end = |share: f64| share <= 0.0 || share >= 1.0;
         let mut round = is_end(contact.share());
@@ -201,8 +201,8 @@ impl Push {
         (self.speed() * math::hypot(1.0, self.friction), math::atan(self.friction))
     }
 
-    /// Signed angle by which alpha changes, in the direction of `sense`, until the regime or the direction of the
-    /// motion along the wall may change.
+    /// Signed change of alpha, in the direction of `sense`, after which the regime or the direction of motion along the
+    /// wall may change.
     fn next_angle(&self, contact: &Contact, sense: f64) -> Option<f64> {
         let (most, edge) = self.edge();
         let ratio = self.omega() * contact.distance / most;
@@ -246,7 +246,7 @@ impl Push {
         }
     }
 
-    /// The stretch along a contact's track; `None` if the track approaches another touched wall from the start.
+    /// The segment along a contact's track; `None` if the track approaches another touched wall from the start.
     fn follow(
         &self,
         walls: &Walls,
@@ -292,8 +292,8 @@ impl Push {
         Some(Slide { path, after: seconds, against, meets })
     }
 
-    /// The first wall other than `except` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length
-    /// up to the contact, the wall, and whether the disc did not touch that wall at the start.
+    /// The first wall other than `except` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length up to the
+    /// contact, the wall, and true if the disc did not touch that wall at the start.
     fn first_on(&self, walls: &Walls, way: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
         let mut from = 0.0;
         let mut stretch = 4.0 * self.radius;
@@ -317,7 +317,7 @@ impl Push {
         None
     }
 
-    /// The disc rests at its contacts until the push has turned so far that a regime may change.
+    /// The disc is at rest at its contacts until the push has turned so far that a regime may change.
     fn rest(&self, touched: &[Contact]) -> Slide {
         let mut seconds = f64::INFINITY;
         let mut against: Option<(f64, &Contact)> = None;

@@ -1,4 +1,4 @@
-//! First contact of a moving disc with a wall: closed forms bracket the instant, and an iteration finds it.
+//! First contact of a moving disc with a wall: closed forms bracket the instant, and an iteration refines it.
 //!
 //! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points: where the path
 //! is parallel to the wall, and where the centre is nearest to or farthest from one of the wall's ends. All of these
@@ -41,7 +41,7 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
     let tolerance = 8.0 * f64::EPSILON * (path.origin.abs().max_element() + radius);
     for &time in marks.as_slice() {
         let end = StretchEnd { time, gap: gap(time), side: side(time) };
-        // The distance may have a kink where the centre crosses the wall's line, so the stretch is divided there.
+        // The distance may have a kink where the centre crosses the wall's line, so the interval is divided there.
         let passage = (from.side * end.side < 0.0).then(|| {
             let time = root(side, (from.time, from.side), (end.time, end.side));
             StretchEnd { time, gap: gap(time), side: 0.0 }
@@ -62,7 +62,7 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
     None
 }
 
-/// State of the disc at an end of a stretch of the path.
+/// State of the disc at an end of a monotone part of the path.
 struct StretchEnd {
     time: f64,
     gap: f64,
@@ -97,8 +97,8 @@ fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     high
 }
 
-/// Ends of the stretches in which the distance to a wall is monotone, in ascending order; the last is the path's own
-/// end.
+/// Ends of the intervals in which the distance to a wall is monotone, in ascending order; the last is the end of the
+/// path.
 struct CriticalTimes {
     times: [f64; 10],
     len: usize,

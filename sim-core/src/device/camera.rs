@@ -1,8 +1,8 @@
-//! Camera of a robot: settings, instant and pose of each exposure, errors of lens and sensor.
+//! Camera of a robot: settings, instant and pose of each exposure, and errors of lens and sensor.
 //!
-//! An image is exposed [`READ_OUT`] before it is available. The camera has the pose that the robot and its servos had
-//! at the exposure; other bodies have their published poses of that instant. Source: Koestler & Bräunl, section 4.1;
-//! the time of exposure is our choice.
+//! An image is exposed [`READ_OUT`] before it is available. It shows the camera's pose at the exposure, and the
+//! published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure is our
+//! choice.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -19,8 +19,8 @@ use crate::pose::Pose3;
 use crate::spec::{CameraSpec, JointSpec, RobiSpec};
 use crate::time::Time;
 
-/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. It must be shorter than the
-/// history that world and servos keep.
+/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. Shorter than the history that
+/// world and servos keep.
 pub const READ_OUT: Time = Time(16_667);
 
 /// Default width and height of images, in pixels.
@@ -49,7 +49,7 @@ pub struct Setting {
     pub size: [u32; 2],
     /// Magnification relative to the lens that the robi describes.
     pub zoom: f64,
-    /// Brightness, hue and the like, applied to the levels of the pixels.
+    /// Brightness, hue and other adjustments of the pixel levels.
     pub levels: Levels,
 }
 
@@ -83,7 +83,7 @@ pub enum CameraError {
     /// The camera is not switched on.
     #[error("the camera is switched off")]
     Off,
-    /// No image has been taken to which depths and labels could belong.
+    /// No image has been taken yet, so there are no depths and labels.
     #[error("no image has been taken since the camera was switched on")]
     NotTaken,
     /// The simulation has no scenery.
@@ -94,7 +94,7 @@ pub enum CameraError {
     View(#[from] ViewError),
 }
 
-/// Buffers of the renderer. They do not belong to the state, so a clone starts without them.
+/// Buffers of the renderer. They are not part of the state, so a clone starts without them.
 #[derive(Debug, Default)]
 struct Workspace(Option<Box<Renderer>>);
 
@@ -140,7 +140,7 @@ impl Camera {
         }
     }
 
-    /// Turns a rendered picture into image `number`: applies the level settings, then blur and noise.
+    /// Turns a rendered picture into image `number`: applies the level settings, blur and noise.
     pub fn develop(&self, number: u64, picture: &mut Picture<[u8; 3]>) {
         self.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
         self.err(number, picture);
@@ -188,7 +188,7 @@ impl Camera {
     }
 }
 
-/// Grey as the mean of red, green and blue, rounded down.
+/// Grey level: the mean of red, green and blue, rounded down.
 pub fn grey(rgb: [u8; 3]) -> u8 {
     (rgb.into_iter().map(u32::from).sum::<u32>() / 3) as u8
 }

@@ -1,4 +1,4 @@
-//! Encoders: ticks that the wheels have turned since a reset.
+//! Encoders: they count the ticks of the wheels since a reset.
 
 use std::f64::consts::TAU;
 
@@ -16,9 +16,9 @@ pub struct Encoders {
     count_start: [f64; 4],
     /// Wheel angles at the last reset of the distance counters, rad.
     distance_start: [f64; 4],
-    /// Frozen wheel angles of encoders that are switched off, rad.
+    /// Wheel angles at which switched-off encoders are frozen, rad.
     held: [Option<f64>; 4],
-    /// Angles that wheels turned while their encoders were switched off, rad.
+    /// Angles by which wheels turned while their encoders were switched off, rad.
     missed: [f64; 4],
 }
 

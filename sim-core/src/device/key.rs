@@ -1,14 +1,13 @@
-//! Keys: those below the display, touches of the display, and keys of a TV remote control.
+//! User input: keys below the display, touches of the display, and keys of a TV remote control.
 //!
-//! Presses are queued in order until the program reads them, so that input does not depend on when a program polls: our
-//! choice.
+//! Presses are queued until the program reads them, so that input does not depend on when a program polls (our choice).
 
 use std::collections::VecDeque;
 use std::str::FromStr;
 
 use crate::time::Time;
 
-/// Keys below the display.
+/// Number of keys below the display.
 pub const KEYS: u8 = 4;
 
 /// Names of the keys of a remote control.
@@ -42,9 +41,9 @@ const MAX_PIXEL: i32 = 65_535;
 /// ignores case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UserInput {
-    /// Press of this key below the display: 1 to [`KEYS`], from the left.
+    /// Press of a key below the display: 1 to [`KEYS`], from the left.
     Key(u8),
-    /// Touch of the display at this pixel: x from the left, y from the top.
+    /// Touch of the display at a pixel: x from the left, y from the top.
     Touch([i32; 2]),
     /// Press of the remote control's key with this index in [`REMOTE_KEYS`].
     Remote(u8),
@@ -85,7 +84,7 @@ fn place(text: &str) -> Option<[i32; 2]> {
     word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
 
-/// Queue of presses that lie ahead or have not been read, ordered by time; equal times keep the order of insertion.
+/// Queue of future and unread presses, ordered by time; equal times keep the order of insertion.
 ///
 /// A reader passes `key_of`, which maps a touch to a key of the reader. Touches for which `key_of` returns `None` stay
 /// in the queue.
@@ -101,19 +100,19 @@ impl InputQueue {
         self.presses.insert(place, (at, touch));
     }
 
-    /// Takes the earliest press of a key that has happened by `now`.
+    /// Removes and returns the earliest press of a key up to `now`.
     pub fn take<K>(&mut self, now: Time, key_of: impl Fn(UserInput) -> Option<K>) -> Option<K> {
         let is_key = |(at, touch): &(Time, UserInput)| *at <= now && key_of(*touch).is_some();
         let (_, touch) = self.presses.remove(self.presses.iter().position(is_key)?)?;
         key_of(touch)
     }
 
-    /// Takes the earliest touch of any kind that has happened by `now`.
+    /// Removes and returns the earliest press of any kind up to `now`.
     pub fn take_any(&mut self, now: Time) -> Option<UserInput> {
         self.take(now, Some)
     }
 
-    /// Time of the next touch for which `is_meant` returns true; [`Time::NEVER`] if there is none.
+    /// Time of the next press for which `is_meant` returns true; [`Time::NEVER`] if there is none.
     pub fn next(&self, is_meant: impl Fn(UserInput) -> bool) -> Time {
         self.presses.iter().find(|(_, touch)| is_meant(*touch)).map_or(Time::NEVER, |(at, _)| *at)
     }

@@ -20,7 +20,7 @@ const MIDDLE: f64 = 128.0;
 pub struct Levels {
     /// Brightness; offset or hue; contrast or saturation.
     pub numbers: [u8; 3],
-    /// The brightness adapts to the scene.
+    /// True if the brightness adapts to the scene.
     pub is_automatic: bool,
 }
 
@@ -59,8 +59,8 @@ impl Levels {
         }
     }
 
-    /// Adapts an automatic brightness after an image with the mean level `mean`: moves the brightness half of the way
-    /// to the value that gives a mean of 128, within 1 to 255.
+    /// Adapts an automatic brightness after an image with mean level `mean`: moves the brightness halfway to the value
+    /// that would give a mean of 128, within 1 to 255.
     pub fn follow(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);

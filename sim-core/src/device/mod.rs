@@ -1,9 +1,9 @@
 //! Device models of a robot, apart from the drive: sensors, servos, camera, keys.
 //!
-//! A device is state that can be copied, and changes only itself. It reads the published world, queries its robot's
-//! motion and servos at an instant, and adds the errors of its noise model. (Queries take `&mut` because they may
-//! compute more of the motion.) A device records nothing; [`Robot`](crate::simulation::Robot) does. It does not know
-//! how a program addresses it (handles, numbers, units).
+//! A device is copyable state and changes only itself. It reads the published world, queries its robot's motion and
+//! servos at an instant, and adds the errors of its noise model. (Queries take `&mut` because they may compute more of
+//! the motion.) A device records nothing; [`Robot`](crate::simulation::Robot) does. It does not know how a program
+//! addresses it (handles, numbers, units).
 
 pub mod camera;
 pub mod compass;
@@ -28,8 +28,7 @@ pub struct Devices {
     pub ranges: range::Ranges,
     /// The driver that measures with range sensors in cycles.
     pub psds: psd::Psds,
-    /// The scanner, once a program has set its fan of rays; `None` until then, while the scanner is as the robi
-    /// describes it.
+    /// The scanner, once a program has set its fan of rays; `None` while the robi's own settings hold.
     pub scanner: Option<range::Scanner>,
     /// Motor commands, in percent of the motors' maximum rate.
     pub motor_percent: [i32; 4],
@@ -55,7 +54,7 @@ impl Devices {
         Self { ranges: range::Ranges::new(spec), ..Self::default() }
     }
 
-    /// Replaces the noise models of the devices of `robot` by those of `profile`, in a run with `seed`.
+    /// Replaces the noise models of the devices of `robot` with the models of `profile`, in a run with `seed`.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         self.ranges.set_errors(spec, profile, seed, robot);
         self.camera.set_errors(profile.camera, seed, robot);

@@ -13,7 +13,7 @@ use crate::time::Time;
 /// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
 pub const CYCLE: Time = Time::from_millis(60);
 
-/// A set of range sensors: sensor `i` of the robi is bit `i`.
+/// A set of range sensors: bit `i` is sensor `i` of the robi.
 pub type SensorSet = u32;
 
 /// The driver of all PSD sensors of a robot.
@@ -29,7 +29,7 @@ pub struct Psds {
 struct Measurement {
     sensors: SensorSet,
     cycle: Cycle,
-    /// End of the cycle in progress when [`Psds::advance`] last looked: nothing changes before.
+    /// End of the cycle that was in progress at the last [`Psds::advance`]; nothing changes before.
     next: Time,
 }
 
@@ -107,7 +107,7 @@ impl Psds {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
     }
 
-    /// Computes the values of a measurement that has ended by `now`.
+    /// Computes the values of a measurement that ended by `now`.
     pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Reading) {
         if now < self.due() {
             return;

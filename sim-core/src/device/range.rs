@@ -18,7 +18,7 @@ use crate::world::World;
 use super::psd::CYCLE;
 use super::servo::Servos;
 
-/// Range sensors of a robot and the links that carry them: first the links of its legs, then the links of the robi.
+/// Range sensors of a robot and the links that carry them: the links of its legs, then the links of the robi.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     /// Shared by the robots of a type.
@@ -33,7 +33,7 @@ pub struct Ranges {
 /// Errors of the range sensors of a robot.
 #[derive(Clone, Debug)]
 struct Errors {
-    /// By sensor: its errors, and sigma and mean of the noise of the sensor's type.
+    /// For each sensor, its errors, and sigma and mean of the noise of the sensor's type.
     sensors: Vec<(RangeErrors, [f64; 2])>,
     lidar: RangeErrors,
 }
@@ -41,7 +41,7 @@ struct Errors {
 /// Reading of a sensor that does not exist.
 const NO_RETURN: Reading = Reading { distance: None, signal: 0.0 };
 
-/// Event period of a laser scanner: one microsecond, since a scan is made on request and not in cycles.
+/// Event period of a laser scanner: one microsecond, since scans are made on request and not in cycles.
 const SCAN: Time = Time(1);
 
 /// Pose, range and exact distance of a sensor at an instant.
@@ -82,7 +82,7 @@ impl Ranges {
         }
     }
 
-    /// Sets the noise models of these sensors, which `spec` describes, from `profile`, for `robot` in a run with `seed`.
+    /// Sets the noise models of these sensors of `spec` from `profile`, for `robot` in a run with `seed`.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         let errors_of = |kind, name: &str| RangeErrors::new(profile.range(kind, name), seed, robot, name);
         let psds = spec.psds.iter().map(|psd| (errors_of(RangeKind::Psd, &psd.name), [0.0; 2]));
@@ -98,7 +98,8 @@ impl Ranges {
         self.sensors.get(index).map_or(NO_RETURN, |sensor| sensor.model.no_return())
     }
 
-    /// Reading of sensor `index` at `at`, with the servo angles just before `at`; no return if there is no such sensor.
+    /// Reading of sensor `index` at `at`, with the servo angles just before `at`; no return if the sensor does not
+    /// exist.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));

@@ -1,4 +1,4 @@
-//! Switches of the sensors: a sensor that a user has switched off sees nothing until it is switched on again, a stuck one repeats a reading.
+//! Switches of the sensors: a switched-off sensor sees nothing until it is switched on again, and a stuck sensor repeats a reading.
 //!
 //! `docs/window.md` lists the value that each switched-off sensor returns to its program; these values are our choice.
 
@@ -38,7 +38,7 @@ pub struct Switches {
 }
 
 impl Switches {
-    /// False while `sensor` is switched off.
+    /// Returns true unless `sensor` is switched off.
     pub fn is_on(&self, sensor: SensorId) -> bool {
         self.off.is_empty() || !self.off.contains(&sensor)
     }
@@ -48,7 +48,7 @@ impl Switches {
         if self.stuck.is_empty() { None } else { self.stuck.get(&index).copied() }
     }
 
-    /// Lets range sensor `index` repeat a reading; `None`: lets it measure again.
+    /// Makes range sensor `index` repeat `reading`, or measure again if it is `None`.
     pub fn stick(&mut self, index: usize, reading: Option<Reading>) {
         match reading {
             Some(reading) => drop(self.stuck.insert(index, reading)),

@@ -1,10 +1,10 @@
 //! Default appearance of robots without a mesh.
 //!
-//! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is round with the robot's
-//! diameter, or for cars and Mecanum drives a box of that diagonal. Marks show the heading from every side: a bright
-//! wedge that points ahead; white lamps in front and red lamps behind; a green lamp at the right and a red lamp at the
-//! left, as on ships; a sloping display towards the rear; the camera; dark wheels that match the drive. Source: our
-//! choice.
+//! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is a cylinder of the
+//! robot's diameter, or for cars and Mecanum drives a box whose diagonal is that diameter. Marks show the heading from
+//! every side: a bright wedge that points ahead; white lamps in front and red lamps behind; a green lamp at the right
+//! and a red lamp at the left, as on ships; a sloping display towards the rear; the camera; dark wheels that match the
+//! drive. Source: our choice.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
 
-/// Colours of robots by id, red, green, blue, repeated cyclically: blue, green, violet, yellow, cyan,
+/// Colours of robots (red, green, blue), assigned by id and repeated cyclically: blue, green, violet, yellow, cyan,
 /// pink. None is red or orange, the colours of the objects `Can` and `Soccer`. Source: our choice.
 pub const ROBOT_COLOURS: [[u8; 3]; 6] =
     [[30, 100, 200], [40, 150, 70], [130, 80, 180], [225, 205, 60], [60, 185, 205], [215, 110, 175]];
@@ -38,10 +38,10 @@ const GREEN_LAMP: [u8; 3] = [30, 220, 60];
 
 /// Ratio of a wheel's width to its diameter.
 const WHEEL_WIDTH: f64 = 0.25;
-/// Corners of a wheel, and of smaller round parts.
+/// Number of corners of a wheel and of smaller round parts.
 const WHEEL_SIDES: u32 = 20;
 const SMALL_SIDES: u32 = 10;
-/// Corners of a round hull.
+/// Number of corners of a round hull.
 const HULL_SIDES: u32 = 36;
 /// Ratios of the height of a round hull, and of a box hull, to the robot's diameter.
 const ROUND_HEIGHT: f64 = 0.4;
@@ -51,8 +51,8 @@ const LEAST_HEIGHT: f64 = 0.15;
 /// Scale of the hull within its outline, so that lamps protrude.
 const INSET: f64 = 0.98;
 
-/// Centres of the wheels in the robot's frame, in metres: left before right; for a car, the driven ones first; for a
-/// Mecanum drive, the front ones first.
+/// Centres of the wheels in the robot's frame, in metres: left before right; for a car, the driven wheels first; for a
+/// Mecanum drive, the front wheels first.
 pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
     let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
     let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
@@ -83,7 +83,7 @@ pub fn looks(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
     sketch.finish()
 }
 
-/// The main part of a body, which carries all others.
+/// The main part of a body, which carries all other parts.
 struct Hull {
     /// Convex, counter-clockwise from above.
     outline: Vec<DVec2>,
@@ -297,7 +297,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
         sketch.cuboid(&at, size, chassis);
     }
     if robi.drive.kind == DriveKind::Differential {
-        // Castors stand away from the axle; a robot with its axle in the middle has one at either end.
+        // Castors are placed away from the axle; a robot with its axle in the middle has one at either end.
         let behind = axles.x > hull.centre.x - 0.2 * hull.half.x;
         let ahead = axles.x < hull.centre.x + 0.2 * hull.half.x;
         let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half.min_element());
@@ -315,8 +315,8 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
     }
 }
 
-/// Texture of the oblique rollers of a Mecanum wheel: at front left and back right, they point towards the front and
-/// the middle.
+/// Texture of the oblique rollers of a Mecanum wheel; front left and back right, the rollers point forwards and
+/// inwards.
 fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     const SIZE: u32 = 16;
     let shade = |column: u32, row: u32| {
@@ -328,8 +328,7 @@ fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
 }
 
-/// Draws the camera at its place, with its servos in the middle of their range; a camera within the hull moves to its
-/// outline.
+/// Draws the camera at its mount, with its servos in mid-range; a camera inside the hull moves to the hull's outline.
 fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: f64) {
     let middle = |joint: &JointSpec| match joint {
         JointSpec::Fixed(angle) => *angle,

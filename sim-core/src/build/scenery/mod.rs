@@ -34,7 +34,7 @@ pub const MARKER_RADIUS: f64 = 0.05;
 /// Fraction of the non-ambient light that comes from the side opposite to the sun. Source: our choice.
 const FILL: f64 = 0.35;
 
-/// Source of the meshes and images of a scene, queried lazily: only when they are to be displayed.
+/// Source of the meshes and images of a scene, queried only when they are to be displayed.
 pub trait MeshSource {
     /// The mesh of a robot type, in the robot's frame; `None` if it names none, or the mesh cannot be read.
     fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>>;
@@ -99,13 +99,13 @@ impl MeshCache {
 
 /// The scenery of a scene: ground, walls, objects and robots.
 ///
-/// Meshes and textures come from `reader`. An object without a mesh is shown by its
-/// colliders; a robot without one gets a body with wheels, lamps and a nose, in a colour chosen by its id.
+/// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders; a robot without a mesh
+/// gets a body with wheels, lamps and a nose, in a colour chosen by its id.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut MeshCache::default(), reader)
 }
 
-/// As [`scenery`], with a cache of meshes that later additions can share.
+/// [`scenery`] with a cache of meshes that later additions can share.
 fn scenery_with(scene: &SceneSpec, looks: &mut MeshCache, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
@@ -146,8 +146,8 @@ fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point share its corners bit for
-/// bit.
+/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point have bit-identical corners
+/// there.
 fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
     let mut sketch = Sketch::default();
     let paint = sketch.paint(wall.colour.unwrap_or(WALL_COLOUR));

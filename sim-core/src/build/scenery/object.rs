@@ -1,5 +1,4 @@
-//! Default appearance of objects without a mesh: their colliders in their colour, with more detail for the built-in
-//! objects.
+//! Default appearance of objects without a mesh: coloured colliders, with more detail for the built-in objects.
 
 use std::sync::Arc;
 
