@@ -5,9 +5,9 @@
 //! on their own: a [`world`] of bodies, the motion of a [`drive`](mod@drive), a [`sensor`], a [`camera`], the
 //! [`device`]s of a robot.
 //!
-//! SI units and `f64` throughout; frames and signs are those of `docs/conventions.md`. Millimetres and degrees appear
-//! only in [`mod@unit`] and in messages to the user. Scenes come as plain data ([`mod@spec`]), which `sim-format` reads
-//! from text.
+//! The library uses SI units and `f64` throughout, with the frames and signs of `docs/conventions.md`. Millimetres and
+//! degrees appear only in [`mod@unit`] and in messages to the user. Scenes are plain data ([`mod@spec`]) that
+//! `sim-format` reads from text.
 #![forbid(unsafe_code)]
 
 pub mod build;
@@ -37,7 +37,7 @@ pub mod world;
 pub struct RobotId(pub u32);
 
 impl RobotId {
-    /// Index of the robot in any list that holds all robots in the order of their ids.
+    /// Index of the robot in a list of all robots in the order of their ids.
     pub fn index(self) -> usize {
         self.0 as usize - 1
     }
@@ -52,7 +52,7 @@ impl RobotId {
 }
 
 impl std::fmt::Display for RobotId {
-    /// `r1`, `r2`, ... as everywhere in the output.
+    /// Formats the id as `r1`, `r2`, ..., as everywhere in the output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "r{}", self.0)
     }
@@ -63,7 +63,7 @@ impl std::fmt::Display for RobotId {
 pub struct ObjectId(pub u32);
 
 impl ObjectId {
-    /// Index of the object in any list that holds all objects in the order of their ids.
+    /// Index of the object in a list of all objects in the order of their ids.
     pub fn index(self) -> usize {
         self.0 as usize - 1
     }
@@ -78,7 +78,7 @@ impl ObjectId {
 }
 
 impl std::fmt::Display for ObjectId {
-    /// `o1`, `o2`, ... as everywhere in the output.
+    /// Formats the id as `o1`, `o2`, ..., as everywhere in the output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "o{}", self.0)
     }

@@ -1,4 +1,4 @@
-//! Transcendental functions with the same bits on every platform; all calls to `libm` go through this module.
+//! Transcendental functions that are bit-identical on every platform; all calls to `libm` go through this module.
 
 /// Sine of an angle in radians.
 pub fn sin(x: f64) -> f64 {
@@ -30,7 +30,7 @@ pub fn atan(x: f64) -> f64 {
     libm::atan(x)
 }
 
-/// Length of the vector (x, y) without overflow or underflow on the way.
+/// Length of the vector (x, y) without intermediate overflow or underflow.
 pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
 }
@@ -40,7 +40,7 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
-/// e to the power of `x`, less 1, without loss of digits for small x.
+/// e to the power of `x`, minus 1, without loss of digits for small x.
 pub fn exp_m1(x: f64) -> f64 {
     libm::expm1(x)
 }

@@ -1,21 +1,21 @@
-//! Loops whose turns are independent of each other, for callers that have several threads.
+//! Loops with independent iterations, for callers that have several threads.
 
 /// Number of items in a section of a loop.
 pub const SECTION: usize = 8;
 
-/// Runs loops, on several threads if it has them.
+/// Runs loops, in parallel if it has several threads.
 pub trait Pool {
-    /// Calls `act` once for each section of `items`, in any order, several at a time. Sections have [`SECTION`] items, the last one may
-    /// have fewer. Returns when all calls have returned.
+    /// Calls `act` once for each section of `items`, in any order and in parallel. Sections have [`SECTION`] items; the last may have
+    /// fewer. Returns when all calls have returned.
     fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync);
 
-    /// Calls `act` once for each of `items`, in any order, several at a time. Returns when all calls have returned.
+    /// Calls `act` once for each of `items`, in any order and in parallel. Returns when all calls have returned.
     fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
         self.for_each_section(items, |section| section.iter_mut().for_each(&act));
     }
 }
 
-/// The pool of a caller with one thread: runs the turns of a loop one after the other.
+/// The pool of a caller with one thread: runs the iterations of a loop one after the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Serial;
 
@@ -25,11 +25,11 @@ impl Pool for Serial {
     }
 }
 
-/// An empty vector of another type in the memory of `spare`, if their elements have the same layout: references that a loop needs in
-/// each slot take no new memory.
+/// An empty vector of another type in the memory of `spare`, if the elements have the same layout, so that vectors of references needed in
+/// each slot do not allocate.
 pub fn reuse<T, U>(mut spare: Vec<T>) -> Vec<U> {
     spare.clear();
-    // The standard library collects in place.
+    // The standard library collects in place here.
     spare.into_iter().map_while(|_| None).collect()
 }
 

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::math;
 pub use link::{Link, link_pose};
 
-/// A direction that counts whole turns separately, so that the remainder never loses digits.
+/// A direction with whole turns counted separately, so that the remainder never loses digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Heading {
     turns: i64,
@@ -21,7 +21,7 @@ pub struct Heading {
 }
 
 impl Heading {
-    /// The heading of `radians`, whole turns split off; 0 for a value that is not finite.
+    /// The heading of `radians`, split into whole turns and a remainder; 0 for a value that is not finite.
     pub fn new(radians: f64) -> Self {
         Self::default().turned(radians)
     }
@@ -36,7 +36,7 @@ impl Heading {
         self.turns
     }
 
-    /// The whole angle in radians, rounded to one double.
+    /// The total angle in radians, rounded to one `f64`.
     pub fn radians(self) -> f64 {
         self.turns as f64 * TAU + self.remainder
     }
@@ -106,8 +106,7 @@ impl Pose {
         DVec2::new(direction.x, -direction.y).rotate(point - self.position)
     }
 
-    /// Pose of the innermost frame in the outer one: `outer_from_inner.compose(&inner_from_point)` is
-    /// `outer_from_point`.
+    /// Composes two poses: `outer_from_inner.compose(&inner_from_point)` is `outer_from_point`.
     pub fn compose(&self, inner: &Pose) -> Pose {
         let turned = self.heading.turned(inner.heading.remainder);
         Pose {
@@ -116,8 +115,8 @@ impl Pose {
         }
     }
 
-    /// Checks that a body can be placed at this pose: up to 10^9 m from the origin along each axis, where doubles still
-    /// resolve a quarter of a micrometre.
+    /// Checks that a body can be placed at this pose: up to 10^9 m from the origin along each axis, where an `f64`
+    /// still resolves a quarter of a micrometre.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is farther away or not finite.
@@ -133,7 +132,7 @@ impl Pose {
         self.moved_along(self.heading.direction(), displacement)
     }
 
-    /// As [`Pose::moved`], for a caller that has the unit vector of the heading already.
+    /// [`Pose::moved`] for a caller that already has the unit vector of the heading.
     pub(crate) fn moved_along(&self, forward: DVec2, displacement: Twist) -> Pose {
         let Twist { vx, vy, omega } = displacement;
         let (s, c) = (math::sinc(omega), math::cosc(omega));
@@ -175,7 +174,7 @@ impl Pose3 {
     pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
         let (sin_roll, cos_roll) = math::sin_cos(roll);
         let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
-        // Computed as in planar poses, so that the bits agree.
+        // Computed as in planar poses, so that the results are bit-identical.
         let DVec2 { x: cos_yaw, y: sin_yaw } = Heading::new(yaw).direction();
         let about_x =
             DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
@@ -185,7 +184,7 @@ impl Pose3 {
         Self { position, rotation: about_z * about_y * about_x }
     }
 
-    /// The frame of a planar pose, raised by `z` metres.
+    /// The frame of a planar pose at the height `z`, m.
     pub fn from_planar(pose: &Pose, z: f64) -> Self {
         let forward = pose.heading.direction();
         let rotation = DMat3::from_cols(forward.extend(0.0), DVec3::new(-forward.y, forward.x, 0.0), DVec3::Z);
@@ -201,7 +200,7 @@ impl Pose3 {
         Self { position: DVec3::ZERO, rotation: DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z)) }
     }
 
-    /// `outer_from_inner.then(&inner_from_child)` is `outer_from_child`.
+    /// Composes two poses: `outer_from_inner.then(&inner_from_child)` is `outer_from_child`.
     pub fn then(&self, child: &Pose3) -> Pose3 {
         Pose3 { position: self.transform_point(child.position), rotation: self.rotation * child.rotation }
     }
@@ -223,7 +222,7 @@ impl Pose3 {
 
     /// Roll, pitch and yaw of the inner frame, rad, as [`from_angles`](Self::from_angles) takes them; pitch within a quarter turn.
     ///
-    /// The yaw of a frame whose x axis is vertical is undefined and given as 0.
+    /// The yaw of a frame whose x axis is vertical is undefined and returned as 0.
     pub fn angles(&self) -> [f64; 3] {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
         let level = math::hypot(x.x, x.y);
@@ -253,20 +252,20 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// Rest.
+    /// The twist of a body at rest.
     pub const ZERO: Self = Self { vx: 0.0, vy: 0.0, omega: 0.0 };
 
-    /// Straight ahead at `v` m/s while turning at `omega` rad/s.
+    /// Twist with the forward speed `v`, m/s, and the turning speed `omega`, rad/s.
     pub fn new(v: f64, omega: f64) -> Self {
         Self { vx: v, vy: 0.0, omega }
     }
 
-    /// Each component times `factor`.
+    /// The twist with each component multiplied by `factor`.
     pub fn scaled(self, factor: f64) -> Self {
         Self { vx: self.vx * factor, vy: self.vy * factor, omega: self.omega * factor }
     }
 
-    /// Each component with that of `other` added.
+    /// The component-wise sum of both twists.
     pub fn plus(self, other: Self) -> Self {
         Self { vx: self.vx + other.vx, vy: self.vy + other.vy, omega: self.omega + other.omega }
     }

@@ -21,7 +21,7 @@ pub enum Command {
         /// Its rate, rad/s.
         rate: f64,
     },
-    /// As [`Command::Wheel`], but the wheel's own controller regulates the rate, if the wheel has one: see
+    /// Rate of one motor as in [`Command::Wheel`], regulated by the wheel's own controller if the wheel has one: see
     /// [`Motion::start_wheel_control`](super::Motion::start_wheel_control).
     WheelSpeed {
         /// Index of the wheel in the order of the [`DriveKind`].
@@ -48,10 +48,10 @@ pub enum Command {
 /// Displacement (arc length and angle) of a drive along the arc that starts straight ahead and ends at `point`, given
 /// in the robot's frame (x ahead, y left, m).
 ///
-/// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is
-/// 2 y / (x² + y²). The robot reaches a point ahead forwards and a point behind backwards (negative length),
-/// on at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), and a point on
-/// the x axis a straight line. The robot's own position gives no displacement.
+/// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
+/// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on
+/// at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), a point on the x
+/// axis a straight line. The displacement to the robot's own position is zero.
 ///
 /// Source: `VWDrive` of RoBIOS-7, which asks for x > |y|; the rest is our choice.
 pub fn arc_to(point: DVec2) -> Twist {
@@ -80,13 +80,13 @@ pub enum CommandError {
     /// Only an Ackermann drive steers.
     #[error("this drive has no steering, accepted: Ackermann drives")]
     NoSteering,
-    /// No wheel has this number.
+    /// No wheel with a motor has this number.
     #[error("the drive has no such wheel, accepted: less than {wheels}")]
     NoWheel {
         /// Number of wheels with a motor.
         wheels: usize,
     },
-    /// Thrusters take forces, no speeds and no places to go to.
+    /// Thrusters accept forces but neither speeds nor targets.
     #[error("thrusters are driven by their motors alone, accepted: rates of single motors")]
     Thrusters,
     /// Only an omni drive and legs can move sideways.
@@ -100,14 +100,14 @@ pub(super) enum Pending {
     Idle,
     Wheels {
         rates: Wheels,
-        /// Wheels whose own controllers, if running, regulate the rate.
+        /// Wheels whose rate is regulated by their own controllers, if these run.
         held: [bool; 4],
     },
     Twist(Twist),
     Drive {
-        /// The commanded displacement; a component that is too slow to count as progress is 0.
+        /// The commanded displacement; a component too slow to count as progress is 0.
         whole: Twist,
-        /// The part of the commanded displacement that is left according to the wheels.
+        /// The remaining part of the commanded displacement according to the wheels.
         remaining: Twist,
         rate: Twist,
     },
@@ -137,7 +137,7 @@ impl Pending {
     }
 }
 
-/// All that determines a robot's motion from an instant on, in addition to its state.
+/// Everything that determines a robot's motion from an instant on, except its state.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orders {
     pub pending: Pending,
@@ -254,7 +254,7 @@ pub(super) fn check_wheel(model: &Model, wheel: usize) -> Result<(), CommandErro
 }
 
 fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
-    // Negated, so that NaN is refused as well.
+    // The negation also refuses NaN.
     if !(twist.vx.abs().max(twist.vy.abs()).max(twist.omega.abs()) <= 1e12 && twist.is_finite()) {
         Err(CommandError::NotFinite)
     } else if model.kind == DriveKind::Thrusters {

@@ -1,5 +1,5 @@
-//! Lag of the wheels behind their command, and the controllers that drive the wheels: two PI controllers for speed and
-//! turning speed, or one PID controller per wheel.
+//! Wheel lag, and the controllers that drive the wheels: two PI controllers for speed and turning speed, or one PID
+//! controller per wheel.
 
 use super::{
     hull::Afloat,
@@ -95,7 +95,7 @@ pub(super) struct Memory {
     pub sums: Wheels,
     /// For each wheel whose own controller is active, its rate one tick before, rad/s.
     pub last: Wheels,
-    /// State of a hull in the water; its mean velocity stands in the place of the rates of wheels.
+    /// State of a hull in the water; its mean velocity replaces the rates of wheels.
     pub afloat: Afloat,
 }
 
@@ -156,7 +156,7 @@ pub(super) fn step(
     let share = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
     let close = 1e-9 * model.max_wheel_rate;
     let is_close = |a: &Wheels, b: &Wheels| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= close);
-    // Within a billionth of the range the wheels count as settled: the rates stay constant, and no more pieces are
+    // Within a billionth of the range the wheels count as settled: the rates stay constant and no further pieces are
     // opened.
     if is_close(&actuation.rates, &settled) && is_close(&wheels, &settled) {
         actuation.rates = settled;
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "it settles");
     }
 
-    /// Ticks until nothing changes any more, and the twist then.
+    /// Number of ticks until nothing changes any more, and the twist then.
     fn settle(model: &Model, gains: &Gains, set: Twist, mut actuation: Actuation) -> (usize, Twist, Actuation) {
         for tick in 0..100_000 {
             let next = step(model, &body(gains), Target::Twist(set), 0.0, &actuation);
@@ -290,7 +290,7 @@ mod tests {
             assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
             ticks
         };
-        // The parameters of the ROM's demonstration program, those of the book, and slow ones.
+        // The parameters of the ROM's demonstration program, the book's parameters, and slow ones.
         let demo = reached(&Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 });
         let slow = reached(&Gains { vv: 0.5, tv: 0.3, vw: 0.5, tw: 0.3 });
         reached(&Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 });

@@ -1,7 +1,7 @@
 //! A hull under water: velocity and height from the thrust of its thrusters, against linear and quadratic drag.
 //!
-//! Surge, turn and heave alone follow their closed form; a turning hull also keeps its momentum, which is split off
-//! (Strang): half of the tick's turn, the closed forms along the heading in its middle, the other half. See docs/water.md.
+//! Surge, turn and heave each follow a closed form. A turning hull also keeps its momentum, by Strang splitting: half of the tick's turn,
+//! the closed forms along the heading in its middle, the other half. See docs/water.md.
 
 use super::model::{Model, ModelError, Wheels};
 use crate::{math, time::TICK};
@@ -27,14 +27,14 @@ impl From<Drag> for [f64; 2] {
     }
 }
 
-/// The constant facts of a neutrally buoyant hull, which stays upright.
+/// Constant properties of a neutrally buoyant hull, which stays upright.
 ///
 /// Four thrusters: left and right push ahead, front and back push up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hull {
     /// Force of a thruster at its maximum rate, N; in proportion to the rate.
     pub thrust: f64,
-    /// Drag ahead, to the side, of a turn, and up.
+    /// Drag ahead, sideways, of a turn, and upwards.
     pub drag: [Drag; 4],
     /// Maximum height of the robot's frame above the floor, m: the top of the hull is at the surface of the water.
     pub ceiling: f64,
@@ -52,18 +52,18 @@ pub(super) struct Afloat {
 /// Share of the maximum velocity below which a hull without thrust is at rest. Our choice.
 const REST: f64 = 1e-9;
 
-/// Share of the maximum velocity within which a tick's change counts as none: after ten time constants or so nothing
-/// changes any more, and no more pieces are opened. Our choice.
+/// Share of the maximum velocity below which a tick's change is ignored: after about ten time constants nothing changes
+/// any more, and no further pieces are opened. Our choice.
 const SETTLED: f64 = 1e-12;
 
-/// Maximum velocity, m/s or rad/s: beyond, a tick is no small step.
+/// Maximum velocity, m/s or rad/s: above it, a tick is not a small step.
 const MAX_VELOCITY: f64 = 50.0;
 
 impl Hull {
     /// Checks that all values make sense for a robot of this model.
     ///
     /// # Errors
-    /// The first value that does not, with the values accepted.
+    /// The first value that makes no sense, with the accepted values.
     pub fn check(&self, model: &Model) -> Result<(), ModelError> {
         let check = |field, value: f64, accepted, ok: bool| {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
@@ -91,7 +91,7 @@ impl Hull {
         [left + right, 0.0, turn, front + back].map(|share| self.thrust * share)
     }
 
-    /// The velocity that each axis reaches alone at full thrust; to the side that ahead.
+    /// The velocity that each axis reaches on its own at full thrust; for the sideways axis the velocity ahead.
     fn greatest(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
         let [ahead, turn, up] = forces.map(|shares| self.forces(model, shares));
@@ -99,8 +99,8 @@ impl Hull {
         [most(0, ahead[0]), most(0, ahead[0]), most(2, turn[2]), most(3, up[3])]
     }
 
-    /// One tick: the mean velocities in the robot's frame that lead along an arc from its start to its end, and the state
-    /// at its end. `rates` are those of the thrusters, rad/s.
+    /// One tick: the mean velocities in the robot's frame that lead along an arc from its start to its end, and the state at its end.
+    /// `rates` are the rates of the thrusters, rad/s.
     pub(super) fn step(&self, model: &Model, rates: &Wheels, before: &Afloat) -> (Wheels, Afloat) {
         let seconds = TICK.seconds();
         let forces = self.forces(model, rates.map(|rate| rate / model.max_wheel_rate));
@@ -112,7 +112,7 @@ impl Hull {
         };
         let [ahead, aside, turn, up] = before.velocity;
         let (turn, angle) = flow(2, turn);
-        // The momentum stays where it points, while the hull turns under it.
+        // The momentum keeps its direction while the hull turns under it.
         let (sin, cos) = math::sin_cos(0.5 * angle);
         let turned = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
         let (ahead, aside) = turned(ahead, aside);
@@ -139,7 +139,7 @@ impl Hull {
     }
 }
 
-/// The velocity to which `force` leads against this drag.
+/// Terminal velocity under `force` against this drag.
 fn terminal(force: f64, linear: f64, quadratic: f64) -> f64 {
     if force == 0.0 { 0.0 } else { 2.0 * force / (linear + (linear * linear + 4.0 * quadratic * force).sqrt()) }
 }

@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Differences between a robot's motion and the motion of its wheels, and between its odometry and its wheels. If all
-/// values are 0, there are none.
+/// values are 0, motion and odometry are perfect.
 ///
 /// Source: Koestler & Bräunl, section 5 (additive Gaussian noise on the v-omega interface); slip, diameters and
 /// resolution are our choice.
@@ -35,12 +35,12 @@ pub struct Imperfection {
     pub slip: f64,
     /// Standard deviation of the slip ratio, drawn for each wheel and tick; the sum is clamped to -1 to 1.
     pub slip_deviation: f64,
-    /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). None while the
-    /// robot is commanded to stand, or while its motors are commanded one by one.
+    /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). No noise while
+    /// the robot is commanded to be at rest, or while its motors are commanded one by one.
     pub command: TwistNoise,
     /// Maximum errors of the targets of drives.
     pub bound: DriveBound,
-    /// Noise on the twist that odometry computes from the wheels; none while the wheels stand.
+    /// Noise on the twist that odometry computes from the wheels; no noise while the wheels are at rest.
     pub odometry: TwistNoise,
     /// Resolution of odometry readings.
     pub resolution: Resolution,
@@ -167,7 +167,7 @@ pub enum ContactRule {
 #[derive(Clone, Debug)]
 pub(super) struct Vehicle {
     pub model: Arc<Model>,
-    /// `None` for perfect motion.
+    /// Errors of the motion; `None` for perfect motion.
     pub errors: Option<Arc<MotionErrors>>,
     pub contact: ContactRule,
     /// Hull of a robot in the water.
@@ -189,7 +189,7 @@ pub(super) struct MotionErrors {
 pub(super) struct ErringTwists {
     pub truth: Twist,
     pub odometry: Twist,
-    /// Random errors contribute, so the twists hold only until the next tick.
+    /// True if random errors contribute, so that the twists hold only until the next tick.
     pub is_drawn: bool,
 }
 
@@ -198,7 +198,7 @@ impl Vehicle {
     /// wheels at these rates.
     pub fn erring_twists(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
         match &self.errors {
-            // The errors are those of wheels and legs.
+            // These errors apply to wheels and legs only.
             Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
                 errors.apply(&self.model, start, orders, during, belief)
             }
@@ -224,15 +224,15 @@ impl MotionErrors {
         }
     }
 
-    /// `displacement` of a drive that begins at `at`, with the error of its target. The event is the instant. A car keeps the curve
-    /// on which it was sent, which may be its tightest: the angle errs as the length does.
+    /// `displacement` of a drive that begins at `at`, with the error of its target. The event is the instant. A car keeps the commanded
+    /// curve, which may be its tightest: the angle has the same relative error as the length.
     pub fn missed(&self, kind: DriveKind, at: Time, displacement: Twist) -> Twist {
         let DriveBound { length, angle } = self.imperfection.bound;
         if length == 0.0 && angle == 0.0 {
             return displacement;
         }
         let mut stream = self.drive.at(Events::index(at, Time(1)));
-        // Drawn in any case: the error of the angle does not depend on that of the length.
+        // Both are always drawn, so that the error of the angle does not depend on the error of the length.
         let [along, around] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
         let (way, turn) = (displacement.speed(), displacement.omega.abs());
         let scale = if way > 0.0 { 1.0 + along.clamp(-way, way) / way } else { 1.0 };

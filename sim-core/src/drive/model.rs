@@ -11,15 +11,14 @@ pub enum DriveKind {
     Ackermann,
     /// Four Mecanum wheels in the order front left, front right, back left, back right.
     Omni,
-    /// Legs without wheels. Where other drives have rates of wheels, legs have the twist itself: m/s ahead, m/s to the
-    /// left, rad/s.
+    /// Legs without wheels. Their wheel rates are the twist itself: m/s ahead, m/s to the left, rad/s.
     Legged,
-    /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set their rates;
-    /// in the place of rates of wheels stands the velocity: m/s ahead, m/s to the left, rad/s, m/s up.
+    /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set their rates; their wheel
+    /// rates are the velocity: m/s ahead, m/s to the left, rad/s, m/s up.
     Thrusters,
 }
 
-/// Rates or angles of up to four wheels in the order of the [`DriveKind`]; unused places are 0.
+/// Rates or angles of up to four wheels in the order of the [`DriveKind`]; unused elements are 0.
 pub type Wheels = [f64; 4];
 
 /// Constant properties of a drive and its body.
@@ -47,7 +46,7 @@ pub struct Model {
     pub max_turn: f64,
     /// Radius of the body, a disc around the robot's centre, m.
     pub body_radius: f64,
-    /// Time constant with which the wheels follow their command, s; 0 for wheels that follow at once.
+    /// Time constant with which the wheels follow their command, s; 0 for wheels that follow immediately.
     pub wheel_lag: f64,
     /// Maximum steering angle to either side, rad (Ackermann); 45 degrees for the classic servo.
     pub max_steering: f64,
@@ -80,7 +79,7 @@ impl Model {
         }
     }
 
-    /// Checks that all numbers by which the kinematics divide, and all limits, are within their ranges.
+    /// Checks that all limits, and all numbers by which the kinematics divide, are within their ranges.
     ///
     /// # Errors
     /// The first field that is out of range, with the accepted values.
@@ -192,7 +191,7 @@ impl Model {
         (displacement.speed() / self.max_speed).max(displacement.omega.abs() / self.max_turn).max(wheels)
     }
 
-    /// Moment of inertia about the centre, kg m²: that of a uniform disc.
+    /// Moment of inertia of a uniform disc about its centre, kg m².
     pub fn inertia(&self) -> f64 {
         0.5 * self.mass * self.body_radius * self.body_radius
     }

@@ -39,11 +39,11 @@ pub struct Rates {
 /// Reason why a piece ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// The piece does not end by itself.
+    /// The piece has no end of its own.
     Open,
     /// The drive has reached its target; it has covered this displacement since the start of the piece.
     Arrived(Twist),
-    /// The body has met an obstacle.
+    /// The body has touched an obstacle.
     Impact {
         /// The obstacle.
         with: Obstacle,

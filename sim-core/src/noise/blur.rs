@@ -5,10 +5,10 @@ const LEAST: f64 = 1e-3;
 
 /// Filter weights of a row of pixels, from the middle to one side; both sides together sum to 1.
 ///
-/// The discrete analogue of the Gaussian, exp(-t) I_n(t) with t = `sigma`^2: its variance is `sigma`^2 to the last digit
-/// for any `sigma`, and blurring twice adds variances; a sampled Gaussian has neither property below one pixel. The weights are cut
-/// off beyond four standard deviations and a pixel. Source: Lindeberg 1990, "Scale-space for discrete signals"; the modified
-/// Bessel functions I_n by Miller's backward recurrence.
+/// The discrete analogue of the Gaussian, exp(-t) I_n(t) with t = `sigma`^2: its variance is exactly `sigma`^2 for any `sigma`, and
+/// blurring twice adds variances; a sampled Gaussian has neither property below one pixel. The weights are cut off beyond four standard
+/// deviations and a pixel. Source: Lindeberg 1990, "Scale-space for discrete signals"; the modified Bessel functions I_n by Miller's
+/// backward recurrence.
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;

@@ -5,12 +5,12 @@ use crate::RobotId;
 
 /// Noise model of a camera's images. The default has no errors.
 ///
-/// First the whole picture is blurred with `blur`; then, in this order, to each pixel:
+/// First the whole picture is blurred with `blur`; then each pixel is changed in this order:
 ///
-/// 1. to each of its channels (red, green, blue, or grey) `sigma` G is added, G standard normal, and the sum is rounded
-///    and clamped to 0 to 255;
-/// 2. with probability `salt_and_pepper` it becomes white with the probability `salt`, otherwise black;
-/// 3. with probability `hundreds_and_thousands` it becomes a colour of which each channel is uniform over 0 to 255.
+/// 1. each channel (red, green, blue, or grey) gets `sigma` G added, with G standard normal; the sum is rounded and
+///    clamped to 0 to 255;
+/// 2. with probability `salt_and_pepper` it becomes white (with probability `salt`) or black;
+/// 3. with probability `hundreds_and_thousands` it gets a random colour, each channel uniform over 0 to 255.
 ///
 /// Source: Koestler & Bräunl, section 5; the blur and the order are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,5 @@
-//! Randomness: distributions, random streams keyed so that no reader, robot or device changes the numbers of another, and the noise
-//! models of a profile. Models that act on numbers alone are applied here; `drive` and `device` apply the others.
+//! Randomness: distributions, random streams keyed so that no reader, robot or device changes the numbers of another, and the noise models
+//! of a profile. This room applies the models that need only numbers; `drive` and `device` apply the rest.
 
 mod angle;
 mod blur;

@@ -2,10 +2,10 @@
 
 /// Noise model of a robot's drive, as a profile gives it. The default has no errors.
 ///
-/// All fields but `diameter_sigma` are also in [`Imperfection`](crate::drive::Imperfection), which applies them.
+/// All fields except `diameter_sigma` are also in [`Imperfection`](crate::drive::Imperfection), which applies them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionNoise {
-    /// Relative excess of the diameter of the wheels on the left (of a car: the driven ones) over the nominal diameter.
+    /// Relative excess of the diameter of the left wheels (of a car, the driven wheels) over the nominal diameter.
     pub left: f64,
     /// Relative excess of the diameter of the wheels on the right.
     pub right: f64,
@@ -28,9 +28,8 @@ pub struct MotionNoise {
 /// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
 ///
 /// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the share b, and the component x of the
-/// wheels' twist. A straight drive of N ticks of h = 10 ms at v m/s that starts on a tick ends, to first order in
-/// the noise, with the variances h^2 N speed^2 of its distance, h^2 N turn^2 of its heading, and
-/// v^2 h^4 turn^2 (N^3 / 3 - N / 12) across.
+/// wheels' twist. A straight drive of N ticks of h = 10 ms at v m/s that starts on a tick ends, to first order in the noise, with the
+/// variances h^2 N speed^2 of its distance, h^2 N turn^2 of its heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) of its lateral position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwistNoise {
     /// Absolute part for the speed, m/s; for an omni drive along both axes.
@@ -43,20 +42,20 @@ pub struct TwistNoise {
     pub turn_share: f64,
 }
 
-/// Maximum errors with which a drive to a target misses it; 0 for a drive that ends exactly there.
+/// Maximum errors at the target of a drive; 0 for a drive that ends exactly there.
 ///
-/// Each drive has an error of its own, uniform between the bound and its negative, and never greater than the drive itself: a drive of 1 mm
-/// with a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry tell where the drive has ended.
-/// Source: the tolerances that courses ask of real robots; uniform is our choice.
+/// Each drive draws its own error, uniform between the bound and its negative, and never larger than the drive itself: a drive of 1 mm with
+/// a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry tell where the drive has ended. Source: the
+/// tolerances that courses demand of real robots; the uniform distribution is our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveBound {
-    /// Of the arc length, m.
+    /// Maximum error of the arc length, m.
     pub length: f64,
-    /// Of the angle, rad.
+    /// Maximum error of the angle, rad.
     pub angle: f64,
 }
 
-/// Steps to whose multiples a pose is rounded when it is read; 0 for no rounding.
+/// Resolution of pose readings: each reading is rounded to a multiple of these steps; 0 for no rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
     /// Step of the position, m.

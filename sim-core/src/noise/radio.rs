@@ -5,7 +5,7 @@ use crate::math::{ln, ln_1p};
 
 /// Noise model of the channel to one receiver, as a profile gives it. The default has no errors.
 ///
-/// Source: Koestler & Bräunl, section 5.1: the binary symmetric channel with a bit error rate, and whole packets that are lost.
+/// Source: Koestler & Bräunl, section 5.1: the binary symmetric channel with a bit error rate, and packet loss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RadioNoise {
     /// Probability P_b that a bit of the payload arrives inverted, in [0, 1].

@@ -10,13 +10,14 @@ use crate::time::Time;
 /// Applied in this order to a measured distance d (or no return) at the time t since the start of the run:
 ///
 /// 1. with probability `dropout` the reading becomes no return;
-/// 2. otherwise with probability `outlier` the reading is uniform over the sensor's range, even if there was no return;
-/// 3. otherwise no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s^2 =
+/// 2. otherwise, with probability `outlier`, the reading is uniform over the sensor's range, even if there was no
+///    return;
+/// 3. otherwise a missing return stays missing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s^2 =
 ///    `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`, drawn
 ///    once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
 ///
-/// Source: additive Gaussian noise from Koestler & Bräunl, section 5; all else is our choice.
+/// Source: additive Gaussian noise from Koestler & Bräunl, section 5; the rest is our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeNoise {
     /// Standard deviation of each reading, m.
@@ -98,8 +99,8 @@ impl RangeErrors {
         self.is_exact
     }
 
-    /// Reading of the sensor at `at` for the true distance `exact`, in metres; `None` is no return. The reading lies within `range`,
-    /// or equals `exact` if the model has no errors.
+    /// Reading of the sensor at `at` for the true distance `exact`, in metres; `None` means no return. The reading lies within `range`, or
+    /// equals `exact` if the model has no errors.
     ///
     /// The reading depends only on the arguments; one of them is the [index](Events::index) of the reading.
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
@@ -130,7 +131,7 @@ impl ScanErrors<'_> {
     /// Reading of the next point for the true distance `exact`.
     pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
         let Some((stream, offset)) = &mut self.stream else { return exact };
-        // All four numbers are drawn in every case, so that a changed probability changes no later number.
+        // All four numbers are always drawn, so that a changed probability does not change later numbers.
         let (drops, strays, place, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
         let (model, [low, high]) = (self.model, self.range);
         let distance = if drops < model.dropout {

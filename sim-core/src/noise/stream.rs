@@ -1,4 +1,4 @@
-//! Random streams, each a function of its key.
+//! Random streams, each a pure function of its key.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -29,11 +29,11 @@ pub enum Purpose {
     Command = 8,
     /// Errors of odometry.
     Odometry = 9,
-    /// Loss and bit errors of a message on its way to one receiver.
+    /// Loss and bit errors of a message to one receiver.
     Radio = 10,
     /// Losses of the token of a ring.
     Token = 11,
-    /// Shape of a terrain; the seed is that of the terrain.
+    /// Shape of a terrain; uses the terrain's own seed.
     Terrain = 12,
     /// Values of a scene that are drawn from the seed.
     Scene = 13,
@@ -89,7 +89,7 @@ impl Stream {
 
 /// Random streams of a device's events. An event is a reading, a scan, a frame or a tick of the drive.
 ///
-/// The stream of an event is a function of (seed, robot, purpose, name of the device, index of the event) alone. The
+/// The stream of an event is a function of only (seed, robot, purpose, name of the device, index of the event). The
 /// first four are the key, with the name hashed by [`name_key`]; the index is ChaCha's 64-bit stream number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Events {

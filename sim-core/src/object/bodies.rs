@@ -31,7 +31,7 @@ struct ObjectBody {
     handle: RigidBodyHandle,
     heading: Heading,
     is_held: bool,
-    /// Last state of an object that was removed from the world.
+    /// Last state of the object if it was removed from the world.
     gone: Option<State>,
 }
 
@@ -51,7 +51,7 @@ pub struct Bodies {
 /// An object that is awake before the step.
 struct Awake {
     index: usize,
-    /// Speed that floor friction removes after the step, m/s.
+    /// Speed that floor friction takes away after the step, m/s.
     after: f64,
     /// For an object pushed from rest: the direction of the push, and the object's pose before.
     pushed: Option<(DVec2, RigidPose)>,
@@ -83,12 +83,12 @@ impl Bodies {
         let parameters = &mut world.integration_parameters;
         parameters.dt = STEP.seconds();
         parameters.min_ccd_dt = 0.01 * STEP.seconds();
-        // Penetrations of robots and crates are resolved within some ms instead of a tenth of a second.
+        // Penetrations of robots and crates are resolved within a few ms instead of a tenth of a second.
         parameters.contact_softness = SpringCoefficients::new(240.0, 10.0);
         parameters.static_contact_softness = SpringCoefficients::new(480.0, 10.0);
         parameters.normalized_allowed_linear_error = 1e-5;
         parameters.normalized_max_corrective_velocity = 1.0;
-        // Contacts are computed anew in each step, since recycled ones may be some mm off.
+        // Contacts are recomputed in each step, since recycled contacts may be off by several mm.
         parameters.contact_recycling = false;
         let mut bodies = Self {
             world,
@@ -215,7 +215,7 @@ impl Bodies {
         &self.objects[object.index()].properties
     }
 
-    /// Pose and velocity of an object; the last ones if the object was removed.
+    /// Pose and velocity of an object; its last state if it was removed.
     pub fn state(&self, object: ObjectId) -> State {
         let thing = &self.objects[object.index()];
         if let Some(state) = thing.gone {
@@ -285,7 +285,7 @@ impl Bodies {
         pushes.extend(robots.iter().map(|robot| self.push_of(robot.robot)));
     }
 
-    /// Places the bodies of `robots`, and disables the bodies of all other robots.
+    /// Places the bodies of `robots` and disables the bodies of all other robots.
     fn place_robots(&mut self, robots: &[Pusher]) {
         for &robot in &self.present {
             if robots.binary_search_by_key(&robot, |pusher| pusher.robot).is_err() {
@@ -395,8 +395,8 @@ impl Bodies {
 
     /// Upper bound of the impulse that its neighbours can exert on an object at rest in the next step, N s.
     ///
-    /// If the bound is below the impulse of friction in a step, the object stays at rest: for example, a crate against
-    /// which a robot without enough traction leans.
+    /// If the bound is below the impulse of friction in a step, the object stays at rest: for example a crate that a
+    /// robot with too little traction presses.
     fn possible_push(&self, index: usize) -> DVec2 {
         let thing = &self.objects[index];
         let mut push = DVec2::ZERO;
@@ -408,7 +408,8 @@ impl Bodies {
         push
     }
 
-    /// Upper bound of the impulse of a pair's other body on the resting body of `collider` in the next step, N s.
+    /// Upper bound of the impulse in the next step, N s, of a pair's other body on the body of `collider`, which is at
+    /// rest.
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };

@@ -1,8 +1,8 @@
 //! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
-//! Contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual time;
-//! rapier solves the contacts, floor friction and rolling resistance are our own, and no step raises the energy. Files and the
-//! reaction of a robot to a push are not part of this room: here, robots are discs with a velocity ([`Pusher`]).
+//! The room contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual time; rapier solves
+//! the contacts, floor friction and rolling resistance are our own, and no step raises the energy. Files and the reaction of a robot to a
+//! push are not part of this room: here, robots are discs with a velocity ([`Pusher`]).
 //!
 //! The solver is built with the feature `objects`; without it [`Bodies`] cannot be constructed, and scenes that need them are refused.
 
@@ -39,12 +39,12 @@ pub const GRAVITY: f64 = 9.80665;
 pub enum Resistance {
     /// The object slides: coefficient of Coulomb friction, 0 or more.
     Sliding(f64),
-    /// The object rolls: deceleration over gravity, 0 or more.
+    /// The object rolls: deceleration as a fraction of gravity, 0 or more.
     Rolling(f64),
 }
 
 impl Resistance {
-    /// Deceleration of a body that does not turn, m/s².
+    /// Deceleration of a body without rotation, m/s².
     pub fn deceleration(self) -> f64 {
         let (Self::Sliding(coefficient) | Self::Rolling(coefficient)) = self;
         coefficient * GRAVITY
@@ -71,7 +71,7 @@ pub struct Properties {
     pub parts: Vec<Part>,
     /// Resistance of the floor.
     pub resistance: Resistance,
-    /// Coefficient of restitution, 0 to 1; between two objects the lower one applies (our choice).
+    /// Coefficient of restitution, 0 to 1; between two objects the smaller one applies (our choice).
     pub restitution: f64,
     /// Coefficient of friction against walls, robots and other objects; between two objects the lower one applies (our choice).
     pub contact_friction: f64,
@@ -109,7 +109,7 @@ impl Properties {
         self.parts.iter().map(to_part).fold(f64::INFINITY, f64::min)
     }
 
-    /// The rectangle around the footprint of an object at `world_from_object`.
+    /// The bounding rectangle of the footprint of an object at `world_from_object`.
     pub fn bounds(&self, world_from_object: &Pose) -> Bounds {
         let of_part = |part: &Part| part.shape.bounds(&world_from_object.compose(&part.object_from_part));
         self.parts.iter().map(of_part).fold(Bounds::EMPTY, Bounds::union)

@@ -1,4 +1,4 @@
-//! Stand-in for the rigid bodies in a build without the feature `objects`: a type without values.
+//! Placeholder for the rigid bodies in a build without the feature `objects`: an uninhabited type.
 
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -1,10 +1,10 @@
-//! Robots among the objects: pushing robots, and the effect of a step on their motion.
+//! Robots as the objects' solver sees them, and the effect of a step on their motion.
 
 use glam::DVec2;
 
 use crate::{ObjectId, RobotId};
 
-/// A robot among the objects during a step: a disc.
+/// A robot during a step of the objects: a moving disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pusher {
     /// The robot.
@@ -19,7 +19,7 @@ pub struct Pusher {
     pub radius: f64,
     /// Mass, kg.
     pub mass: f64,
-    /// The objects cannot move this body.
+    /// True if objects cannot move this body.
     pub is_immovable: bool,
 }
 

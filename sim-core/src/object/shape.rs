@@ -60,7 +60,7 @@ impl Shape {
         }
     }
 
-    /// The axis-aligned rectangle around the shape, in the world frame.
+    /// The axis-aligned bounding rectangle of the shape, in the world frame.
     pub fn bounds(&self, world_from_part: &Pose) -> Bounds {
         let axis = world_from_part.heading.direction();
         let half = match *self {
@@ -86,8 +86,8 @@ impl Shape {
         }
     }
 
-    /// The corners of the shape, counter-clockwise in the part's frame. A circle is replaced by a circumscribed regular polygon of
-    /// 64 sides, which lies outside by at most 1.3 thousandths of the radius.
+    /// The corners of the shape, counter-clockwise in the part's frame. A circle is replaced by a circumscribed regular polygon of 64
+    /// sides, whose corners lie outside by at most 0.13 % of the radius.
     pub fn outline(&self) -> Vec<DVec2> {
         const SIDES: usize = 64;
         let circle = |radius: f64| {
@@ -143,7 +143,7 @@ pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: 
         return Some(0.0);
     }
     let along = offset.dot(direction);
-    // Computed from the foot of the perpendicular, to keep precision for a disc far away.
+    // Computed from the foot of the perpendicular, which keeps precision for a distant disc.
     let aside = (offset - direction * along).length_squared();
     let half_chord = radius * radius - aside;
     (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))

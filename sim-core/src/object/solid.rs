@@ -51,7 +51,7 @@ pub struct SurfaceHit {
     pub distance: f64,
     /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray if the origin lies inside.
     pub normal: DVec3,
-    /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 over the radius for a convex one.
+    /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 / radius for a convex surface.
     pub curvature: DVec2,
 }
 
@@ -88,7 +88,7 @@ impl Figure {
         })
     }
 
-    /// First hit as [`Figure::cast`], on meshes only.
+    /// [`Figure::cast`] for meshes only.
     pub fn cast_meshes(
         &self,
         world_from_body: &Pose,
@@ -107,7 +107,7 @@ impl Figure {
         self.solids.iter().any(|solid| matches!(solid, Solid::Mesh(_)))
     }
 
-    /// First hit as [`Figure::cast`], but prisms are hollow: a ray that starts inside hits the face through which it leaves.
+    /// [`Figure::cast`] with hollow prisms: a ray that starts inside hits the face through which it leaves.
     pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
         self.first_hit(world_from_body, origin, direction, Solid::cast_hollow)
     }
@@ -126,12 +126,12 @@ impl Figure {
         Some(SurfaceHit { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
     }
 
-    /// The rectangle around the body in plan view.
+    /// The body's bounding rectangle in plan view.
     pub fn bounds(&self, world_from_body: &Pose) -> Bounds {
         self.solids.iter().map(|solid| solid.bounds(world_from_body)).fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// Calls `visit` with the point of each part nearest to `point`, both in the world frame; meshes are left out.
+    /// Calls `visit` with the point of each part nearest to `point`, both in the world frame; skips meshes.
     pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
         let axis = world_from_body.heading.direction();
         let local = into(world_from_body.position, axis, point);
@@ -142,7 +142,7 @@ impl Figure {
         }
     }
 
-    /// Height up to which the outline equals that at the floor; 0 if a part is not a prism on the floor.
+    /// Height up to which the outline is the same as at the floor; 0 if a part is not a prism on the floor.
     pub fn prism_top(&self) -> f64 {
         let top = |solid: &Solid| match *solid {
             Solid::Prism { bottom, top, .. } if bottom <= 0.0 => top,
@@ -230,9 +230,9 @@ impl Solid {
 /// Interval of a line inside a convex shape, as distances from the ray's origin, negative behind it.
 #[derive(Clone, Copy, Debug)]
 struct Interval {
-    /// Entry.
+    /// Distance to the entry.
     enter: f64,
-    /// Exit.
+    /// Distance to the exit.
     leave: f64,
     /// Outward normal at the entry.
     normal: DVec3,
@@ -316,7 +316,7 @@ fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64)
 /// half of the line's chord in the sphere.
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
-    // Computed from the foot of the perpendicular, to keep precision for a sphere far away.
+    // Computed from the foot of the perpendicular, which keeps precision for a distant sphere.
     let aside = (offset - direction * along).length_squared();
     let half_chord = radius * radius - aside;
     (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))

@@ -3,7 +3,8 @@
 use super::{Properties, State, floor::Velocity};
 use crate::{pose::Pose, scene::Bounds, time::Time};
 
-/// Published trajectory of an object from an instant on: straight, with constant decelerations until it rests.
+/// Published trajectory of an object from an instant on: straight, with constant decelerations until the object is at
+/// rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectTrajectory {
     /// Start of the trajectory.

@@ -21,7 +21,7 @@ pub struct Link {
 /// Pose of link `index` in the robot's frame at the joint angles `angles` (rad, in the order of the joints' indices).
 ///
 /// # Panics
-/// If there is no such link or angle, or a link comes before its parent in the list.
+/// If the link or an angle does not exist, or a link comes before its parent in the list.
 pub fn link_pose(links: &[Link], angles: &[f64], index: usize) -> Pose3 {
     let link = &links[index];
     let turned = link.joint.map_or(link.origin, |joint| link.origin.then(&Pose3::about_axis(link.axis, angles[joint])));

@@ -27,7 +27,7 @@ impl Transmission {
         self.sending.from == off.robot && self.sending.sequence <= off.last_sequence && self.begins > off.at
     }
 
-    /// Returns true if this transmission disturbs others at `receiver`: the receiver sends it itself or is within its
+    /// Returns true if this transmission disturbs other transmissions at `receiver`, which sends it or is within its
     /// reach.
     fn is_heard_by(&self, receiver: RobotId) -> bool {
         let is_far = || self.sending.out_of_reach.binary_search_by_key(&receiver, |(robot, _)| *robot).is_ok();
@@ -80,8 +80,8 @@ impl Air {
         self.transmissions[start..end].iter().map(|(other, _)| other).filter(|other| other.ends > transmission.begins)
     }
 
-    /// Marks transmissions that have arrived by `time` as decided. Drops decided ones that can no longer collide,
-    /// neither with an undecided transmission nor with one that begins at `time` or later.
+    /// Marks transmissions that have arrived by `time` as decided. Drops decided transmissions that can no longer
+    /// collide with an undecided one or with one that begins at `time` or later.
     pub fn forget(&mut self, time: Time) {
         let mut oldest = time;
         for (transmission, is_decided) in &mut self.transmissions {

@@ -1,4 +1,4 @@
-//! Channel: transport of messages between sending and receiving.
+//! Channel: transport of messages from senders to receivers.
 
 use std::collections::BTreeSet;
 
@@ -23,7 +23,7 @@ pub struct Channel {
     seed: u64,
     /// Noise models of the receivers, in the order of their ids; receivers beyond the end have no errors.
     errors: Vec<RadioNoise>,
-    /// Robots whose radio neither is heard nor hears.
+    /// Robots whose radio is silenced: it can neither be heard nor hear.
     silent: BTreeSet<RobotId>,
     /// Stations that are on, in the order of their robots.
     members: Vec<StationInfo>,
@@ -108,8 +108,8 @@ impl Channel {
         self.has_changed |= self.model.medium == Medium::TokenRing;
     }
 
-    /// Silences the radio of `robot` or lets it be heard again, for messages that are decided from the end of the present slot on.
-    /// Its messages are on the air all the same, and lost.
+    /// Silences the radio of `robot` or ends its silence, for messages that are decided from the end of the present slot on. Its messages
+    /// are still on the air, but lost.
     pub fn set_silent(&mut self, robot: RobotId, is_silent: bool) {
         if is_silent {
             self.silent.insert(robot);

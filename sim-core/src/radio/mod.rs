@@ -4,7 +4,7 @@
 //! the sent messages. It decides for each message and station whether and when the message is received, and with which
 //! bit errors; the result is a [`Delivery`].
 //!
-//! Source: Koestler & Bräunl, sections 5.1 and 6.2; the rules of time are those of design section 7.
+//! Source: Koestler & Bräunl, sections 5.1 and 6.2; for the rules of time, design section 7.
 
 mod air;
 mod channel;
@@ -23,7 +23,7 @@ use crate::time::Time;
 /// Medium access of the stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Medium {
-    /// Each station has a frequency to itself: no interference.
+    /// Each station has a frequency of its own: no interference.
     #[default]
     Free,
     /// All stations share one frequency and send at any time: messages that overlap at a receiver are all lost there
@@ -44,7 +44,7 @@ pub struct RadioModel {
     pub latency: Time,
     /// Range of a station, m; `None` for no limit.
     pub range: Option<f64>,
-    /// Walls block messages.
+    /// True if walls block messages.
     pub line_of_sight: bool,
 }
 
@@ -55,7 +55,7 @@ impl Default for RadioModel {
     }
 }
 
-/// Bytes of a frame besides its payload: start, type, destination, source, next sender, length, checksum.
+/// Bytes of a frame in addition to its payload: start, type, destination, source, next sender, length, checksum.
 ///
 /// Source: the network of the EyeBot.
 pub const HEADER: usize = 7;
@@ -141,7 +141,7 @@ pub struct Delivery {
     pub sequence: u64,
     /// Time of arrival: sending plus delay.
     pub arrives: Time,
-    /// Time from which on the receiver can see it.
+    /// Time from which the receiver can see the message.
     pub visible: Time,
     /// The received bytes, or the reason of the loss.
     pub outcome: Result<Arrived, Loss>,

@@ -11,8 +11,8 @@
 //! no station starves.
 //!
 //! Source: the network of the EyeBot has token, time-out and wild card. The choice of the polling station and the
-//! durations are ours. We also chose that polls are never lost, and that the ring hears tokens and polls at any speed
-//! and distance and through walls.
+//! durations are our own. We also chose that polls are never lost, and that the ring hears tokens and polls at any
+//! speed and distance and through walls.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -226,7 +226,7 @@ fn fixed(number: f64) -> u128 {
     (number * (1_u128 << 80) as f64) as u128
 }
 
-/// Number of times that `hazard` fits into `life`.
+/// Number of passes with `hazard` that `life` lasts.
 fn lives(life: u128, hazard: u128) -> i64 {
     life.checked_div(hazard).and_then(|count| i64::try_from(count).ok()).unwrap_or(i64::MAX)
 }

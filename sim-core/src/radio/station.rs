@@ -92,7 +92,8 @@ impl Station {
         self.switch_off_after(now)
     }
 
-    /// Switches the station off as [`Station::switch_off`], but messages whose transmission begins by `last` are sent.
+    /// Switches the station off like [`Station::switch_off`], but still sends messages whose transmission begins by
+    /// `last`.
     pub fn switch_off_after(&mut self, last: Time) -> Vec<Delivery> {
         if self.member.take().is_none() {
             return Vec::new();
@@ -105,13 +106,13 @@ impl Station {
         self.coming.drain(..).map(unheard).collect()
     }
 
-    /// Start of the last transmission, if it lies after `now`, otherwise `now`; of a token ring, which decides it later, `now`.
+    /// The later of `now` and the start of the last transmission; in a token ring, which decides this start later, `now`.
     pub fn last_start(&self, now: Time) -> Time {
         self.outgoing.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }
 
-    /// Number of messages that would never be sent if the station were switched off at `now`, including all that wait
-    /// for a token.
+    /// Number of messages that would never be sent if the station were switched off at `now`, including messages that
+    /// wait for a token.
     pub fn unsent(&self, now: Time) -> usize {
         self.outgoing.iter().filter(|it| !self.goes_out(it, now)).count()
     }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// An intervention: one user action, which takes effect at the start of a slot.
 ///
-/// Its JSON is the canonical text that the digest covers and that traces contain, so that a run can be repeated: names and order of
-/// variants and fields are frozen. Other notations, such as that of a page, are translated by their own modules.
+/// Its JSON is the canonical text in digest and trace, with which a run can be repeated: names and order of variants and fields are frozen.
+/// Other notations, such as the page's, are translated by their own modules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Action {
@@ -67,7 +67,7 @@ pub enum Action {
     AddRobot {
         /// Name of the type in the scene.
         kind: String,
-        /// Number of the robot whose program the new one runs; `None` for a robot without a program.
+        /// Number of the robot whose program the new robot runs; `None` for a robot without a program.
         program_of: Option<u32>,
         /// World coordinate to the right.
         x_m: f64,
@@ -104,27 +104,27 @@ pub enum Action {
         /// Number of the robot.
         robot: u32,
     },
-    /// Lets a range sensor repeat its present reading, or measure again.
+    /// Makes a range sensor repeat its present reading, or measure again.
     StickSensor {
         /// Number of the robot.
         robot: u32,
         /// Name of the sensor.
         sensor: String,
-        /// True for repeating.
+        /// True to repeat the reading.
         on: bool,
     },
-    /// Silences a robot's radio, which then neither is heard nor hears, or lets it be heard again.
+    /// Silences a robot's radio, which then can neither be heard nor hear, or ends its silence.
     SwitchRadio {
         /// Number of the robot.
         robot: u32,
-        /// True for being heard.
+        /// True to end the silence.
         on: bool,
     },
     /// Carries out another action as a fault of the scene.
     Fault {
         /// Name of the fault.
         name: String,
-        /// What it does.
+        /// The action.
         action: Box<Action>,
     },
 }

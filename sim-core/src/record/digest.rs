@@ -1,11 +1,11 @@
-//! Digest of a run: a hash chain per robot, one digest per slot, one for the run.
+//! Digest of a run: a hash chain per robot, a digest per slot, and a digest of the run.
 //!
 //! A robot's chain value after a slot is BLAKE3(previous chain value || canonical bytes of its events in the slot). The
 //! digest after a slot is BLAKE3(previous digest || end of the slot || (id, chain value) of each robot that recorded an
 //! event, in order of the ids). Slots and robots without events do not enter the digest; they only affect the times of
 //! later events. The digest of a run is the digest after its last slot, so it equals the last slot line of the trace.
 //!
-//! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers by their bits. Notes, wall
+//! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers as their bits. Notes, wall
 //! time and the order of threads are excluded. Source: design section 10; the construction is our choice.
 
 use std::fmt;
@@ -23,7 +23,7 @@ const DOMAIN: &[u8] = b"eyesim record 1";
 pub struct Digest(pub [u8; 32]);
 
 impl fmt::Display for Digest {
-    /// 64 lower-case hexadecimal digits.
+    /// Formats the digest as 64 lower-case hexadecimal digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
     }

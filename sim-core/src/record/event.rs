@@ -1,4 +1,4 @@
-//! Events of a run, defined in one list that generates enum, kinds and JSON names, and that `docs/trace.md` is checked against.
+//! Events of a run. One list generates enum, kinds and JSON names; `docs/trace.md` is checked against it.
 
 mod canonical;
 mod field;
@@ -28,7 +28,7 @@ macro_rules! events {
             $( $(#[$doc])* $name { $( $(#[$field_doc])* $field: $type, )* }, )*
         }
 
-        /// Kind of an [`Event`]; the number is the first byte of the event's canonical form.
+        /// Kind of an [`Event`]; its number is the first byte of the event's canonical form.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
         pub enum Kind {

@@ -1,4 +1,4 @@
-//! Journal: list of a robot's events in the slot in progress.
+//! Journal: the list of a robot's events in the slot in progress.
 
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ use super::lanes;
 /// Length of a chain value in bytes.
 const CHAIN_LEN: usize = 32;
 
-/// List of one robot's events in the slot in progress. Recording an event takes a few stores, and no allocation once
-/// the buffers have grown.
+/// The list of one robot's events in the slot in progress. Recording an event takes a few stores, and no allocation
+/// once the buffers have grown.
 ///
 /// Events are kept in their canonical form (postcard of time and event), which the digest covers and the sinks decode.
 /// While a slot runs, only the robot itself writes. At the slot's end poses and contacts are added, and
@@ -44,12 +44,12 @@ pub(super) struct Page {
 /// Result of the end of a slot for one journal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) enum EndedJournal {
-    /// It holds nothing for the recorder, and the next slot has begun.
+    /// The journal holds nothing for the recorder, and the next slot has begun.
     #[default]
     Empty,
-    /// It has this new chain value and nothing to show, and the next slot has begun.
+    /// The journal has this new chain value and no event to show, and the next slot has begun.
     Chain([u8; CHAIN_LEN]),
-    /// The recorder still has to collect it.
+    /// The recorder still has to collect the journal.
     Sealed,
 }
 
@@ -122,7 +122,7 @@ impl Journal {
     /// Ends the slot for this robot: adds its events to its chain. A robot without events keeps its chain value.
     ///
     /// Hashing is the larger part of recording. Workers may call this method in parallel; the recorder seals the
-    /// journals that are left.
+    /// remaining journals.
     pub fn seal(&mut self) {
         self.seal_with(|events| *blake3::hash(events).as_bytes());
     }
@@ -135,7 +135,7 @@ impl Journal {
             let mut few: [Option<&mut Self>; lanes::LANES] = Default::default();
             few.iter_mut().zip(&mut journals).for_each(|(place, journal)| *place = Some(journal));
             let count = few.iter().flatten().count();
-            // Lanes that stay empty cost as much as others.
+            // Empty lanes cost as much as full ones.
             if 2 * count > lanes::LANES && few.iter().flatten().all(is_short) {
                 let messages = few.each_ref().map(|journal| journal.as_ref().map_or(&[][..], |it| &it.page.events));
                 let chains = lanes::hash(Level::new(), &messages);
@@ -158,7 +158,8 @@ impl Journal {
         self.is_sealed = true;
     }
 
-    /// Ends the slot for this robot, which may be sealed, and begins the next one unless it has recorded an event of a kind of `interest`.
+    /// Ends the slot for this robot, sealed or not, and begins the next slot unless the robot has recorded an event of a kind in
+    /// `interest`.
     pub(crate) fn end_slot(&mut self, interest: KindSet) -> EndedJournal {
         if self.is_empty() {
             self.is_sealed = false;
@@ -188,7 +189,7 @@ impl Journal {
         self.page.kinds
     }
 
-    /// Begins the next slot: moves the buffers of the last one to `spare` and reuses those of `spare`.
+    /// Begins the next slot: swaps the buffers of the last slot with the emptied buffers of `spare`.
     pub(super) fn turn_page(&mut self, spare: &mut Page) {
         spare.clear();
         spare.events.extend_from_slice(&self.page.events[..CHAIN_LEN]);

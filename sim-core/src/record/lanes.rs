@@ -1,9 +1,9 @@
-//! BLAKE3 of short messages side by side, one in each lane of a vector: hashing them one by one leaves most of a processor idle.
+//! BLAKE3 of short messages in parallel, one in each SIMD lane: hashing them one by one leaves most of a processor idle.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, u32x8};
 
-/// Number of messages that are hashed side by side.
+/// Number of messages that are hashed in parallel.
 pub(super) const LANES: usize = 8;
 
 /// Longest message, in bytes: one chunk of the hash's tree.
@@ -15,7 +15,7 @@ const BLOCK_LEN: usize = blake3::BLOCK_LEN;
 /// Number of words of a block.
 const WORDS: usize = BLOCK_LEN / 4;
 
-/// Initial chaining value. Source: BLAKE3 specification, section 2.2, as all that follows.
+/// Initial chaining value. Source, also of all that follows: BLAKE3 specification, section 2.2.
 const IV: [u32; 8] =
     [0x6a09_e667, 0xbb67_ae85, 0x3c6e_f372, 0xa54f_f53a, 0x510e_527f, 0x9b05_688c, 0x1f83_d9ab, 0x5be0_cd19];
 
@@ -168,7 +168,7 @@ fn mix<S: Simd>(
     state[b] = turned(state[b] ^ state[c], 7);
 }
 
-/// The words turned right by `count` bits.
+/// The words rotated right by `count` bits.
 #[inline(always)]
 fn turned<S: Simd>(words: u32x8<S>, count: u32) -> u32x8<S> {
     words >> count | words << (32 - count)

@@ -29,8 +29,8 @@ struct MergedEntry {
 }
 
 impl Recorder {
-    /// Record of a run with `seed` and slots of length `slot`, before its first slot. Events of the kinds of `interest` are shown to
-    /// the observer.
+    /// Record of a run with `seed` and slots of length `slot`, before its first slot. The observer gets the events of the kinds in
+    /// `interest`.
     pub fn new(seed: u64, slot: Time, interest: KindSet) -> Self {
         Self { digest: RunDigest::new(seed, slot), interest, pages: Vec::new(), used: 0, order: Vec::new() }
     }
@@ -40,7 +40,7 @@ impl Recorder {
         self.interest = interest;
     }
 
-    /// Takes the events of `journal` in this slot and begins its next one. Must be called in order of the robots' ids;
+    /// Takes the events of `journal` in this slot and begins its next slot. Must be called in order of the robots' ids;
     /// robots without events may be left out.
     pub fn collect(&mut self, journal: &mut Journal) {
         if journal.is_empty() {
@@ -75,7 +75,7 @@ impl Recorder {
         self.interest
     }
 
-    /// Takes the events of `journal` as [`Recorder::collect`] does, given how [`Journal::end_slot`] has ended its slot.
+    /// Takes the events of `journal` like [`Recorder::collect`], given the result of [`Journal::end_slot`].
     pub(crate) fn collect_ended(&mut self, robot: RobotId, ended: &EndedJournal, journal: &mut Journal) {
         match ended {
             EndedJournal::Empty => {}

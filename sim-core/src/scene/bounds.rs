@@ -1,7 +1,7 @@
 use glam::DVec2;
 
-/// Component of a ray's direction below which the ray counts as parallel to the other axis, because the reciprocal of
-/// a smaller one would overflow in products.
+/// Component of a ray's direction below which the ray counts as parallel to the other axis, because the reciprocal of a
+/// smaller component would overflow in products.
 pub(super) const PARALLEL: f64 = 1e-150;
 
 /// An axis-parallel rectangle, borders included, in metres in the world frame.
@@ -17,7 +17,7 @@ impl Bounds {
     /// The empty rectangle: the neutral element of [`Bounds::union`].
     pub const EMPTY: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
 
-    /// The smallest rectangle that contains every point; [`Bounds::EMPTY`] for none.
+    /// The smallest rectangle that contains all points; [`Bounds::EMPTY`] without points.
     pub fn of_points(points: impl IntoIterator<Item = DVec2>) -> Self {
         points
             .into_iter()

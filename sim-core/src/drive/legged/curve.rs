@@ -1,4 +1,4 @@
-//! Natural walking: human joint angles over the gait cycle, and the stride that they give a leg of any proportions.
+//! Natural walking: human joint angles over the gait cycle, and the resulting stride of a leg of any proportions.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ pub(super) const TOE_OFF: f64 = 0.6;
 /// degrees in between. Our choice.
 const FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
-/// Phase from which the heel rises as in the source.
+/// Phase from which the heel rises as fast as in the source.
 const RISEN: f64 = 0.42;
 /// Phase from which the hip sinks to the height at which the other leg, almost straight, takes over. Our choice.
 const SINKING: f64 = 0.4;
@@ -55,7 +55,7 @@ pub fn natural_angles(phase: f64) -> [f64; 3] {
     [&THIGH, &KNEE, &ANKLE].map(|degrees| periodic(degrees, phase) / 180.0 * PI)
 }
 
-/// Pitch of the foot, toes up, rad, at `phase`: that of the source, but exactly 0 while the foot is flat.
+/// Pitch of the foot, toes up, rad, at `phase`: the source's pitch, but exactly 0 while the foot is flat.
 pub(super) fn natural_pitch(phase: f64) -> f64 {
     let phase = phase - phase.floor();
     let weight =
@@ -76,7 +76,7 @@ pub(super) struct NaturalGait {
     pub ahead: f64,
     /// Height of the hip at each sample of half a cycle, m.
     heights: [f64; SAMPLES / 2],
-    /// Swing path from toe-off to heel strike: x is the fraction of the horizontal way, y the height, m.
+    /// Swing path from toe-off to heel strike: x is the fraction of the horizontal distance, y the height, m.
     way: [DVec2; INTERVALS + 1],
 }
 
@@ -117,7 +117,7 @@ impl NaturalGait {
         periodic(&self.heights, 2.0 * phase)
     }
 
-    /// Swing path at a fraction of the swing time: x is the fraction of the horizontal way, y the height, m.
+    /// Swing path at a fraction of the swing time: x is the fraction of the horizontal distance, y the height, m.
     pub fn way(&self, share: f64) -> DVec2 {
         let place = share.clamp(0.0, 1.0) * INTERVALS as f64;
         let index = (place as usize).min(INTERVALS - 1);

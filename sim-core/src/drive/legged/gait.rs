@@ -11,13 +11,13 @@ pub(super) const GRID: i64 = 48;
 pub struct Gait {
     /// Its name.
     pub name: String,
-    /// Time from one lift-off of a foot to its next.
+    /// Time from one lift-off of a foot to its next lift-off.
     pub period: Time,
     /// Duty factor: fraction of the period for which a foot is on the ground, above 0 and below 1.
     pub duty: f64,
     /// Phase of the lift-off of each leg, as a fraction of the period, 0 to 1; rounded to the nearest 48th.
     pub offsets: Vec<f64>,
-    /// Legs with feet follow human joint angles: see [`natural_angles`](super::natural_angles).
+    /// True if legs with feet follow human joint angles: see [`natural_angles`](super::natural_angles).
     pub is_natural: bool,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Clock {
     pub opened: Time,
     /// Time of instant 0; at most one instant after `opened`.
     since: Time,
-    /// Length of the first cycle; `period` is that of the others.
+    /// Length of the first cycle; all later cycles have the length `period`.
     first: Time,
     period: Time,
     pub gait: usize,
@@ -62,7 +62,7 @@ impl Clock {
         let slots = (0..gait.offsets.len()).map(|leg| gait.slot(leg));
         let ahead = slots.min().unwrap_or(0) - 1;
         let clock = Self { opened: at, since: at, first, period: gait.period, gait: index };
-        // `ahead` may be -1, an instant before instant 0 of the clock.
+        // `ahead` may be -1, one instant before instant 0 of the clock.
         Self { since: at - (clock.instant(ahead) - at), ..clock }
     }
 

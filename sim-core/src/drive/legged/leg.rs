@@ -9,8 +9,8 @@ use crate::{
     pose::{Link, Pose3},
 };
 
-/// Limit of a leg's extension, as a fraction of thigh plus shank: the knee stays bent by 7.2 degrees. Near a straight
-/// knee, a millimetre of height would turn it by an arbitrarily large angle. Our choice.
+/// Limit of a leg's extension, as a fraction of thigh plus shank: the knee stays bent by 7.2 degrees, because near a
+/// straight knee a millimetre of height may need an arbitrarily large change of its angle. Our choice.
 const STRETCH: f64 = 0.998;
 
 /// Minimum height of the hip while walking, as a fraction of its height while standing. Our choice.
@@ -156,7 +156,7 @@ impl Leg {
     }
 
     /// Joint angles that place the sole on a point, `hip_to_point` in the robot's axes, with the foot at `yaw` relative
-    /// to the robot; for a point out of reach, those of the nearest reachable one.
+    /// to the robot; for a point out of reach, the angles for the nearest reachable point.
     ///
     /// Closed form: yaw is given, roll turns the plane of the leg through the point, and two links reach the ankle in
     /// that plane.

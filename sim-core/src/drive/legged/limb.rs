@@ -29,12 +29,12 @@ pub struct Limb {
     pub part: BodyPart,
     /// Capsule in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
     pub capsule: Capsule,
-    /// Length at its lower end that may be near the ground because a foot stands there, m; 0 for a thigh.
+    /// Length of its lower end that may be near the ground because the foot is there, m; 0 for a thigh.
     pub bare: f64,
 }
 
 impl Legs {
-    /// Index among the [links](Self::links) of each part, leg by leg: the thigh, the shank and, if present, the foot.
+    /// Indices of the parts among the [links](Self::links), leg by leg: the thigh, the shank and, if present, the foot.
     pub fn part_links(&self) -> Vec<usize> {
         let mut first = 0;
         let mut places = Vec::new();

@@ -1,8 +1,8 @@
 //! Legged locomotion.
 //!
-//! Kinematic, without forces. A legged robot's planar motion is that of any robot, a chain of pieces opened by
-//! commands; its feet, its joints and the height of its body are functions of that motion and of virtual time, so they
-//! too are exact for every slot length. See docs/legged.md.
+//! The model is kinematic, without forces. A legged robot moves in the plane like any robot, on a chain of pieces
+//! opened by commands; its feet, joints and body height are functions of that motion and of virtual time, so they too
+//! are exact for every slot length. See docs/legged.md.
 
 mod curve;
 mod gait;
@@ -75,7 +75,7 @@ pub enum LegCommandError {
         /// Number of its legs.
         legs: usize,
     },
-    /// The height or shift is beyond a leg's reach, negative or not finite.
+    /// The height or shift exceeds a leg's reach, is negative or is not finite.
     #[error("a length is not one that a leg can do, accepted: finite values within its reach, heights of 0 or more")]
     Length,
 }
@@ -101,7 +101,7 @@ pub struct FootState {
     pub sole: Sole,
     /// Direction of the toes, rad counter-clockwise from the world's x axis.
     pub heading: f64,
-    /// The foot is on the ground.
+    /// True if the foot is on the ground.
     pub is_down: bool,
 }
 
@@ -142,8 +142,8 @@ impl Legs {
         self.legs.iter().flat_map(of_leg).collect()
     }
 
-    /// Maximum distance of a standing foot from its place under the hip, m: the leg reaches it with the hip lowered by
-    /// a sixth. Our choice.
+    /// Maximum distance of a standing foot from its neutral position under the hip, m: the leg reaches this far with
+    /// the hip lowered by a sixth. Our choice.
     pub fn excursion(&self) -> f64 {
         let of_leg = |leg: &Leg| {
             let ankle = leg.foot.map_or(0.0, |foot| foot.height);

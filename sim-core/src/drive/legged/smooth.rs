@@ -13,8 +13,7 @@ pub(super) fn share(at: Time, start: Time, span: Time) -> f64 {
     if span <= Time::ZERO { 1.0 } else { (at - start).seconds() / span.seconds() }
 }
 
-/// A number as a function of time: a sum of smooth steps, so that a new target keeps its slope and curvature
-/// continuous.
+/// A number as a function of time: a sum of smooth steps, so that slope and curvature stay continuous at a new target.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SmoothValue {
     base: f64,
@@ -44,7 +43,8 @@ impl SmoothValue {
         self.steps.iter().all(|(start, span, _)| *start + *span <= at)
     }
 
-    /// Drops the history before `at`. Values from `at` on keep their bits, because the sum starts with the oldest step.
+    /// Drops the history before `at`. Values from `at` on stay bit-identical, because the sum starts with the oldest
+    /// step.
     pub fn forget(&mut self, at: Time) {
         let done = self.steps.iter().take_while(|(start, span, _)| *start + *span <= at).count();
         self.base = self.steps.drain(..done).fold(self.base, |sum, (_, _, by)| sum + by);

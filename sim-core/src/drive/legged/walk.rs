@@ -2,7 +2,7 @@
 //!
 //! All decisions about the feet are made at instants of the gait's own clock, 48 per period, from pose and twist just
 //! before the instant. So the decisions depend neither on slots nor on the times of queries. Decisions before the
-//! present slot are final; later ones are made anew whenever the plan of the motion changes.
+//! present slot are final; later decisions are repeated whenever the plan of the motion changes.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,7 +24,8 @@ use crate::{
     time::Time,
 };
 
-/// Tolerance (m, and rad) within which a foot of a standing robot counts as at its place and is not lifted. Our choice.
+/// Tolerance (m, and rad) within which a foot of a standing robot counts as in its neutral position and is not lifted.
+/// Our choice.
 const AT_PLACE: f64 = 5e-3;
 /// Minimum change of its goal (m, and rad) that redirects a foot in the air. Our choice.
 const SAME_GOAL: f64 = 1e-3;
@@ -39,7 +40,7 @@ const MAX_TURNED: f64 = 1.6;
 const MAX_LEVEL: f64 = 1.2;
 /// Changes of the scale of the natural curves below this value are ignored. Our choice.
 const SAME_LEVEL: f64 = 0.02;
-/// Number of places tried for a foot between its goal and the body.
+/// Number of positions tried for a foot between its goal and the body.
 const TRIED_PLACES: i32 = 16;
 /// Number of intervals between two footholds at whose ends the height of the ground is sampled.
 const ASKED_PLACES: i32 = 8;
@@ -54,7 +55,7 @@ pub(in crate::drive) struct Course {
     pub piece: Piece,
     /// Offset from the robot's centre to its axle along x, m.
     pub axis_offset: f64,
-    /// The piece begins with a placement of the robot.
+    /// True if the piece begins with a placement of the robot.
     pub is_placed: bool,
 }
 
@@ -88,7 +89,7 @@ impl Course {
 pub(in crate::drive) struct LegSettings {
     pub gait: usize,
     pub step_height: f64,
-    /// By leg, the shift of the next foothold in the robot's frame and the additional lift.
+    /// For each leg, the shift of the next foothold in the robot's frame and the additional lift.
     pub corrections: Vec<(DVec2, f64)>,
 }
 
@@ -97,7 +98,7 @@ pub(in crate::drive) struct LegSettings {
 pub(in crate::drive) struct Walk {
     legs: Arc<Legs>,
     ground: Arc<Ground>,
-    /// By leg, its natural gait; `None` for a leg without a foot.
+    /// For each leg, its natural gait; `None` for a leg without a foot.
     natural: Vec<Option<NaturalGait>>,
     /// Settings with their start times, in ascending order; the first also applies before its start.
     orders: VecDeque<(Time, LegSettings)>,
@@ -111,7 +112,7 @@ pub(in crate::drive) struct Walk {
     taken: Time,
 }
 
-/// Place of a standing foot: the point under the ankle of a level foot, or the tip of the leg.
+/// Position of a standing foot: the point under the ankle of a level foot, or the tip of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Foothold {
     point: DVec3,
@@ -134,9 +135,9 @@ struct Step {
     from_pitch: f64,
     /// Scale of the natural pitch of the foot.
     level: f64,
-    /// Goal and clearance height, each with the instant from which it is in force; the first from lift-off.
+    /// Goals and clearance heights, each with the instant from which it is in force; the first holds from lift-off.
     goals: Vec<(Time, Foothold, f64)>,
-    /// The foot got here by a placement of the robot, not by a step.
+    /// True if a placement of the robot, not a step, brought the foot here.
     is_placed: bool,
 }
 
@@ -144,7 +145,7 @@ struct Step {
 #[derive(Clone, Debug)]
 struct Steps {
     until: Time,
-    /// Clocks, each with the scale of the gait's natural bob of the body; the last clock is current.
+    /// Clocks, each with the scale of the body's natural bob in that gait; the last clock is current.
     clocks: Vec<(Clock, SmoothValue)>,
     is_walking: bool,
     feet: Vec<VecDeque<Step>>,
@@ -347,7 +348,7 @@ impl Steps {
         }
     }
 
-    /// Puts all feet at their places.
+    /// Puts all feet at their neutral positions.
     fn place(&mut self, inputs: &DecisionInputs, at: Time, pose: &Pose) {
         for (leg, steps) in inputs.legs.legs.iter().zip(&mut self.feet) {
             let place = pose.transform_point(leg.hip.truncate());
@@ -400,7 +401,7 @@ impl Steps {
         }
     }
 
-    /// Handles a decision instant for one foot; returns true if the foot stands at its place.
+    /// Handles a decision instant for one foot; returns true if the foot is on the ground in its neutral position.
     fn tick_foot(
         &mut self,
         inputs: &DecisionInputs,
@@ -470,7 +471,7 @@ impl Steps {
         !is_lifted && !is_displaced
     }
 
-    /// Scale of the natural curves for a leg: its forward speed over that of the source.
+    /// Scale of the natural curves for a leg: its forward speed divided by the speed in the source.
     fn level(&self, inputs: &DecisionInputs, present: &BodyState, gait: &Gait, number: usize) -> f64 {
         let Some(natural) = inputs.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
         let Twist { vx, omega, .. } = present.twist;
@@ -506,7 +507,7 @@ impl Steps {
         then < lowest && then <= now || yaw_then > MAX_TWISTED && yaw_then > yaw_now
     }
 
-    /// Goal of a foot: its place under the body in the middle of its stance, extrapolated with the present twist.
+    /// Goal of a foot: its position under the body in the middle of its stance, extrapolated with the present twist.
     fn goal(
         &self,
         inputs: &DecisionInputs,
@@ -669,7 +670,7 @@ impl Step {
         1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
     }
 
-    /// The foothold nearest to `goal` that is at most `most` metres from the last goal.
+    /// The foothold nearest to `goal` that is at most `max_shift` metres from the last goal.
     fn limited_goal(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
         let turn = (goal.point - last.point).truncate();
@@ -774,7 +775,7 @@ fn present(courses: &[Course], at: Time) -> BodyState {
     BodyState { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }
 }
 
-/// Clearance height of a swing: highest ground in between, plus step height and lift.
+/// Clearance height of a swing: highest ground between the footholds, plus step height and lift.
 fn apex(inputs: &DecisionInputs, at: Time, leg: usize, from: &Foothold, goal: &Foothold) -> f64 {
     let orders = orders_at(inputs.orders, at);
     let between = |index: i32| {
@@ -788,7 +789,7 @@ fn apex(inputs: &DecisionInputs, at: Time, leg: usize, from: &Foothold, goal: &F
     highest.min(most) + orders.step_height + lift
 }
 
-/// Returns true if a foot is away from its place by more than a tolerance, m and rad.
+/// Returns true if a foot deviates from its neutral position by more than a tolerance, m and rad.
 fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool {
     let place = pose.transform_point(leg.hip.truncate());
     (foothold.point.truncate() - place).length() > tolerance || foot_yaw(foothold, pose).abs() > tolerance

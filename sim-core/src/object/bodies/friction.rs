@@ -19,8 +19,8 @@ impl Velocity {
     }
 }
 
-/// Splits `whole`, the loss of speed by friction in a step, m/s, into a part before and a part after the step, so that
-/// the object moves at its mean speed during the step. So the distance is exact for constant deceleration, even if the
+/// Splits `whole`, the loss of speed by friction in a step, m/s, into parts before and after the step, so that the
+/// object moves at its mean speed during the step. The distance is then exact for constant deceleration, even if the
 /// object comes to rest within the step.
 pub(super) fn split(sliding: f64, whole: f64) -> (f64, f64) {
     let before =

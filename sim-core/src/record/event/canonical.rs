@@ -1,4 +1,4 @@
-//! The canonical form of events, written without a serializer between: postcard, which decodes it.
+//! Writes the canonical form of events, which is postcard, without a serializer; postcard decodes it.
 
 use serde::Serialize;
 
@@ -97,7 +97,7 @@ impl<T: Canonical> Canonical for Option<T> {
     }
 }
 
-/// Rare types go through the serializer.
+/// Implements [`Canonical`] for rare types through the serializer.
 macro_rules! by_postcard {
     ($($type:ty)*) => {$(
         impl Canonical for $type {

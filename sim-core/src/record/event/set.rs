@@ -10,9 +10,9 @@ const _: () = assert!(Kind::ALL.len() <= 64);
 pub struct KindSet(u64);
 
 impl KindSet {
-    /// No kind.
+    /// The empty set.
     pub const NONE: Self = Self(0);
-    /// Every kind; the bits without a kind are set as well.
+    /// The set of all kinds; bits without a kind are set as well.
     pub const ALL: Self = Self(u64::MAX);
 
     /// The set of these kinds.
