@@ -16,7 +16,7 @@ pub const TICK: Time = Time(10_000);
 impl Time {
     /// The start of every run.
     pub const ZERO: Self = Self(0);
-    /// Later than any instant of a run.
+    /// An instant later than any instant of a run.
     pub const NEVER: Self = Self(i64::MAX);
 
     /// The span of `n` milliseconds.
@@ -34,7 +34,7 @@ impl Time {
         // `as` saturates and maps NaN to 0.
         let micros = (seconds * 1e6).ceil() as i64;
         let mut time = Self(micros);
-        // By rounding, the product may be just below the true value.
+        // Rounding may put the product just below the true value.
         while time < Self::NEVER && time.seconds() < seconds {
             time.0 += 1;
         }
@@ -73,7 +73,7 @@ impl Sub for Time {
 }
 
 impl std::fmt::Display for Time {
-    /// Seconds with three decimals, `2.350 s`; `for ever` for [`Time::NEVER`].
+    /// Formats the time in seconds with three decimals, `2.350 s`; `for ever` for [`Time::NEVER`].
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if *self == Self::NEVER { f.write_str("for ever") } else { write!(f, "{:.3} s", self.seconds()) }
     }

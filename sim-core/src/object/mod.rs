@@ -73,7 +73,7 @@ pub struct Properties {
     pub resistance: Resistance,
     /// Coefficient of restitution, 0 to 1; between two objects the smaller one applies (our choice).
     pub restitution: f64,
-    /// Coefficient of friction against walls, robots and other objects; between two objects the lower one applies (our choice).
+    /// Coefficient of friction against walls, robots and other objects; between two objects the smaller one applies (our choice).
     pub contact_friction: f64,
     /// Height of the object's frame above the floor, m; 0 unless it floats. Contacts do not depend on it.
     pub lift: f64,

@@ -24,12 +24,12 @@ impl Bounds {
             .fold(Self::EMPTY, |bounds, point| Self { min: bounds.min.min(point), max: bounds.max.max(point) })
     }
 
-    /// The square around a disc.
+    /// The bounding square of a disc.
     pub fn of_disc(centre: DVec2, radius: f64) -> Self {
         Self { min: centre, max: centre }.grown(radius)
     }
 
-    /// The smallest rectangle that contains both.
+    /// The smallest rectangle that contains both rectangles.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }

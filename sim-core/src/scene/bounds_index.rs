@@ -1,4 +1,4 @@
-//! Broad-phase index over moving bodies: candidates near a place, along a ray, or near one another.
+//! Broad-phase index over moving bodies: finds candidates near a point, along a ray, or near each other.
 
 use std::ops::ControlFlow;
 
@@ -9,16 +9,15 @@ use super::grid::{Cells, FARTHEST, Grid, is_ray, rounding_error, rounding_margin
 
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
-/// The index is rebuilt each slot, in time and memory proportional to the number of bodies whatever their size, and
-/// reuses its memory. It contains only keys and bounds; the caller tests the bodies themselves.
+/// The index is rebuilt each slot and reuses its memory. Time and memory are proportional to the number of bodies,
+/// independent of their size. It contains only keys and bounds; the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
 pub struct BoundsIndex<K> {
     /// In ascending order of the keys.
     bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
     grid: Option<Grid>,
-    /// Margin by which bodies are enlarged when they are entered into cells; larger than all rounding of rays and
-    /// cells.
+    /// Margin by which bodies are enlarged on insertion into cells; larger than all rounding of rays and cells.
     margin: f64,
     /// Indices into `bodies`.
     cells: Cells<u32>,
@@ -31,7 +30,7 @@ impl<K> Default for BoundsIndex<K> {
 }
 
 impl<K: Copy + Ord> BoundsIndex<K> {
-    /// Replaces all bodies by `bodies`, each with a unique key and its bounds.
+    /// Replaces all bodies with `bodies`, each with a unique key and its bounds.
     ///
     /// Bounds that are empty or have a NaN coordinate are never found; infinite bounds are clamped to
     /// 10^100 m.
@@ -74,9 +73,9 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         self.bodies.is_empty()
     }
 
-    /// Visits each body whose rectangle meets the ray from `origin` along the unit vector `direction` within `range`
-    /// metres, once, in about the order in which the ray meets the rectangles. `visit` returns the distance up to which
-    /// bodies are still of interest.
+    /// Visits once each body whose rectangle meets the ray from `origin` along the unit vector `direction` within
+    /// `range` metres, approximately in the order along the ray. `visit` returns the distance up to which bodies are
+    /// still of interest.
     ///
     /// Rectangles that the ray misses by less than their size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
@@ -93,7 +92,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
             grid.walk(origin, direction, range, |visited| {
                 for &place in self.cells.of(visited.cell) {
                     let (id, bounds) = &self.bodies[place as usize];
-                    // Most bodies of a cell lie off the ray's line, which this test finds without a division.
+                    // Most bodies of a cell lie off the ray's line; this test detects them without a division.
                     let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
                     let offset = middle - origin;
                     let (ahead, reach) = (offset.dot(direction), half.dot(forward) + slack);
@@ -119,7 +118,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits each body whose rectangle meets `bounds`, once, in ascending order.
+    /// Visits once each body whose rectangle meets `bounds`, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
         let mut places = Vec::new();
         self.overlapping(&bounds, &mut places);
@@ -128,7 +127,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits each body whose rectangle meets `bounds`, once, in no particular order, without a list of them.
+    /// Visits once each body whose rectangle meets `bounds`, in no particular order, without building a list.
     pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
         let Some(grid) = &self.grid else { return };
         if !grid.bounds().overlaps(bounds) {
@@ -152,7 +151,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Fills `places`, in ascending order, with the bodies whose rectangles meet `bounds`.
+    /// Fills `places` with the indices of the bodies whose rectangles meet `bounds`, in ascending order.
     fn overlapping(&self, bounds: &Bounds, places: &mut Vec<u32>) {
         places.clear();
         let Some(grid) = &self.grid else { return };

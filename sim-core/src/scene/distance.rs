@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// Minimum distance between the segments `a` and `b`, in metres; either may be a point.
 ///
-/// Source: the clamped solution of the two normal equations, as by Ericson, Real-Time Collision Detection, 5.1.9.
+/// Source: the clamped solution of the two normal equations, see Ericson, Real-Time Collision Detection, 5.1.9.
 pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let (along_a, along_b, between) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (square_a, square_b) = (along_a.length_squared(), along_b.length_squared());

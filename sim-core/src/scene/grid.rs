@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::bounds::{Bounds, PARALLEL};
 
-/// Coordinates beyond this, in metres, would overflow in products.
+/// Limit of coordinates, in metres; larger ones would overflow in products.
 pub(super) const FARTHEST: f64 = 1e100;
 
 /// Returns true if products with the point's coordinates stay finite; false for NaN.
@@ -87,7 +87,7 @@ impl Grid {
 
     #[inline]
     pub fn column(&self, x: f64) -> usize {
-        // `as` saturates, and maps NaN to 0; a conversion to 32 bits takes half of the instructions of one to 64.
+        // `as` saturates, and maps NaN to 0; a conversion to 32 bits takes half as many instructions as one to 64 bits.
         (((x - self.bounds.min.x) * self.per_cell) as u32 as usize).min(self.columns - 1)
     }
 
@@ -141,7 +141,7 @@ impl Grid {
         let mut place = CellVisit { grid: self, cell: self.index(column, row), exit: 0.0, entered: None };
         let (mut x_exit, mut y_exit) = (x_axis.exit(), y_axis.exit());
         loop {
-            // Not `min`, which has extra code for NaN.
+            // Not `min`, which needs extra code for NaN.
             place.exit = if x_exit < y_exit { x_exit } else { y_exit };
             if visit(&place).is_break() || place.exit > far {
                 return;
@@ -171,18 +171,18 @@ pub(super) struct CellVisit<'a> {
     pub cell: usize,
     /// Distance at which the ray leaves the cell.
     pub exit: f64,
-    /// Axis along which the ray has entered the cell, the cell's place on it, and true if the ray moves upwards; `None` for
-    /// the ray's first cell.
+    /// Axis along which the ray has entered the cell, the cell's index on that axis, and true if the ray moves upwards; `None` for the
+    /// ray's first cell.
     entered: Option<(usize, f64, bool)>,
 }
 
 impl CellVisit<'_> {
-    /// Returns true if this is the ray's first cell of those that `area`, which overlaps it, [spans](Grid::span): a ray
-    /// enters the cells of an area once.
+    /// Returns true if this is the ray's first cell among the cells that `area` [spans](Grid::span): a ray enters the
+    /// cells of an area once. `area` must overlap this cell.
     #[inline]
     pub fn is_first_of(&self, area: &Bounds) -> bool {
         let Some((axis, place, is_upwards)) = self.entered else { return true };
-        // As the grid computes columns and rows.
+        // Same computation as columns and rows of the grid.
         let place_of = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.per_cell;
         if is_upwards { place_of(area.min) >= place } else { place_of(area.max) < place + 1.0 }
     }
@@ -190,7 +190,7 @@ impl CellVisit<'_> {
 
 /// Crossings of a ray with the cell borders of one axis.
 struct Axis {
-    /// Distance to the exit border of column or row 0: the upper border, or the lower one for a ray that moves
+    /// Distance to the exit border of column or row 0: the upper border, or the lower border for a ray that moves
     /// backwards.
     first: f64,
     per_border: f64,
@@ -223,7 +223,7 @@ impl Axis {
         self.first + self.place * self.per_border
     }
 
-    /// Goes on to the next column or row, in which the ray is in `cell`; returns true if there is none.
+    /// Moves on to the next column or row and updates `cell`; returns true if there is none.
     #[inline]
     fn advance(&mut self, cell: &mut usize) -> bool {
         *cell = cell.wrapping_add(self.stride);
@@ -235,7 +235,7 @@ impl Axis {
 /// Contents of the cells: one list, sorted by cell.
 #[derive(Clone, Debug)]
 pub(super) struct Cells<T> {
-    /// Index of the first entry of each cell; one element more than there are cells.
+    /// Index of the first entry of each cell, followed by the number of entries.
     starts: Vec<u32>,
     entries: Vec<T>,
 }
@@ -247,8 +247,8 @@ impl<T> Default for Cells<T> {
 }
 
 impl<T: Copy> Cells<T> {
-    /// Enters each of `items` into the cells, numbered below `count`, that `cells_of` yields for the item. A cell keeps
-    /// the order of the items.
+    /// Inserts each item into the cells (numbers below `count`) that `cells_of` yields for it. A cell keeps the order
+    /// of the items.
     pub fn fill(
         &mut self,
         count: usize,

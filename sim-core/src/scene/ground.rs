@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::HeightField;
 
-/// Height of the ground as a function of place.
+/// Height of the ground as a function of the position.
 #[derive(Clone, Debug, Default)]
 pub enum Ground {
     /// The floor: the plane z = 0.

@@ -1,4 +1,4 @@
-//! Terrain as a height over the plane: heights at places, and its surface as a mesh for rays.
+//! Terrain as a height over the plane: heights at points, and the surface as a mesh for rays.
 
 mod clearance;
 #[cfg(test)]
@@ -8,30 +8,30 @@ use glam::{DVec2, DVec3};
 
 use super::{Bounds, Material, Mesh, Triangle};
 
-/// Maximum number of cells of a height field: that of an image of 1025 x 1025 pixels.
+/// Maximum number of cells of a height field: as many as an image of 1025 x 1025 pixels has.
 pub const MAX_CELLS: usize = 1 << 20;
 
 /// Number of height bands with different colours.
 const BANDS: usize = 24;
 
-/// Colours from the lowest to the highest ground, red, green, blue. Source: the order of colours on relief maps (green
+/// Colours (red, green, blue) from the lowest to the highest ground. Source: the order of colours on relief maps (green
 /// plains, brown heights, pale tops); our choice.
 const TINTS: [[f32; 3]; 5] =
     [[0.42, 0.52, 0.36], [0.62, 0.64, 0.42], [0.74, 0.64, 0.44], [0.62, 0.48, 0.36], [0.92, 0.89, 0.84]];
 
-/// Height as a function of place over a rectangle of the plane, world frame, in metres.
+/// Height as a function of the position in a rectangle of the plane, world frame, in metres.
 ///
 /// The heights are given at the corners of a rectilinear grid. The diagonal from its minimum x and y to its maximum
 /// divides each cell into two triangles, so the surface is continuous and rays find no gap. (One exception: if steps
 /// along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass
-/// within rounding.) A grid coordinate may occur twice: the cell between the two has no width and is an exact vertical
-/// step. Beyond the rectangle the ground continues level from its border, see [`height`](Self::height); rays hit
-/// nothing there.
+/// within rounding.) A grid coordinate may occur twice: the cell between has no width and is an exact vertical step.
+/// Beyond the rectangle the ground continues level from its border, see [`height`](Self::height); rays hit nothing
+/// there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
     ys: Vec<f64>,
-    /// Row by row along y, in each along x.
+    /// Heights row by row along y, in each row along x.
     heights: Vec<f64>,
     low: f64,
     high: f64,
@@ -58,12 +58,12 @@ pub enum FieldError {
 }
 
 impl HeightField {
-    /// The field with the corners `xs` times `ys` and their heights, row by row along y, in each along x.
+    /// The field with the corners `xs` times `ys` and their heights, row by row along y, in each row along x.
     ///
     /// # Errors
     /// See [`FieldError`].
     pub fn new(xs: Vec<f64>, ys: Vec<f64>, heights: Vec<f64>) -> Result<Self, FieldError> {
-        // Written so that NaN is refused.
+        // This form refuses NaN.
         let is_number = |value: &f64| value.abs() <= 1e9;
         if !xs.iter().chain(&ys).chain(&heights).all(is_number) {
             return Err(FieldError::Number);
@@ -108,12 +108,12 @@ impl HeightField {
     /// The corner in `column` along x and `row` along y, with its height.
     ///
     /// # Panics
-    /// If there is no such corner.
+    /// If the corner does not exist.
     pub fn corner(&self, column: usize, row: usize) -> DVec3 {
         DVec3::new(self.xs[column], self.ys[row], self.at(column, row))
     }
 
-    /// Height of the ground at a place in the world frame, in metres. At a step, the height of its upper side; beyond
+    /// Height of the ground at a point in the world frame, in metres. At a step, the height of its upper side; beyond
     /// the rectangle, the height of the nearest border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
@@ -136,9 +136,9 @@ impl HeightField {
         highest
     }
 
-    /// Upward unit normal of the ground at a place: the normal of the triangle there. On an edge the triangle with the
-    /// greater x counts, then that with the greater y; at a step the upper side counts. Beyond the rectangle the ground
-    /// is level across its border.
+    /// Upward unit normal of the ground at a point: the normal of the triangle there. On an edge the triangle with the
+    /// larger x counts, then the one with the larger y; at a step the upper side counts. Beyond the rectangle the
+    /// ground is level across its border.
     ///
     /// The normal is straight up if a coordinate is NaN.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
@@ -168,17 +168,17 @@ impl HeightField {
     }
 
     /// The two triangles of the cell that starts at corner `column` along x and `row` along y, counter-clockwise as
-    /// seen from above; those of a step are vertical.
+    /// seen from above; the triangles of a step are vertical.
     ///
     /// # Panics
-    /// If there is no such cell.
+    /// If the cell does not exist.
     pub fn triangles(&self, column: usize, row: usize) -> [[DVec3; 3]; 2] {
         let corner = |right, up| self.corner(column + right, row + up);
         let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
         [[a, b, c], [a, c, d]]
     }
 
-    /// Columns and rows of the cells that touch the rectangle, as two ranges; border cells stand for the ground beyond
+    /// Columns and rows of the cells that touch the rectangle, as two ranges; border cells represent the ground beyond
     /// the border.
     pub fn cells(&self, bounds: &Bounds) -> [std::ops::Range<usize>; 2] {
         let range = |axis: &[f64], low: f64, high: f64| {
@@ -197,8 +197,8 @@ impl HeightField {
         tint(share.clamp(0.0, 1.0) as f32)
     }
 
-    /// The surface as a mesh in the world frame: each corner once, two triangles per cell except those without area.
-    /// `colour` applies to the whole surface; without it, the surface is coloured by height.
+    /// The surface as a mesh in the world frame: each corner once, two triangles per cell except triangles without
+    /// area. `colour` applies to the whole surface; without it, the surface is coloured by height.
     pub fn mesh(&self, colour: Option<[u8; 3]>) -> Mesh {
         let (columns, rows) = self.size();
         let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| self.corner(column, row))).collect();
@@ -249,11 +249,11 @@ impl HeightField {
         if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
     }
 
-    /// Slopes along x and along y of the triangle at a spot; for a cell of width 0, of the cell before it.
+    /// Slopes along x and along y of the triangle at a position; for a cell of width 0, of the cell before it.
     fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
         let inside = |axis: &[f64], cell: usize, part: f64| {
             let is_wide = cell + 1 < axis.len() && axis[cell + 1] > axis[cell];
-            // The last corner, and the first of two at a step, belong to the cell before.
+            // The last corner, and the first of the two corners at a step, belong to the cell before.
             if is_wide { (cell, part) } else { (cell.saturating_sub(1), 1.0) }
         };
         let (column, right) = inside(&self.xs, column, right);
@@ -266,8 +266,8 @@ impl HeightField {
     }
 }
 
-/// Position of a coordinate on an axis: one spot, or the two sides of a step; each is a corner and the fraction of the
-/// next cell.
+/// Position of a coordinate on an axis: one position, or the two sides of a step; each is a corner and the fraction of
+/// the next cell.
 struct AxisPosition {
     first: (usize, f64),
     second: Option<(usize, f64)>,

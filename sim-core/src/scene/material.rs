@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-/// Appearance of the faces that refer to it.
+/// Appearance of the faces that use this material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Its name in the material file.
@@ -11,7 +11,7 @@ pub struct Material {
     pub colour: [f32; 3],
     /// Opacity, from 0 (transparent) to 1 (opaque).
     pub opacity: f32,
-    /// Image on the faces; materials with the same image share it.
+    /// Image on the faces, shared by all materials with the same image.
     pub texture: Option<Arc<Texture>>,
 }
 
@@ -32,7 +32,7 @@ pub struct Texture {
 
 impl Texture {
     /// The image of `width` times `height` pixels, row by row from the top, each from the left; `None` if the number of
-    /// `pixels` differs, or is 0.
+    /// `pixels` differs from that product or is 0.
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Option<Self> {
         let count = u64::from(width) * u64::from(height);
         (count > 0 && count == pixels.len() as u64).then_some(Self { width, height, pixels })
@@ -51,7 +51,7 @@ impl Texture {
     /// The pixel in `column` from the left and `row` from the top.
     ///
     /// # Panics
-    /// If it lies outside the image.
+    /// If the pixel lies outside the image.
     pub fn pixel(&self, column: u32, row: u32) -> [u8; 4] {
         assert!(column < self.width && row < self.height, "a pixel of the image");
         self.pixels[row as usize * self.width as usize + column as usize]

@@ -48,7 +48,7 @@ impl Mesh {
         &self.materials[triangle.material as usize]
     }
 
-    /// Lowest and highest corner of the box around all faces; `None` without any.
+    /// Lowest and highest corner of the box around all faces; `None` without faces.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let corners = self.triangles.iter().flat_map(|triangle| self.corners(triangle));
         corners.fold(None, |bounds, corner| {

@@ -2,8 +2,8 @@
 //! meshes.
 //!
 //! Walls and bodies are planar geometry in the world frame, in metres; a wall is its trace on the floor, a line
-//! segment. The module knows nothing of robots' shapes, sensors or contacts: it finds the walls along a ray and the
-//! walls or bodies near a place. Meshes are in the frame of their body.
+//! segment. The module finds the walls along a ray and the walls or bodies near a point; it contains no shapes of
+//! robots, no sensors and no contacts. Meshes are in the frame of their body.
 
 mod bounds;
 mod bounds_index;

@@ -11,14 +11,14 @@ use crate::{RobotId, math};
 /// Maximum number of boulders of a relief.
 pub const MAX_BOULDERS: u32 = 100_000;
 
-/// Maximum number of octaves of the relief; each octave has half the wavelength and half the amplitude of the one
-/// before.
+/// Maximum number of octaves of the relief; each octave has half the wavelength and half the amplitude of the previous
+/// one.
 const OCTAVES: u32 = 4;
 
-/// Minimum wavelength of an octave in cells; shorter ones are left out because the grid cannot resolve them.
+/// Minimum wavelength of an octave in cells; the grid cannot resolve shorter octaves, which are left out.
 const LEAST_CELLS: f64 = 4.0;
 
-/// Random places tried for a boulder before it is left out.
+/// Number of random positions tried for a boulder before it is left out.
 const TRIES: u32 = 64;
 
 /// Minimum ratio of a boulder's width to its length.
@@ -28,11 +28,10 @@ const SLIMMEST: f64 = 0.6;
 ///
 /// The relief is gradient noise of up to four octaves, shifted and scaled to the range from `base` to `base + relief`.
 /// Boulders (domes with elliptical outlines) lie on the relief. All random numbers come from streams keyed by seed and
-/// purpose, so that adding boulders changes no other number, and the bits are the same on every machine.
+/// purpose, so that added boulders do not change any other number, and the terrain is bit-identical on every machine.
 ///
-/// Source: gradient noise as by Perlin, "Improving noise", SIGGRAPH 2002 (the weights); directions from our keyed streams. The
-/// boulders, and all numbers that are not given, are our choice: Gois and Hiller, section 5, only call their terrains
-/// "randomly generated".
+/// Source: gradient noise after Perlin, "Improving noise", SIGGRAPH 2002 (the weights); directions from our keyed streams. The boulders,
+/// and all numbers that are not given, are our choice: Gois and Hiller, section 5, only call their terrains "randomly generated".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     /// Seed of all random numbers.
@@ -77,7 +76,7 @@ pub struct Disc {
 }
 
 impl Relief {
-    /// Generates the terrain; also returns the number of boulders that found no place outside the clear discs.
+    /// Generates the terrain; also returns the number of boulders for which there was no room outside the clear discs.
     ///
     /// # Errors
     /// [`FieldError`] if the size is not positive, or gives too many cells.
@@ -132,7 +131,7 @@ impl Relief {
         heights
     }
 
-    /// Factor on the relief at a place: 0 in the clear discs, 1 from twice their radius on.
+    /// Factor on the relief at a point: 0 in the clear discs, 1 from twice their radius on.
     fn clearing(&self, place: DVec2) -> f64 {
         let share = |disc: &Disc| {
             let part = (place.distance(disc.centre) / disc.radius - 1.0).clamp(0.0, 1.0);
@@ -141,7 +140,7 @@ impl Relief {
         self.clear.iter().map(share).fold(1.0, f64::min)
     }
 
-    /// Adds the boulders to the ground; returns the number that found no place.
+    /// Adds the boulders to the ground; returns the number of those for which there was no room.
     fn add_boulders(&self, xs: &[f64], ys: &[f64], heights: &mut [f64]) -> u32 {
         let Some(boulders) = &self.boulders else { return 0 };
         let mut domes = vec![0.0_f64; heights.len()];
@@ -166,7 +165,7 @@ impl Relief {
         left_out
     }
 
-    /// Boulder `number`; `None` if none of the places tried for it is free.
+    /// Boulder `number`; `None` if none of the tried positions is free.
     fn boulder(&self, boulders: &Boulders, number: u32) -> Option<Boulder> {
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Terrain, 0, u64::from(number));
         let mut between = |low: f64, high: f64| low + (high - low) * stream.unit();

@@ -25,7 +25,7 @@ impl Segment {
         math::hypot(self.b.x - self.a.x, self.b.y - self.a.y)
     }
 
-    /// The smallest rectangle around the wall.
+    /// The bounding rectangle of the wall.
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.a.min(self.b), max: self.a.max(self.b) }
     }
@@ -58,8 +58,8 @@ impl Segment {
 
     /// The four sides, counter-clockwise, of a wall `thickness` metres thick with this centre line.
     ///
-    /// The ends are flush with the ends of the centre line (our choice). Neighbouring sides share their corner bit for
-    /// bit. A centre line of length 0 gives a rectangle of length 0 parallel to the y axis.
+    /// The ends are flush with the ends of the centre line (our choice). The common corner of neighbouring sides is
+    /// bit-identical. A centre line of length 0 gives a rectangle of length 0 parallel to the y axis.
     pub fn thickened(&self, thickness: f64) -> [Segment; 4] {
         let along = self.b - self.a;
         let length = self.length();

@@ -7,7 +7,7 @@ use super::{Bounds, FieldError, HeightField};
 /// Maximum number of steps of a flight of stairs.
 pub const MAX_STEPS: u32 = 1000;
 
-/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest counts.
+/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest one counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
     /// Corner with the minimum x and y.
@@ -25,14 +25,14 @@ pub struct Steps {
 /// Direction in which stairs go up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StairsDirection {
-    /// Towards greater x.
+    /// Towards larger x.
     #[default]
     East,
-    /// Towards greater y.
+    /// Towards larger y.
     North,
-    /// Towards lesser x.
+    /// Towards smaller x.
     West,
-    /// Towards lesser y.
+    /// Towards smaller y.
     South,
 }
 
@@ -62,13 +62,13 @@ pub struct Stairs {
     pub count: u32,
     /// Height of each step; positive.
     pub rise: f64,
-    /// Depth of each step but the last; positive.
+    /// Depth of each step except the last; positive.
     pub depth: f64,
     /// Depth of the last step, the landing; positive.
     pub landing: f64,
-    /// Width across the direction; positive.
+    /// Width perpendicular to the direction; positive.
     pub width: f64,
-    /// If true, as many steps lead down again behind the landing; otherwise the landing ends in a vertical side.
+    /// If true, as many steps lead down again after the landing; otherwise the landing ends in a vertical side.
     pub goes_down: bool,
 }
 

@@ -13,16 +13,16 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Rough: all energy is returned, diffusely.
+    /// A rough surface: returns all energy, diffusely.
     pub const ROUGH: Self = Self { reflectivity: 1.0, specular: 0.0 };
 
-    /// Smooth: a perfect mirror. For ultrasound, most indoor surfaces are nearly perfect mirrors (France et al.,
-    /// section 3.4).
+    /// A smooth surface: a perfect mirror. For ultrasound, most indoor surfaces are nearly perfect mirrors (France et
+    /// al., section 3.4).
     pub const SMOOTH: Self = Self { reflectivity: 1.0, specular: 1.0 };
 }
 
 impl Default for Surface {
-    /// [`Surface::ROUGH`].
+    /// Returns [`Surface::ROUGH`].
     fn default() -> Self {
         Self::ROUGH
     }

@@ -1,4 +1,4 @@
-//! Static walls, and the nearest of them along a ray.
+//! Static walls, and the search for the nearest wall along a ray.
 
 mod batch;
 mod clearance;
@@ -19,16 +19,16 @@ pub struct WallId(pub u32);
 /// The nearest wall along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallHit {
-    /// Metres from the ray's origin to the wall; not negative.
+    /// Distance from the ray's origin to the wall, m; not negative.
     pub distance: f64,
-    /// The wall; of several at the same distance, the one with the lowest number.
+    /// The wall; among walls at the same distance, the one with the lowest number.
     pub wall: WallId,
 }
 
 /// Number of grid cells per wall.
 const CELLS_PER_WALL: f64 = 1.0;
 
-/// Average number of cell entries per wall that is allowed; limits the cost of long walls.
+/// Maximum average number of cell entries per wall; limits the cost of long walls.
 const ENTRIES_PER_WALL: f64 = 8.0;
 
 /// Maximum sum of columns and rows of a grid: keeps distances to cell borders, which are summed step by step, exact
@@ -48,8 +48,8 @@ const MAX_CELLS_ACROSS: f64 = 16384.0;
 /// - a ray that crosses a wall or touches one of its ends hits the wall. No ray slips through a shared corner, because
 ///   the side of the ray on which the corner lies is the same value for both walls;
 /// - a ray along a wall, touching both ends, hits the nearer end;
-/// - a ray that starts on a wall hits it at distance 0, whatever its direction. The origin counts as on the wall up to
-///   8 such units of the sum of the wall's length and the origin's coordinates.
+/// - a ray that starts on a wall hits it at distance 0 in every direction. The origin counts as on the wall up to 8
+///   such units of the sum of the wall's length and the origin's coordinates.
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
@@ -57,7 +57,7 @@ pub struct Walls {
     heights: Vec<f64>,
     bounds: Option<Bounds>,
     grid: Grid,
-    /// Margin by which walls are enlarged when they are entered into cells; larger than all rounding of rays and cells.
+    /// Margin by which walls are enlarged on insertion into cells; larger than all rounding of rays and cells.
     margin: f64,
     /// Upper bound of the [`rounding_error`] of every ray that starts in `bounds`, or outside `bounds` by at most the
     /// margin.
@@ -68,7 +68,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// The walls `segments`, numbered in their order, unlimited in height.
+    /// Walls along `segments`, numbered in their order, unlimited in height.
     ///
     /// # Panics
     /// If there are 2^26 walls or more.
@@ -99,7 +99,7 @@ impl Walls {
     /// Sets the heights of the walls' upper edges above the floor, m, in the order of the walls.
     ///
     /// # Panics
-    /// If the number of heights differs from that of the walls.
+    /// If the number of heights differs from the number of walls.
     pub fn with_heights(self, heights: Vec<f64>) -> Self {
         assert_eq!(heights.len(), self.segments.len(), "each wall has a height");
         Self { heights, ..self }
@@ -123,7 +123,7 @@ impl Walls {
     /// The wall with number `id`.
     ///
     /// # Panics
-    /// If there is no such wall.
+    /// If the wall does not exist.
     pub fn segment(&self, id: WallId) -> &Segment {
         &self.segments[id.0 as usize]
     }
@@ -133,7 +133,7 @@ impl Walls {
         &self.segments
     }
 
-    /// The smallest rectangle around all walls that a ray can hit; `None` without any.
+    /// The bounding rectangle of all walls that a ray can hit; `None` if there are none.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds
     }
@@ -156,7 +156,7 @@ impl Walls {
         self.cast_where(origin, direction, range, |_, _| true)
     }
 
-    /// As [`Walls::cast`], restricted to walls for which `counts`, called with a wall and its distance, returns true.
+    /// [`Walls::cast`] restricted to walls for which `counts`, called with a wall and its distance, returns true.
     #[inline]
     pub fn cast_where(
         &self,
@@ -181,7 +181,7 @@ impl Walls {
             let (entry, _) = reach.clip(origin, direction, range)?;
             self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
         } else if bounds.grown(2.0 * ray.rounding_error).clip(origin, direction, range).is_some() {
-            // For an origin so far away, rounding exceeds the margin of the cells.
+            // For so distant an origin, rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
                     nearest.offer(wall, ray.distance(segment), &counts);
@@ -209,8 +209,8 @@ impl Walls {
         *nearest = found;
     }
 
-    /// Visits each wall that meets `bounds`, once, in the order of their numbers; others whose rectangles meet `bounds` may be
-    /// visited too.
+    /// Visits once each wall that meets `bounds`, in the order of their numbers. May also visit walls of which only the bounding rectangle
+    /// meets `bounds`.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(WallId, &Segment)) {
         let half = 0.5 * (bounds.max - bounds.min);
         let is_clear = half.element_sum() < self.clearance(bounds.min + half);
@@ -225,7 +225,7 @@ impl Walls {
         }
     }
 
-    /// Walls in the cells that `bounds` meets, each once, in the order of their numbers.
+    /// Walls in the cells that `bounds` meets, without duplicates, in the order of their numbers.
     fn candidates(&self, bounds: &Bounds) -> Vec<WallId> {
         let mut ids = Vec::new();
         self.batches.collect(self.grid.span(bounds), &mut ids);

@@ -1,9 +1,9 @@
 use crate::{drive::Impact, pose::Heading};
 
-/// A switch along part of the body's rim.
+/// A switch along an arc of the body's rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bumper {
-    /// Middle of the part, rad counter-clockwise from ahead, seen from the robot's centre.
+    /// Middle of the arc, rad counter-clockwise from ahead, seen from the robot's centre.
     pub bearing: f64,
     /// Angle from the middle to either end, rad; pi or more covers the whole rim.
     pub half_width: f64,

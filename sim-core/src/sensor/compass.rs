@@ -8,7 +8,7 @@ use crate::pose::Heading;
 pub fn bearing_from_north(heading: Heading, north: f64) -> f64 {
     let bearing = Heading::new(north - heading.remainder()).remainder();
     let bearing = if bearing < 0.0 { bearing + TAU } else { bearing };
-    // A heading just left of north rounds to the full turn.
+    // A heading just left of north rounds to a full turn.
     if bearing >= TAU { 0.0 } else { bearing }
 }
 

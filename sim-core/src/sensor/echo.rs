@@ -33,7 +33,7 @@ impl Echo {
     /// The reflectance sensor: 0 to 1 m, 90 degrees.
     pub const REFLECTANCE: Self = Self { min: 0.0, max: 1.0, incidence: std::f64::consts::FRAC_PI_2 };
 
-    /// Returns true if a surface at `distance` (m) under the incidence angle `incidence` (rad) returns an echo.
+    /// Returns true if a surface at `distance` (m) and the incidence angle `incidence` (rad) returns an echo.
     pub fn returns(&self, distance: f64, incidence: f64) -> bool {
         (self.min..=self.max).contains(&distance) && incidence <= self.incidence + ANGLE_ROUNDING
     }
@@ -90,7 +90,7 @@ pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> 
 }
 
 /// Distance at which a surface at normal incidence gives this `signal` (1/m), in m; 0 for an infinite signal, `max` for
-/// no signal.
+/// signal 0.
 ///
 /// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which stays accurate as s goes to 0, while
 /// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all digits.
@@ -160,7 +160,7 @@ mod tests {
         // Half way: s = 0.5 / 0.25 = 2, and 2 / (1 + 3) gives 0.5 back.
         let half = Echo::REFLECTANCE.reflectance(Some((0.5, 0.0)), 0.0);
         assert_eq!((half.signal, half.distance), (2.0, Some(0.5)));
-        // At 60 degrees a quarter of the signal: 2 / (1 + sqrt(3)).
+        // At 60 degrees the signal is a quarter: 2 / (1 + sqrt(3)).
         let slanting = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
         assert!((slanting.signal - 0.5).abs() < 1e-15);
         assert!((distance(slanting) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);

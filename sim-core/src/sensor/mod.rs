@@ -1,7 +1,7 @@
 //! Geometry of the sensors on a body: origins of rays, sides of bumpers, directions of compasses.
 //!
-//! Pure functions of poses and of a [`World`](crate::world::World) at one instant. Cycles, units, value ranges in counts and
-//! errors belong to the devices that use them.
+//! The functions are pure functions of poses and of a [`World`](crate::world::World) at one instant. Cycles, units, value ranges in counts
+//! and errors belong to the devices.
 
 mod bumper;
 mod compass;

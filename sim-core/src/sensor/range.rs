@@ -21,7 +21,7 @@ pub enum RangeModel {
     Laser(Echo),
     /// A narrow ultrasonic sensor: see [`Echo::time_of_flight`].
     Ultrasonic(Echo),
-    /// A sensor of reflected light: see [`Echo::reflectance`].
+    /// A reflectance sensor: see [`Echo::reflectance`].
     Reflectance(Echo),
     /// An ultrasonic sensor with a beam.
     Sonar(Sonar),
@@ -38,7 +38,7 @@ pub struct RangeSensor {
     pub model: RangeModel,
 }
 
-/// Posture of a robot, from which the poses of its sensors follow.
+/// Posture of a robot, which determines the poses of its sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Posture<'a> {
     /// Pose of the robot's centre.
@@ -56,8 +56,8 @@ pub struct Posture<'a> {
 pub struct Reading {
     /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of `None`.
     pub distance: Option<f64>,
-    /// Signal behind the distance: for a reflectance sensor in 1/m; for a sonar the energy of the echo, relative to
-    /// a perfect reflector 1 m ahead; for the others 1 with an echo and 0 without.
+    /// Signal from which the distance was derived: for a reflectance sensor in 1/m; for a sonar the energy of the echo,
+    /// relative to a perfect reflector 1 m ahead; for other sensors 1 with an echo and 0 without.
     pub signal: f64,
 }
 
@@ -104,7 +104,7 @@ impl Posture<'_> {
     /// World pose of a device at `mount` on a link, given by its index in the list, or on the body.
     ///
     /// # Panics
-    /// As [`link_pose`].
+    /// Like [`link_pose`].
     pub fn world_from(&self, mount: &Pose3, link: Option<usize>) -> Pose3 {
         let world_from_robot = Pose3::from_planar(&self.world_from_robot, self.lift);
         match link {
@@ -118,7 +118,7 @@ impl RangeSensor {
     /// World pose of the sensor of a robot in this posture.
     ///
     /// # Panics
-    /// As [`link_pose`].
+    /// Like [`link_pose`].
     pub fn world_from_sensor(&self, posture: &Posture) -> Pose3 {
         posture.world_from(&self.mount, self.link)
     }
@@ -151,7 +151,7 @@ impl RangeSensor {
     /// infinitely high; meshes and floating objects are hit at their true heights.
     ///
     /// # Panics
-    /// As [`link_pose`].
+    /// Like [`link_pose`].
     pub fn read(&self, world: &World, by: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
         let &Posture { world_from_robot: Pose { position, heading }, lift, .. } = posture;
         if self.is_level_psd() {

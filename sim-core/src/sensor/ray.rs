@@ -40,8 +40,8 @@ pub struct Beam {
 impl Beam {
     /// First hit of the sensor of robot `by`, whose centre is at `world_from_robot` at the instant `at`.
     ///
-    /// Hits walls and the bodies of other robots, not the robot's own. `None` if nothing lies within `range`; distance 0 if the
-    /// sensor's origin lies inside another body. Noise is added by the caller.
+    /// The sensor sees walls and the bodies of other robots, but not its own robot. `None` if nothing lies within `range`; distance 0 if
+    /// the sensor's origin lies inside another body. Noise is added by the caller.
     ///
     /// Source: Koestler & Bräunl, section 4.1. `None` if nothing is within range is our choice.
     pub fn sight(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {

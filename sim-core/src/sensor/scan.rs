@@ -14,10 +14,10 @@ use crate::{
 ///
 /// Ray i of n points (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2 points
 /// exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even n).
-/// A smaller sweep begins half of the sweep to the left. For an odd n it ends half of the sweep to the right, for an
-/// even n one spacing before. So 180 degrees in 180 or 181 points are 1 degree apart.
+/// A smaller sweep begins half of the sweep to the left; for an odd n it ends half of the sweep to the right, for an
+/// even n one spacing earlier. So 180 degrees in 180 or 181 points are 1 degree apart.
 ///
-/// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are those along the rays.
+/// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are measured along the rays.
 ///
 /// Source: `LIDARGet` of RoBIOS-7 for the middle and the order of the points; spacing and tilt are our choice.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +102,7 @@ impl Scan {
     /// Direction of ray `ray` in the sensor's frame, a unit vector: x along the line of sight, z up.
     ///
     /// # Panics
-    /// If there is no such ray.
+    /// If the ray does not exist.
     pub fn direction(&self, ray: u32) -> DVec3 {
         self.tilt.direction(self.rays[ray as usize])
     }
@@ -122,8 +122,8 @@ impl Scan {
         self.rays.iter().map(measure).collect()
     }
 
-    /// Distances as [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at
-    /// its mount. The rays are made by [`Ray::new`], which hits bodies up to their heights.
+    /// [`Scan::distances`] for a scanner at `world_from_sensor`, with any roll and pitch, instead of at its mount. The
+    /// rays are made by [`Ray::new`], which hits bodies up to their heights.
     ///
     /// The fan, tilt included, is fixed in the sensor's frame.
     pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {

@@ -57,9 +57,8 @@ impl Sonar {
     ///
     /// Published: 3 cm to 6 m, and a beam of about 55 degrees, the angle between the -6 dB points of its 40 kHz
     /// transducers. According to Gois & Hiller, section 6, its range is "actually much larger" than 6 m. The threshold
-    /// of 0.00186 is our estimate, for which the sensor just detects a rod of 3 cm at 2 m, as is reported for its
-    /// family; a wall would then be detected up to 23 m. No side lobes are published. The number of 64 rays is our
-    /// choice.
+    /// of 0.00186 is our estimate, for which the sensor just detects a rod of 3 cm at 2 m, as reported for its family;
+    /// a wall would then be detected up to 23 m. No side lobes are published. The number of 64 rays is our choice.
     pub fn srf08() -> Self {
         Self {
             min: 0.03,
@@ -72,7 +71,7 @@ impl Sonar {
     }
 
     /// Gain at `angle` rad from the line of sight: a Gaussian over the angle, or the Gaussian of the side lobes where
-    /// it is larger; 0 behind.
+    /// it is larger; 0 behind the sensor.
     ///
     /// Source: Gois & Hiller, section 2.1 (a Gaussian approximates the gain with very good precision).
     pub fn gain(&self, angle: f64) -> f64 {
@@ -89,8 +88,8 @@ impl Sonar {
     /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight:
     /// G^2 / d^2 times the reflectivity times (the diffuse share times cos(alpha) plus the specular share at normal incidence).
     ///
-    /// G is the gain in either direction, d the distance and alpha the incidence angle. A convex mirror with the principal radii r
-    /// spreads the energy over an area larger by (1 + d / r) for each.
+    /// G is the gain in either direction, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an area
+    /// that is larger by a factor (1 + d / r) for each of its principal radii r.
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). From
     /// geometrical acoustics: a wall larger than the beam, specular or rough, returns 1 / d^2; a convex mirror spreads
@@ -108,9 +107,9 @@ impl Sonar {
     /// robot itself returns no echo.
     ///
     /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, along a fan of
-    /// rays, and towards the nearest point of every body in reach; the latter finds mirrors, and is exact for surfaces
-    /// that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are tried too. There are no
-    /// second reflections.
+    /// rays, and towards the nearest point of every body in reach; the nearest points find mirrors, and are exact for
+    /// surfaces that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are tried too. Second
+    /// reflections are ignored.
     ///
     /// The fan is a spiral over the part of the half space from which an echo may be detected. If all bodies are upright
     /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's horizontal plane and is

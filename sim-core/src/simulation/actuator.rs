@@ -11,7 +11,7 @@ impl Robot {
     /// The steering servo of an Ackermann drive also steers. Returns true for a steering servo.
     ///
     /// # Panics
-    /// If there is no such servo.
+    /// If the servo does not exist.
     pub fn turn_servo(&mut self, world: &World, index: usize, position: u8) -> bool {
         let device = self.spec.all_servos()[index].name.to_owned();
         self.devices.servos.turn(index, position, self.now);

@@ -16,7 +16,7 @@ impl Robot {
     /// is given, images have that size.
     ///
     /// # Errors
-    /// [`CameraError`] if there is no camera, or the view is not possible.
+    /// [`CameraError`] if the robot has no camera, or the view is invalid.
     pub fn camera_view(&mut self, at: Time, size: Option<[u32; 2]>) -> Result<View, CameraError> {
         let Self { motion, spec, devices, .. } = self;
         let camera = spec.camera.as_ref().ok_or_else(|| CameraError::Absent(spec.file.clone()))?;
@@ -35,7 +35,7 @@ impl Robot {
     /// Setting of the robot's camera.
     ///
     /// # Errors
-    /// [`CameraError`] if the camera is off, or there is none.
+    /// [`CameraError`] if the camera is off or the robot has none.
     pub fn camera_setting(&self) -> Result<Setting, CameraError> {
         match self.spec.camera {
             None => Err(CameraError::Absent(self.spec.file.clone())),
@@ -70,7 +70,7 @@ impl Robot {
         Ok(picture)
     }
 
-    /// Takes a raw image of `size` behind a Bayer filter: rows of green and blue alternate with rows of red and green.
+    /// Takes a raw image of `size` through a Bayer filter: rows of green and blue alternate with rows of red and green.
     ///
     /// # Errors
     /// [`CameraError`].
@@ -141,7 +141,7 @@ impl Robot {
         Ok((Exposure { number, at, view, scenery: Arc::clone(scenery), poses, is_dark }, picture))
     }
 
-    /// Counts and records an image. `levels` are its grey levels for the automatic brightness; the tuple holds its
+    /// Counts and records an image. `levels` are its grey levels, for the automatic brightness; the tuple holds its
     /// form, size and bytes.
     fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
         self.devices.camera.follow(levels);

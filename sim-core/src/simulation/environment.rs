@@ -1,4 +1,4 @@
-//! Environment: the state that robots share (world, messages on their way, record), and the end of a slot.
+//! Environment: the state that robots share (world, messages in transit, record), and the end of a slot.
 
 use super::robot::{EndedRobot, record_contact};
 use super::traffic::Traffic;
@@ -27,28 +27,28 @@ pub struct Environment {
     moving: Vec<RobotId>,
     /// Robots affected by the end of the present slot.
     affected: Vec<RobotId>,
-    /// How the slot ended for each of them.
+    /// Result of the slot's end for each affected robot.
     ended: Vec<EndedRobot>,
-    /// A robot has been removed.
+    /// True once a robot has been removed.
     has_removed_robots: bool,
     traffic: Traffic,
     placements: Vec<Placement>,
-    /// The initial poses of the movable objects have been recorded.
+    /// True once the initial poses of the movable objects are recorded.
     has_recorded_starts: bool,
     /// Evaluates the checks on motion.
     monitor: Option<Box<Monitor>>,
-    /// Memory for references.
+    /// Reused memory for vectors of references.
     spare_motions: Vec<usize>,
     spare_endings: Vec<[usize; 4]>,
 }
 
-// The journals of a section are hashed side by side.
+// The journals of a section are hashed together.
 const _: () = assert!(parallel::SECTION == Journal::LANES);
 
-/// End of a slot for one robot: what it takes, and what comes out.
+/// End of a slot for one robot: inputs and results.
 struct RobotEnding<'a> {
     robot: &'a mut Robot,
-    /// `None` if its motion has no part in this end.
+    /// The robot's publication; `None` if its motion takes no part in this end.
     publication: Option<Publication<'a>>,
     ended: &'a mut EndedRobot,
 }
@@ -83,7 +83,7 @@ impl Environment {
         }
     }
 
-    /// This environment, before its first slot, with a monitor of its motion.
+    /// This environment with a monitor of its motion; must be set before the first slot.
     pub fn with_monitor(mut self, monitor: Option<Monitor>) -> Self {
         self.monitor = monitor.map(Box::new);
         if self.monitor.as_ref().is_some_and(|monitor| monitor.wants_objects()) {
@@ -97,7 +97,7 @@ impl Environment {
         self.monitor.as_deref()
     }
 
-    /// Ends the run at `time` for the monitor; `is_settled`: nothing can happen any more.
+    /// Ends the run at `time` for the monitor; `is_settled` if nothing can happen any more.
     pub fn finish_monitor(&mut self, time: Time, is_settled: bool) {
         if let Some(monitor) = &mut self.monitor {
             monitor.finish(&mut self.world, time, is_settled);
@@ -136,9 +136,9 @@ impl Environment {
         self.moving.retain(|moving| *moving != id);
     }
 
-    /// Finds the robots affected by the end of the present slot: robots that acted in it (`ran`), moving robots, receivers and
-    /// senders of messages, and robots to be placed elsewhere. Returns them in the order of their ids. `requesting` are the robots that
-    /// may [request](Robot::has_requests) anything, in the order of their ids.
+    /// Finds the robots affected by the end of the present slot: robots that acted in it (`ran`), moving robots, receivers and senders of
+    /// messages, and robots to be placed. Returns them in the order of their ids. `requesting` are the robots that may
+    /// [request](Robot::has_requests) anything, in the order of their ids.
     pub fn affected_robots(
         &mut self,
         ran: &[RobotId],
@@ -173,8 +173,8 @@ impl Environment {
     }
 
     /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids: carries out requested
-    /// placements, moves the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals. What
-    /// concerns one robot only is computed on `pool`.
+    /// placements, moves the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals. Work that
+    /// concerns only one robot runs on `pool`.
     pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &impl Pool) -> SlotEnd {
         let at = self.world.slot_end();
         self.record_starts();
@@ -193,8 +193,8 @@ impl Environment {
         });
         self.spare_motions = parallel::reuse(motions);
         let heard = self.traffic.deliver(robots);
-        // The walk is recorded before the pose, so that readers of poses already know the height of a walking body; it needs what all
-        // robots have published.
+        // The walk is recorded before the pose, so that readers of poses already know the height of a walking body; it needs the published
+        // motion of all robots.
         let has_walks = self.world.has_stances();
         let (following, interest) = (at + self.world.slot(), self.recorder.interest());
         self.ended.clear();
@@ -256,7 +256,7 @@ impl Environment {
         self.recorder.collect(&mut self.journal);
     }
 
-    /// Records the outcomes of the messages that were on their way to `robot` when the run ended.
+    /// Records the outcomes of the messages that were in transit to `robot` when the run ended.
     pub fn finish_radio(&mut self, robot: &mut Robot) {
         self.traffic.finish_robot(robot);
     }
@@ -274,7 +274,7 @@ impl Environment {
         record_objects(&mut self.journal, &self.world, at, std::iter::once(object));
     }
 
-    /// Places a robot or an object elsewhere, at the slot's end.
+    /// Places a robot or an object at the slot's end.
     fn place(&mut self, placement: &Placement, robots: &mut [&mut Robot]) {
         let Placement { by, what, pose, .. } = *placement;
         let slot_end = self.world.slot_end();

@@ -17,7 +17,7 @@ use crate::spec::{ContactKind, NoiseRef, RobotSpec, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 
-/// Factory of the robots of a scene, at its start and during the run.
+/// Factory of the robots of a scene, for the start and during the run.
 #[derive(Clone, Debug)]
 pub struct RobotFactory {
     seed: u64,
@@ -31,11 +31,11 @@ pub struct RobotFactory {
     /// Rule of contacts with walls, and the coefficient of friction of the walls.
     contact: ContactKind,
     wall_friction: f64,
-    /// Corners of the rectangle around floor and walls, m.
+    /// Corners of the bounding rectangle of floor and walls, m.
     floor: (DVec2, DVec2),
     /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
-    /// Devices as robots start with them, by the files of the robot types; robots share what never changes.
+    /// Initial devices, by the files of the robot types; robots share the constant parts.
     devices: BTreeMap<String, Devices>,
     /// Cache of the robots' noise profiles.
     profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,

@@ -1,4 +1,4 @@
-//! Faults of a scene as interventions at their instants.
+//! Faults of a scene as timed interventions.
 
 use std::collections::VecDeque;
 
@@ -12,16 +12,16 @@ use crate::time::Time;
 /// Maximum number of times that a random fault begins.
 const MOST: usize = 10_000;
 
-/// Faults of a run that are still to come, as interventions in order of time.
+/// Pending faults of a run, as interventions in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     actions: VecDeque<(Time, Action)>,
 }
 
 impl Faults {
-    /// The faults of a run with `seed` up to `until`; `noise_of` gives the noise models of a robot, to which a fault returns.
+    /// The faults of a run with `seed` up to `until`; `noise_of` returns the noise models of a robot, which the end of a fault restores.
     ///
-    /// The random numbers of a fault come from a stream of its own, keyed by the seed and its name.
+    /// Each fault draws its random numbers from its own stream, keyed by the seed and its name.
     pub fn new(faults: &[FaultSpec], seed: u64, until: Time, noise_of: impl Fn(RobotId) -> Profile) -> Self {
         let mut actions: Vec<(Time, Action)> = Vec::new();
         for fault in faults {
@@ -42,12 +42,12 @@ impl Faults {
         Self { actions: actions.into() }
     }
 
-    /// Instant of the next one.
+    /// Instant of the next intervention.
     pub fn next(&self) -> Option<Time> {
         self.actions.front().map(|(at, _)| *at)
     }
 
-    /// Takes the next one.
+    /// Removes and returns the next intervention.
     pub fn pop(&mut self) -> Option<(Time, Action)> {
         self.actions.pop_front()
     }
@@ -83,7 +83,7 @@ fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     }
 }
 
-/// The intervention with which `fault` begins or ends; `None` for the end of one that lasts for ever.
+/// The intervention with which `fault` begins or ends; `None` for the end of a fault that lasts forever.
 fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> {
     let robot = fault.robot.0;
     let set = |parameter: &str, value: f64| {
@@ -98,7 +98,7 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
         FaultKind::SensorStuck { sensor } => Action::StickSensor { robot, sensor: sensor.clone(), on: is_begin },
         FaultKind::Slip { wheels, share } => match wheels {
             SlippingWheels::All => set("drive.slip_percent", 100.0 * share),
-            // A wheel that loses a share of its way goes as far as one that is smaller by this share.
+            // A wheel that loses a share of its distance moves as far as a wheel that is smaller by this share.
             SlippingWheels::Left => set("drive.left_percent", -100.0 * share),
             SlippingWheels::Right => set("drive.right_percent", -100.0 * share),
         },

@@ -30,10 +30,10 @@ pub enum Refusal {
     /// The simulation is paused within a slot.
     #[error("an intervention acts at the start of a slot: the next one starts at {0}")]
     WithinSlot(Time),
-    /// There is no such robot.
+    /// The robot does not exist.
     #[error("there is no robot {0}")]
     NoRobot(u32),
-    /// There is no such object.
+    /// The object does not exist.
     #[error("there is no movable object {0}")]
     NoObject(u32),
     /// The robot has no such sensor.
@@ -46,7 +46,7 @@ pub enum Refusal {
         /// Names of the robot's sensors.
         known: String,
     },
-    /// There is no such type.
+    /// The type does not exist.
     #[error("there is no type of {what} `{name}`, accepted: {known}")]
     NoType {
         /// Kind of the type: robots or movable objects.
@@ -68,10 +68,10 @@ pub enum Refusal {
         /// rad
         phi_rad: f64,
     },
-    /// An obstacle occupies the place of a new robot.
+    /// An obstacle overlaps the position of a new robot.
     #[error("there is no room for a robot: {} in its place", in_the_way(.0))]
     Occupied(Thing),
-    /// The sensor has no readings that it could repeat.
+    /// The sensor has no readings to repeat.
     #[error("`{sensor}` of robot {robot} cannot stick: only PSDs and other distance sensors can")]
     CannotStick {
         /// The robot.
@@ -130,9 +130,9 @@ pub enum Intervention {
     RemoveObject(ObjectId),
     /// Silences a robot that the caller has halted.
     HaltRobot(RobotId),
-    /// Lets the range sensors of this name repeat their readings, or measure again.
+    /// Makes the range sensors of this name repeat their readings, or measure again.
     StickSensor(RobotId, String, bool),
-    /// Lets a radio be heard and hear, or not.
+    /// Silences a robot's radio, or ends its silence.
     SwitchRadio(RobotId, bool),
 }
 
@@ -158,8 +158,8 @@ impl Robots for [Robot] {
 }
 
 impl Intervention {
-    /// Validates `action` against `world`, at the start of its present slot or of a later slot up to which nothing
-    /// happens. The owner of the run must itself type to programs, add robots and end the run: these actions give [`Refusal::Other`].
+    /// Validates `action` against `world`, at the start of its present slot or of a later slot up to which nothing happens. The owner of
+    /// the run must itself type to programs, add robots and end the run; these actions are refused with [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
@@ -233,8 +233,7 @@ impl Intervention {
 }
 
 impl Environment {
-    /// Advances the world to `at`, the start of a slot up to which nothing happens, and records a validated `action`
-    /// there.
+    /// Advances the world to `at`, the start of a slot up to which nothing happens, and records a validated `action`.
     pub fn record_intervention(&mut self, at: Time, action: &Action) {
         self.world.advance_to(at);
         self.record_starts();
@@ -308,7 +307,8 @@ impl Environment {
         Effect::default()
     }
 
-    /// Adds a robot, which has the next id, at the start of the present slot; `heard` is the noise model of its radio.
+    /// Adds `robot`, whose id is the next one, at the start of the present slot; `heard` is the noise model of its
+    /// radio.
     pub fn admit(&mut self, robot: &mut Robot, heard: RadioNoise) {
         let figure = Arc::new(build::robot_figure(&robot.spec));
         self.world.add_robot(&mut robot.motion, Some(figure));

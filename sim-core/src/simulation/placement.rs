@@ -1,10 +1,10 @@
-//! Requests of robots to place a robot or an object elsewhere.
+//! Requests of robots to place another robot or an object.
 
 use crate::pose::Pose;
 use crate::time::Time;
 use crate::{ObjectId, RobotId};
 
-/// A robot's request to place a robot or an object elsewhere at the slot's end.
+/// A robot's request to place another robot or an object at the slot's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Time of the request.
@@ -17,7 +17,7 @@ pub struct Placement {
     pub pose: Pose,
 }
 
-/// An entity that can be placed elsewhere.
+/// An entity that can be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placeable {
     /// Another robot.

@@ -48,7 +48,7 @@ pub struct Robot {
     pub station: Option<Box<Station>>,
     /// Placements that the robot has requested in the present slot, in order.
     pub placements: Vec<Placement>,
-    /// The robot has been removed from the world.
+    /// True once the robot has been removed from the world.
     pub is_removed: bool,
     /// Noise models of devices, drive and radio.
     noise: Profile,
@@ -56,30 +56,30 @@ pub struct Robot {
     seed: u64,
     /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// Recorded posture, for a robot with legs or in the water.
+    /// Recorded posture of a robot with legs or in the water.
     pub walk: WalkRecord,
     /// Watch of the floor's edge; `None` in a world without a floor.
     floor: Option<FloorWatch>,
 }
 
-/// How a slot ended for a robot.
+/// Result of a slot's end for a robot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EndedRobot {
-    /// It takes part in the end of the next slot, whatever its program does.
+    /// True if the robot takes part in the end of the next slot regardless of its program.
     pub is_active: bool,
     pub journal: EndedJournal,
 }
 
-/// Watch of the edge of the floor, which a robot leaves where a wall is missing.
+/// Watch of the floor's edge, over which a robot can leave where a wall is missing.
 #[derive(Clone, Debug)]
 struct FloorWatch {
     /// Lower left and upper right corner, m.
     corners: (DVec2, DVec2),
     /// Start of the watch.
     since: Time,
-    /// The robot's centre was on the floor at the end of a slot.
+    /// True once the robot's centre was on the floor at the end of a slot.
     has_been_on: bool,
-    /// Instant at which it first left the floor.
+    /// Instant at which the robot first left the floor.
     left: Option<Time>,
 }
 
@@ -137,7 +137,7 @@ impl Robot {
         }
     }
 
-    /// Sets the lower left and the upper right corner of the floor, m: the first time that the robot leaves it is recorded. No effect
+    /// Sets the lower left and the upper right corner of the floor, m: the first time that the robot leaves it is recorded. Has no effect
     /// for a floor without an area.
     pub fn watch_floor(&mut self, corners: (DVec2, DVec2)) {
         let has_area = corners.0.cmplt(corners.1).all();
@@ -213,7 +213,7 @@ impl Robot {
         has_any
     }
 
-    /// Lets the range sensors of this name repeat their readings at `at`, the start of a slot, or measure again.
+    /// Makes the range sensors of this name repeat their readings from `at` on, the start of a slot, or measure again.
     pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
         let spec = Arc::clone(&self.spec);
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
@@ -224,8 +224,7 @@ impl Robot {
         }
     }
 
-    /// Addresses of the heap memory that the robot's commands and readings touch, which a caller may fetch into the processor's caches
-    /// before.
+    /// Addresses of the heap memory that the robot's commands and readings touch, which a caller may prefetch.
     pub fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
         let readings = [self.devices.psds.hot_memory()];
         readings.into_iter().chain(self.motion.hot_memory()).chain(self.journal.hot_memory())
@@ -303,7 +302,7 @@ impl Robot {
         }
     }
 
-    /// Records that the robot has left the floor, at the instant at which its centre passed the edge; of a slot longer than the world's
+    /// Records that the robot has left the floor, at the instant at which its centre passed the edge; in a slot longer than the world's
     /// history only the last part is searched.
     fn check_floor(&mut self, slot_end: Time, pose: &Pose) {
         let Some(floor) = self.floor.as_mut().filter(|floor| floor.left.is_none()) else { return };
@@ -325,7 +324,7 @@ impl Robot {
         }
         floor.left = Some(off);
         let DVec2 { x, y } = self.motion.pose(off).position;
-        // Adding 0 makes 0 of -0.
+        // Adding 0 turns -0 into 0.
         let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round() + 0.0);
         let text =
             format!("the robot has left the floor at ({x}, {y}) mm: a wall or a piece of the border is missing there");
@@ -337,8 +336,8 @@ impl Robot {
         self.station.is_some() || !self.placements.is_empty()
     }
 
-    /// Ends the slot at `at`: records the fates of messages, the posture if the `world` is given, and the pose. Returns true if the robot
-    /// takes part in the end of the next slot, whatever its program does.
+    /// Ends the slot at `at`: records the outcomes of messages, the posture if `world` is given, and the pose. Returns true if the robot
+    /// takes part in the end of the next slot regardless of its program.
     pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time) -> bool {
         self.settle_radio(at - Time(1));
         if self.is_removed {
@@ -374,7 +373,7 @@ impl Robot {
     }
 
     /// Records contacts of thighs, shanks and body that have begun since the last check. Contacts are checked every
-    /// [`TOUCH_GRID`]; of a slot longer than the world's history only the last part is checked.
+    /// [`TOUCH_GRID`]; in a slot longer than the world's history only the last part is checked.
     fn record_touches(&mut self, world: &World, slot_end: Time) {
         let first = self.walk.looked_at.max(slot_end - HISTORY);
         let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
@@ -407,7 +406,7 @@ impl Robot {
         format!("{name}.{link}")
     }
 
-    /// Records that robot `by` has placed this one at `pose` at `at`.
+    /// Records that robot `by` has placed this robot at `pose` at `at`.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
         let Pose { position, heading } = pose;
         let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };

@@ -11,8 +11,8 @@ use crate::pose::Pose;
 use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use crate::world::World;
 
-/// Limit of robots added after the start of a simulation. Removed robots count too, because each keeps its number and
-/// its record. Our choice.
+/// Limit of robots added after the start of a simulation. Removed robots count as well, because each keeps its number
+/// and its record. Our choice.
 pub const MAX_ROBOTS: usize = 1_000;
 
 /// Limit of movable objects added after the start of a simulation, removed ones included. Our choice.
@@ -28,7 +28,7 @@ pub struct Roster {
     pub object_types: Types<ObjectType>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// Numbers of robots and objects at the start.
+    /// Number of robots and number of objects at the start.
     at_start: [usize; 2],
     /// Default noise profile of robots.
     noise: Option<NoiseRef>,
@@ -71,11 +71,11 @@ impl Roster {
     }
 
     /// Spec of a new robot of the type called `kind` at `start`: x and y in m, heading in rad. It runs the program of
-    /// `program_of`. Its noise profile is the one of `program_of`, otherwise of the first robot of its type, otherwise
-    /// of the scene.
+    /// `program_of`. Its noise profile is taken from `program_of`, otherwise from the first robot of its type,
+    /// otherwise from the scene.
     ///
     /// # Errors
-    /// [`Refusal`] if a name or number is unknown, the place is occupied, or the limit is reached.
+    /// [`Refusal`] if a name or number is unknown, the position is occupied, or the limit is reached.
     pub fn robot(
         &self,
         kind: &str,
@@ -139,8 +139,8 @@ impl<T> Types<T> {
         Self { what, types: Vec::new(), known: Vec::new() }
     }
 
-    /// Adds the type called `name` of `file`, unless it is known. If another type has this name, the file's name is
-    /// used.
+    /// Adds the type called `name` of `file`, unless it is already known. If another type has this name, the file's
+    /// name is used.
     pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
         let both = [name, file].map(str::to_owned);
         if self.known.contains(&both) {

@@ -18,7 +18,7 @@ impl Robot {
         self.station.as_ref().map_or(0, |station| station.waiting())
     }
 
-    /// Time when the next message on its way becomes visible; [`Time::NEVER`] if there is none.
+    /// Time when the next message in transit becomes visible; [`Time::NEVER`] if there is none.
     pub fn next_message(&self) -> Time {
         self.station.as_ref().map_or(Time::NEVER, |station| station.next_visible())
     }
@@ -36,7 +36,7 @@ impl Robot {
     }
 
     /// Switches the radio off after it has sent its messages, see [`Station::switch_off_after`]; returns the number of messages that are
-    /// never sent: those that wait for a token.
+    /// never sent because they wait for a token.
     pub fn retire_radio(&mut self) -> usize {
         self.switch_radio_off_after(|station, now| station.last_start(now))
     }
@@ -75,7 +75,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Takes the next message that has been received by now.
+    /// Removes and returns the next message received by now.
     pub fn receive_message(&mut self) -> Option<Message> {
         self.settle_radio(self.now);
         let message = self.station_on()?.receive()?;
@@ -91,14 +91,14 @@ impl Robot {
         }
     }
 
-    /// Queues a message that is on its way to this robot.
+    /// Queues a message in transit to this robot.
     pub(super) fn deliver(&mut self, delivery: Delivery) {
         if let Some(station) = &mut self.station {
             station.deliver(delivery);
         }
     }
 
-    /// Records the outcomes of the messages on their way at the end of the run.
+    /// Records the outcomes of the messages in transit at the end of the run.
     pub(super) fn finish_radio(&mut self, end: Time) {
         let Some(station) = &mut self.station else { return };
         for fate in station.finish() {

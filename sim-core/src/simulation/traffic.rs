@@ -1,4 +1,4 @@
-//! Messages at a slot's end: sent messages go to the channel, and outcomes go to the robots affected.
+//! Messages at a slot's end: passes sent messages to the channel and outcomes to the affected robots.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -33,7 +33,7 @@ impl Traffic {
         self.sendings.append(&mut station.take_sent());
     }
 
-    /// Lets the channel decide the messages up to `slot_end`. Adds to `concerned` the robots that the outcomes affect,
+    /// Makes the channel decide the messages up to `slot_end`. Adds to `concerned` the robots that the outcomes affect
     /// and the robots for which a message has become visible.
     pub fn exchange(&mut self, slot_end: Time, channel: &mut Channel, concerned: &mut Vec<RobotId>) {
         if !self.sendings.is_empty() || channel.due() <= slot_end {
@@ -51,8 +51,8 @@ impl Traffic {
         }
     }
 
-    /// Delivers the outcomes in the slot that ends. `robots` must include those that [`Traffic::exchange`]
-    /// named, in the order of their ids. Returns the receivers of messages, each with the time when the message becomes
+    /// Delivers the outcomes in the slot that ends. `robots` must include the robots that [`Traffic::exchange`] named,
+    /// in the order of their ids. Returns the receivers of messages, each with the time when the message becomes
     /// visible.
     pub fn deliver(&mut self, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
         for (robot, sequence) in self.left.drain(..) {
@@ -77,7 +77,7 @@ impl Traffic {
         heard
     }
 
-    /// Ends the run at `end`: takes the messages that `channel` has not decided, as losses.
+    /// Ends the run at `end`: takes the messages that `channel` has not decided as losses.
     pub fn finish(&mut self, end: Time, channel: &mut Channel) {
         self.decided = channel.finish(end);
         // `finish_robot` pops from the end, beginning with the first robot.
@@ -85,7 +85,7 @@ impl Traffic {
         self.end = end;
     }
 
-    /// Records the outcomes of the messages on their way to `robot` at the end of the run.
+    /// Records the outcomes of the messages in transit to `robot` at the end of the run.
     pub fn finish_robot(&mut self, robot: &mut Robot) {
         while let Some(fate) = self.decided.pop_if(|fate| fate.to == robot.id) {
             robot.deliver(fate);

@@ -20,11 +20,11 @@ use crate::world::World;
 /// Robots in their environment, without programs: the caller commands them, with the devices, noise and timing that a
 /// program would get.
 ///
-/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original, and
-/// evolve identically, bit for bit. Walls, meshes and types are shared between copies.
+/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original and stay
+/// bit-identical under the same commands. Walls, meshes and types are shared between copies.
 ///
 /// A command acts at the present time, [`Simulation::now`]; other robots see it from the next slot on. Within a slot the order in which
-/// robots act has no effect. There is no access to files, clocks or other outside state.
+/// robots act has no effect. A simulation never accesses files, clocks or other outside state.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     environment: Environment,
@@ -38,13 +38,13 @@ pub struct Simulation {
     /// All robots and objects, and the types of robots and objects that can be added.
     roster: Arc<Roster>,
     factory: Arc<RobotFactory>,
-    /// Memory for references.
+    /// Reused memory for vectors of references.
     spare: Vec<usize>,
-    /// Faults of the scene that are still to come.
+    /// Pending faults of the scene.
     faults: Faults,
 }
 
-/// Options of a simulation besides its scene.
+/// Options of a simulation in addition to its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// Seed of all randomness; default: the scene's seed, otherwise 0.
@@ -69,9 +69,9 @@ impl Simulation {
         Self::made_by(RobotFactory::new(scene, seed, slot, false), scene, seed, slot)
     }
 
-    /// The simulation of `scene` at time 0, as [`Simulation::new`] makes it, but faster: it shares walls, ground and types with this one.
-    /// Walls, terrain, fixed objects, contact rule and types of robots of `scene` must be those of the scene of this simulation; starts,
-    /// noise and seed may differ.
+    /// The simulation of `scene` at time 0, equal to the result of [`Simulation::new`] but made faster: it shares walls, ground and types
+    /// with this simulation. Walls, terrain, fixed objects, contact rule and types of robots of `scene` must be the same as in this
+    /// simulation's scene; starts, noise and seed may differ.
     ///
     /// # Errors
     /// [`FactoryError`] for an invalid noise model of a drive.
@@ -131,10 +131,10 @@ impl Simulation {
         self.robots.len()
     }
 
-    /// Robot `id`: its true motion, its devices, its spec.
+    /// Robot `id` with its true motion, devices and spec.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn robot(&self, id: RobotId) -> &Robot {
         &self.robots[id.index()]
     }
@@ -142,7 +142,7 @@ impl Simulation {
     /// Calls `act` with robot `id` at the present time, to read and change it: devices, radio, drive.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn with_robot<R>(&mut self, id: RobotId, act: impl FnOnce(&mut Robot, &World) -> R) -> R {
         if self.acted.last() != Some(&id) {
             self.acted.push(id);
@@ -156,14 +156,14 @@ impl Simulation {
     /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn command(&mut self, id: RobotId, command: Command) -> Result<(), CommandError> {
         self.with_robot(id, |robot, world| robot.command(world, command))
     }
 
     /// Applies an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
     ///
-    /// Added robots have no program. Types of added robots and objects are those of the scene and those
+    /// Added robots have no program. Added robots and objects may have the types of the scene and the types
     /// [added](Simulation::roster_mut) to it. A removed robot keeps its id but is not in the world any more.
     ///
     /// # Errors
@@ -204,7 +204,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes a spawned entity visible to cameras: with the appearance of its type if that is known, otherwise as its
+    /// Makes a spawned entity visible to cameras, with the appearance of its type if it is known, otherwise as its
     /// colliders.
     fn show(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {
@@ -212,8 +212,8 @@ impl Simulation {
         }
     }
 
-    /// Findings of the scene's checks on motion, each with the place of its check in the scene. They are those up to the last whole
-    /// tenth of a second of the last ended slot.
+    /// Findings of the scene's checks on motion, each with the index of its check in the scene, up to the last whole tenth of a second of
+    /// the last ended slot.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
         self.environment.monitor().into_iter().flat_map(Monitor::findings)
     }
@@ -231,7 +231,7 @@ impl Simulation {
     /// Reading of range sensor `index` of robot `id` now, with its errors, m; `None` if out of range.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn range(&mut self, id: RobotId, index: usize) -> Option<f64> {
         self.robots[id.index()].read_range(&self.environment.world, index).distance
     }
@@ -239,7 +239,7 @@ impl Simulation {
     /// True pose of the centre of robot `id`, now.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn pose(&mut self, id: RobotId) -> Pose {
         self.robots[id.index()].motion.pose(self.now)
     }
@@ -247,7 +247,7 @@ impl Simulation {
     /// Odometry pose of robot `id`, now, in the frame in which it started.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn odometry(&mut self, id: RobotId) -> Pose {
         self.robots[id.index()].motion.odometry(self.now)
     }
@@ -268,7 +268,7 @@ impl Simulation {
     /// [`CameraError`] for a robot without a camera, and before [`Simulation::set_visuals`].
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn image(&mut self, id: RobotId) -> Result<Picture<[u8; 3]>, CameraError> {
         let visuals = self.visuals.clone().ok_or(CameraError::NoScenery)?;
         self.with_robot(id, |robot, world| {
@@ -286,7 +286,7 @@ impl Simulation {
     /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn depth(&mut self, id: RobotId) -> Result<Picture<f32>, CameraError> {
         self.robots[id.index()].take_depth()
     }
@@ -297,7 +297,7 @@ impl Simulation {
     /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn labels(&mut self, id: RobotId) -> Result<Picture<Label>, CameraError> {
         self.robots[id.index()].take_labels()
     }
@@ -328,8 +328,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Carries out the faults before `slot_end`, if the present slot has just begun. One that cannot be, such as of a removed robot, is
-    /// left out.
+    /// Carries out the faults before `slot_end`, if the present slot has just begun. Skips a fault that cannot be carried out, such as one
+    /// of a removed robot.
     fn carry_out_faults(&mut self, slot_end: Time) {
         while self.now == self.world().slot_start() && self.faults.next().is_some_and(|at| at < slot_end) {
             let action = self.faults.pop().map(|(_, action)| action);

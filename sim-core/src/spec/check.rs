@@ -1,4 +1,4 @@
-//! Checks: what a run of a scene must show. See `docs/checks.md`.
+//! Checks: conditions on a run of a scene. See `docs/checks.md`.
 
 use glam::DVec2;
 
@@ -10,15 +10,15 @@ use crate::{ObjectId, RobotId};
 /// A condition that a run of the scene must meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckSpec {
-    /// Name, unique in its scene; empty: the one that [`CheckSpec::title`] makes.
+    /// Name, unique in its scene; if empty, [`CheckSpec::title`] makes one.
     pub name: String,
     /// Points for a run that meets it, 0 or more.
     pub points: f64,
-    /// A run that does not meet it has no points at all.
+    /// True if a run that does not meet the condition gets no points at all.
     pub is_required: bool,
     /// The condition.
     pub kind: CheckKind,
-    /// Place of its table in the file.
+    /// Location of its table in the file.
     pub span: Span,
 }
 
@@ -40,21 +40,22 @@ impl Default for CheckSpec {
     }
 }
 
-/// A condition on a run. Distances in metres, world frame; the truth, never a sensor's or the odometry's view of it.
+/// A condition on a run. Distances are in metres, world frame, and always true values, never readings of sensors or
+/// odometry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckKind {
-    /// The centre of a body comes to a place.
+    /// The centre of a body reaches a place.
     Reach {
         /// The body.
         body: BodyRef,
         /// The place.
         place: Place,
-        /// Time by which it must have come.
+        /// Time by which the body must have reached the place.
         by: Option<Time>,
-        /// Time that it must stay there without leaving.
+        /// Time for which the body must stay there without leaving.
         stay: Time,
     },
-    /// The centre of a body comes to several places.
+    /// The centre of a body visits several places.
     Visits {
         /// The body.
         body: BodyRef,
@@ -62,9 +63,9 @@ pub enum CheckKind {
         places: Vec<DVec2>,
         /// Maximum distance from the centre of a place.
         within: f64,
-        /// Time by which the last one must be visited.
+        /// Time by which the last place must be visited.
         by: Option<Time>,
-        /// The order does not matter.
+        /// True if the places may be visited in any order.
         any_order: bool,
     },
     /// The centre of a body never leaves a place.
@@ -74,7 +75,7 @@ pub enum CheckKind {
         /// The place.
         place: Place,
     },
-    /// A gate is passed a number of times.
+    /// A body passes a gate a number of times.
     Laps {
         /// The body whose centre passes.
         body: BodyRef,
@@ -85,13 +86,13 @@ pub enum CheckKind {
         /// Time by which they must be complete.
         by: Option<Time>,
     },
-    /// The gap between a robot's body and others is never smaller than a limit.
+    /// The gap between a robot's body and other bodies or walls is never smaller than a limit.
     Clearance {
         /// The robot.
         robot: RobotId,
         /// Smallest gap.
         min: f64,
-        /// The others.
+        /// Bodies to which the gap is measured.
         to: Neighbours,
     },
     /// A robot drives along walls: for a share of its path, the gap to the nearest wall is within limits.
@@ -103,26 +104,26 @@ pub enum CheckKind {
         /// Smallest share of the length of the path, 0 to 1.
         share: f64,
     },
-    /// A tool as wide as `width`, at the centre of each robot, passes over a share of an area.
+    /// A tool of this `width`, at the centre of each robot, covers a share of an area.
     Coverage {
-        /// The robots; empty: all of the scene.
+        /// The robots; if empty, all robots of the scene.
         robots: Vec<RobotId>,
         /// Width of the tool.
         width: f64,
-        /// Corners of the area; `None`: the floor.
+        /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares by whose middles the area is counted.
+        /// Side of the squares by whose middles the area is measured.
         cell: f64,
         /// Smallest share of the squares, 0 to 1.
         share: f64,
         /// Time by which it must be reached.
         by: Option<Time>,
     },
-    /// A number that describes robots together stays within limits; it is taken every 100 ms.
+    /// A swarm metric stays within limits; it is evaluated every 100 ms.
     Swarm {
-        /// The robots; empty: all of the scene.
+        /// The robots; if empty, all robots of the scene.
         robots: Vec<RobotId>,
-        /// The number.
+        /// The metric.
         of: SwarmMetric,
         /// Minimum value.
         min: Option<f64>,
@@ -130,21 +131,21 @@ pub enum CheckKind {
         max: Option<f64>,
         /// Time before which the limits do not count.
         since: Time,
-        /// Only the end of the run counts.
+        /// True if only the end of the run counts.
         at_end: bool,
     },
-    /// Odometry never deviates from the truth by more than a limit.
+    /// Odometry never deviates from the true pose by more than a limit.
     OdometryError {
         /// The robot.
         robot: RobotId,
-        /// Maximum distance between the axle's pose by odometry and its true pose.
+        /// Maximum distance between the axle's odometry pose and its true pose.
         max: f64,
-        /// Only the end of the run counts.
+        /// True if only the end of the run counts.
         at_end: bool,
     },
-    /// Bodies touch at most so many times.
+    /// The number of contacts does not exceed a limit.
     Contacts {
-        /// The robot; `None`: all together.
+        /// The robot; `None` for all robots together.
         robot: Option<RobotId>,
         /// The obstacles that count.
         with: Contacted,
@@ -168,56 +169,56 @@ pub enum CheckKind {
     Prints {
         /// The robot.
         robot: RobotId,
-        /// Where it prints.
+        /// Output of the program.
         on: Screen,
-        /// What it prints.
+        /// The expected text or numbers.
         what: Printed,
     },
     /// Programs end in a certain way.
     Outcome {
-        /// The robot; `None`: each one that has a program.
+        /// The robot; `None` for each robot that has a program.
         robot: Option<RobotId>,
         /// The outcome.
         is: Outcome,
     },
     /// Events of a kind happen a number of times.
     Event {
-        /// The robot; `None`: all together.
+        /// The robot; `None` for all robots together.
         robot: Option<RobotId>,
         /// Kind of the events.
         event: Kind,
-        /// How often.
+        /// Bounds of the number of times.
         count: Counts,
-        /// Time by which the minimum number must have happened.
+        /// Time by which the minimum number must be reached.
         by: Option<Time>,
     },
     /// A function of RoBIOS is called a number of times.
     Calls {
-        /// The robot; `None`: all together.
+        /// The robot; `None` for all robots together.
         robot: Option<RobotId>,
         /// Name of the function.
         function: String,
-        /// How often.
+        /// Bounds of the number of times.
         count: Counts,
     },
     /// Messages are read from the radio a number of times.
     Message {
-        /// The sender; `None`: any.
+        /// The sender; `None` for any sender.
         from: Option<RobotId>,
-        /// The receiver; `None`: any.
+        /// The receiver; `None` for any receiver.
         to: Option<RobotId>,
-        /// Text that the message contains; `None`: anything.
+        /// Text that the message contains; `None` for any message.
         text: Option<String>,
-        /// How often.
+        /// Bounds of the number of times.
         count: Counts,
     },
     /// A program of the user judges the report and the trace.
     Script {
         /// The program, from `folder`.
         program: PathRef,
-        /// Words that it gets before the paths of report and trace.
+        /// Arguments before the paths of report and trace.
         arguments: Vec<String>,
-        /// Real time after which it is ended.
+        /// Wall-clock time after which it is ended.
         timeout: Time,
         /// Folder of the file that states the check, in which the program runs.
         folder: String,
@@ -248,7 +249,7 @@ impl CheckKind {
         }
     }
 
-    /// The robots and objects that it names.
+    /// The robots and objects that the check names.
     pub fn bodies(&self) -> Vec<BodyRef> {
         let robot = |robot: &RobotId| BodyRef::Robot(*robot);
         match self {
@@ -283,7 +284,7 @@ pub enum BodyRef {
 }
 
 impl std::fmt::Display for BodyRef {
-    /// `r1`, `o2`.
+    /// Formats the body as `r1` or `o2`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Robot(robot) => robot.fmt(f),
@@ -292,7 +293,7 @@ impl std::fmt::Display for BodyRef {
     }
 }
 
-/// A part of the floor, its border included.
+/// A region of the floor, border included.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
     /// All points within a distance of a point.
@@ -332,7 +333,7 @@ pub enum Contacted {
     Objects,
 }
 
-/// Where a program prints.
+/// Output of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Screen {
     /// Its standard output.
@@ -342,14 +343,14 @@ pub enum Screen {
     Display,
 }
 
-/// What a program must print.
+/// Text or numbers that a program must print.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Printed {
     /// A text within a line.
     Text(String),
-    /// A whole line that matches a pattern, in which `*` stands for any text.
+    /// A whole line that matches a pattern, in which `*` matches any text.
     Pattern(String),
-    /// Numbers, row by row, each within a tolerance; other words and lines may stand before and after them.
+    /// Numbers, row by row, each within a tolerance; other words and lines may come before and after them.
     Numbers {
         /// The rows.
         rows: Vec<Vec<f64>>,
@@ -368,7 +369,7 @@ pub struct Counts {
 }
 
 impl Default for Counts {
-    /// At least once.
+    /// Bounds for at least once.
     fn default() -> Self {
         Self { min: 1, max: None }
     }
@@ -381,26 +382,26 @@ impl Counts {
     }
 }
 
-/// A number that describes robots together.
+/// A metric of a swarm of robots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum SwarmMetric {
-    /// Mean distance of the robots from their common middle, m.
+    /// Mean distance of the robots from their centroid, m.
     #[default]
     Spread,
-    /// Length of the mean of the directions in which the robots move that do: 1 if all move in one direction.
+    /// Length of the mean direction vector of the moving robots: 1 if all move in the same direction.
     Order,
     /// Number of groups of robots that are connected by distances of at most `reach`.
     Groups {
         /// Maximum distance between neighbours, m.
         reach: f64,
     },
-    /// Share of an area over which a tool at each robot's centre has passed, 0 to 1.
+    /// Share of an area that a tool at each robot's centre has covered, 0 to 1.
     Coverage {
         /// Width of the tool, m.
         width: f64,
-        /// Corners of the area; `None`: the floor.
+        /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares by whose middles the area is counted, m.
+        /// Side of the squares by whose middles the area is measured, m.
         cell: f64,
     },
 }

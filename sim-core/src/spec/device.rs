@@ -33,7 +33,7 @@ pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 pub struct PsdSpec {
     /// Name, `PSD_FRONT`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// Origin of the beam in the robot's frame (x forward, y left, z up), in metres.
     pub position: DVec3,
@@ -41,11 +41,11 @@ pub struct PsdSpec {
     pub angle: f64,
     /// Angle of the beam above the floor plane of the body or link that carries it, in radians.
     pub pitch: f64,
-    /// Link that carries the sensor; `None`: the body.
+    /// Link that carries the sensor; `None` for the body.
     pub on: Option<PathRef>,
     /// Maximum measurable distance, in metres.
     pub range: f64,
-    /// Place of its line in the file.
+    /// Location of its line in the file.
     pub span: Span,
 }
 
@@ -57,7 +57,7 @@ pub const MAX_SONARS_ON_BUS: usize = 16;
 pub struct RangeSpec {
     /// Name, `US_FRONT`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// Mounting pose; x is the middle of its beam.
     pub mount: MountSpec,
@@ -69,7 +69,7 @@ pub struct RangeSpec {
     pub mean: f64,
     /// Bus of a sonar, from 1; `None` for other sensors.
     pub bus: Option<u32>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -89,8 +89,8 @@ impl Default for RangeSpec {
     }
 }
 
-/// Default horizontal field of view of a camera, in radians: 60 degrees, near that of the EyeCam. Source: our choice;
-/// the files give none.
+/// Default horizontal field of view of a camera, in radians: 60 degrees, similar to the EyeCam. Source: our choice; the
+/// files do not state it.
 pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
 /// Widest horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all of the image.
@@ -114,13 +114,13 @@ pub struct CameraSpec {
     pub pan: JointSpec,
     /// Rotation upwards.
     pub tilt: JointSpec,
-    /// Largest image: width and height in pixels; `None` if the line gives none.
+    /// Largest image: width and height in pixels; `None` if the line does not state it.
     pub image: Option<[u32; 2]>,
     /// Its lens.
     pub lens: Lens,
     /// Samples per side of a pixel, 1 to [`MAX_SAMPLES`]; their colours are averaged.
     pub samples: u32,
-    /// Place of its line in the file.
+    /// Location of its line in the file.
     pub span: Span,
 }
 
@@ -151,7 +151,7 @@ pub struct LidarSpec {
     pub tilt: f64,
     /// Angle that a scan covers, half of it on either side of forward, in radians; default: a full turn.
     pub sweep: f64,
-    /// Place of its line in the file.
+    /// Location of its line in the file.
     pub span: Span,
 }
 
@@ -169,7 +169,7 @@ impl Default for LidarSpec {
 pub struct InfraredSpec {
     /// Name, `IR_LF`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// Origin of the beam in the robot's frame, in metres.
     pub position: DVec3,
@@ -177,7 +177,7 @@ pub struct InfraredSpec {
     pub angle: f64,
     /// Detection distance, in metres.
     pub range: f64,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -186,13 +186,13 @@ pub struct InfraredSpec {
 pub struct BumperSpec {
     /// Name, `BUMP_FRONT`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// Start of the arc, in radians counter-clockwise from forward.
     pub from: f64,
     /// End of the arc, counter-clockwise from `from`: `from < to <= from + 2 pi`.
     pub to: f64,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -201,13 +201,13 @@ pub struct BumperSpec {
 pub struct ServoSpec {
     /// Name, `SERVO1`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// Angle at position 0, in radians.
     pub from: f64,
     /// Angle at position 255, in radians.
     pub to: f64,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -232,11 +232,11 @@ impl Default for LcdSpec {
 pub struct CompassSpec {
     /// Name, `COMPASS`.
     pub name: String,
-    /// Number by which programs address it; `None`: the number that `hdt_sem.h` gives to the name.
+    /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
     /// World direction (radians counter-clockwise from x) in which the compass reads 0.
     pub north: f64,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -288,10 +288,10 @@ pub struct SerialSpec {
     pub line: SerialLine,
 }
 
-/// The other end of a serial line.
+/// Device at the other end of a serial line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SerialLine {
-    /// Sends every byte back.
+    /// A device that sends every byte back.
     Loopback,
     /// A device that sends the bytes of a file.
     File {

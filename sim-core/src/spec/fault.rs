@@ -1,9 +1,9 @@
-//! Faults on purpose: what goes wrong in a run of a scene. See `docs/faults.md`.
+//! Injected faults of a scene. See `docs/faults.md`.
 
 use crate::RobotId;
 use crate::spec::Span;
 
-/// A fault of a robot, at an instant or at random ones.
+/// A fault of a robot, at a given instant or at random instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultSpec {
     /// Name, by which its random instants are drawn; unique in its scene.
@@ -14,9 +14,9 @@ pub struct FaultSpec {
     pub kind: FaultKind,
     /// Its instant.
     pub when: FaultTime,
-    /// Its duration in seconds; `None`: up to the end of the run.
+    /// Its duration in seconds; `None` for a fault that lasts until the end of the run.
     pub lasts: Option<f64>,
-    /// Place of its table in the file.
+    /// Location of its table in the file.
     pub span: Span,
 }
 
@@ -44,9 +44,9 @@ pub enum FaultTime {
         /// Probability that it happens at all.
         probability: f64,
     },
-    /// Again and again, independently of all before (a Poisson process); not while it lasts.
+    /// Repeatedly, as a Poisson process that pauses while the fault lasts.
     Random {
-        /// Mean number in a minute without the fault; positive.
+        /// Mean rate per minute while the fault is absent; positive.
         per_minute: f64,
     },
 }
@@ -77,10 +77,10 @@ pub enum FaultKind {
     Slip {
         /// Wheels that slip.
         wheels: SlippingWheels,
-        /// Share of a wheel's way that is lost.
+        /// Share of a wheel's distance that is lost.
         share: f64,
     },
-    /// The radio neither is heard nor hears.
+    /// The radio can neither be heard nor hear.
     RadioOff,
     /// A number of the noise models has another value.
     Noise {
@@ -111,8 +111,8 @@ pub enum SlippingWheels {
     /// All wheels.
     #[default]
     All,
-    /// Those on the left.
+    /// Wheels on the left.
     Left,
-    /// Those on the right.
+    /// Wheels on the right.
     Right,
 }

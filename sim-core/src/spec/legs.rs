@@ -15,14 +15,14 @@ pub const DEFAULT_STEP_HEIGHT: f64 = 0.03;
 /// Default radius of thighs and shanks, in metres. Source: our choice.
 pub const DEFAULT_LIMB_RADIUS: f64 = 0.02;
 
-/// The legs of a robot type and what they can do.
+/// The legs of a robot type and their gaits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegsSpec {
     /// Height to which a foot is lifted, in metres.
     pub step_height: f64,
     /// Radius of thighs and shanks, in metres.
     pub radius: f64,
-    /// Gaits; empty: the default one.
+    /// Gaits; if empty, the default gait.
     pub gaits: Vec<GaitSpec>,
     /// Legs.
     pub legs: Vec<LegSpec>,
@@ -39,15 +39,16 @@ impl Default for LegsSpec {
 pub struct GaitSpec {
     /// Name of the gait.
     pub name: String,
-    /// Time from one lift-off of a foot to its next, in seconds.
+    /// Time from one lift-off of a foot to its next lift-off, in seconds.
     pub period: f64,
     /// Duty factor: share of the period during which a foot is on the ground.
     pub duty: f64,
-    /// Phase at which each leg lifts off, as a share of the period; empty: evenly, one leg after the other.
+    /// Phase at which each leg lifts off, as a share of the period; if empty, the legs lift off evenly, one after the
+    /// other.
     pub offsets: Vec<f64>,
-    /// Legs with feet move like human legs.
+    /// True if legs with feet move like human legs.
     pub is_natural: bool,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -66,6 +67,6 @@ pub struct LegSpec {
     pub foot: Option<Foot>,
     /// Diameter of the wheel that replaces the foot, in metres.
     pub wheel: Option<f64>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }

@@ -25,7 +25,7 @@ pub struct LightSpec {
     pub elevation: f64,
     /// Share of the ambient light, 0 to 1.
     pub ambient: f64,
-    /// Bodies cast shadows.
+    /// True if bodies cast shadows.
     pub shadows: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. The frames are those of
-//! `docs/conventions.md`. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
+//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. `docs/conventions.md` defines the
+//! frames. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
 //!
 //! Every value in a spec is a finite number within its documented range, for any input text.
 
@@ -39,9 +39,9 @@ pub use crate::unit::MAX_LENGTH;
 /// A file named in another file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PathRef {
-    /// As written, without quotes.
+    /// The path as written, without quotes.
     pub text: String,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 

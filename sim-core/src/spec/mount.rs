@@ -27,21 +27,21 @@ impl Default for JointSpec {
     }
 }
 
-/// Name that stands for the body in references to links.
+/// Name of the body in references to links.
 pub const BODY: &str = "body";
 
 /// A pose on the body or on a link: x forward, y left, z up in the frame of the body or link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MountSpec {
-    /// The link; `None`: the body.
+    /// The link; `None` for the body.
     pub on: Option<PathRef>,
     /// Position of the origin, in metres.
     pub position: DVec3,
     /// Rotation about x, the left side upwards, in radians; the first of the three rotations.
     pub roll: f64,
-    /// Rotation of x upwards, in radians; the second.
+    /// Rotation of x upwards, in radians; the second of the three rotations.
     pub pitch: f64,
-    /// Rotation about z, counter-clockwise, in radians; the third.
+    /// Rotation about z, counter-clockwise, in radians; the third of the three rotations.
     pub yaw: f64,
 }
 
@@ -70,6 +70,6 @@ pub struct LinkSpec {
     pub mount: MountSpec,
     /// Joint; `None` for a fixed link.
     pub turn: Option<TurnSpec>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }

@@ -16,7 +16,7 @@ pub struct Preset {
 }
 
 impl Default for Preset {
-    /// No errors.
+    /// Returns the preset without errors.
     fn default() -> Self {
         Self { name: "none", entries: Arc::new([]) }
     }
@@ -74,7 +74,7 @@ pub struct NoiseEntry {
     pub key: &'static str,
     /// The number in SI units; a percentage is a share.
     pub value: f64,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 

@@ -28,7 +28,7 @@ const DEFAULT_SIZE: f64 = 0.1;
 /// Names of the built-in object types.
 pub const BUILT_IN_OBJECTS: [&str; 4] = ["Can", "Soccer", "Crate", "Golf"];
 
-/// A type of passive object: built in, described by an `.esObj` file, or a mesh alone.
+/// A type of passive object: built in, described by an `.esObj` file, or given only by a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectType {
     /// The file that describes it: an `.esObj`, or the sim file that names only a mesh. For a built-in type, the type's
@@ -40,29 +40,30 @@ pub struct ObjectType {
     pub model: Option<ModelSpec>,
     /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
     pub scale: f64,
-    /// Shape; a default if the file gives none.
+    /// Shape; a default if the file does not describe one.
     pub colliders: Vec<Collider>,
     /// Mass in kg; positive.
     pub mass: f64,
     /// Centre of mass in the object's frame, in metres.
     pub centre_of_mass: DVec3,
-    /// The object is immovable.
+    /// True if the object is immovable.
     pub is_fixed: bool,
     /// Coefficient of sliding friction on the floor; not negative.
     pub friction: f64,
-    /// Coefficient of rolling resistance: deceleration over gravity; `None` for an object that slides.
+    /// Coefficient of rolling resistance: deceleration as a fraction of gravity; `None` for an object that slides.
     pub rolling: Option<f64>,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
-    /// Red, green, blue if no mesh gives the colour.
+    /// Red, green, blue if the colour does not come from a mesh.
     pub colour: Option<[u8; 3]>,
     /// Reflection properties.
     pub surface: Surface,
     /// Shape for three-dimensional range sensors.
     pub solid: Solid,
-    /// Buoyant volume in cubic metres; 0 for none. Without effect on dry land.
+    /// Buoyant volume in cubic metres; 0 for none. It has no effect on dry land.
     pub buoyancy: f64,
-    /// Height of the object's frame above the floor, in metres: greater than 0 for one that [floats](Self::afloat).
+    /// Height of the object's frame above the floor, in metres: greater than 0 for an object that
+    /// [floats](Self::afloat).
     pub lift: f64,
 }
 
@@ -102,8 +103,8 @@ impl ObjectType {
 
     /// This type in still water of this depth, in metres, if it floats there: movable, and lighter than its buoyant volume of water.
     ///
-    /// Its colliders are under water by that share of their height by which it is lighter: exact for upright prisms, our choice for
-    /// others. `None` for one that stands on the floor.
+    /// The submerged share of the colliders' height is the object's mass divided by the mass of that water: exact for upright prisms, our
+    /// choice for other shapes. `None` for an object on the floor.
     pub fn afloat(&self, depth: f64) -> Option<Self> {
         let submerged = self.mass / (WATER_DENSITY * self.buoyancy);
         if self.is_fixed || submerged >= 1.0 {

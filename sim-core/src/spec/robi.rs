@@ -37,7 +37,7 @@ const MAX_STEER_DEG: f64 = 45.0;
 pub struct HullSpec {
     /// Force of a thruster at its maximum rate, in N.
     pub thrust: f64,
-    /// Drag ahead, to the side, of a turn, and up.
+    /// Drag ahead, sideways, of a turn, and upwards.
     pub drag: [Drag; 4],
 }
 
@@ -54,7 +54,7 @@ impl Default for HullSpec {
 pub struct MotorSpec {
     /// Name of the motor, `MOTOR_LEFT`.
     pub motor: String,
-    /// Name of its encoder, `QUAD_LEFT`; `None` if the file names none.
+    /// Name of its encoder, `QUAD_LEFT`; `None` if the file does not name it.
     pub encoder: Option<String>,
 }
 
@@ -84,7 +84,7 @@ pub struct DriveSpec {
     pub wheel_lag: f64,
 }
 
-/// The wheels, which are all alike.
+/// The wheels, which are all equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSpec {
     /// Diameter in metres.
@@ -139,7 +139,7 @@ pub struct RobiSpec {
     pub lidar: Option<LidarSpec>,
     /// Mesh of the body that cameras and the window show.
     pub model: Option<ModelSpec>,
-    /// Three-dimensional shape of the body, if the file gives it; contacts use the disc of `diameter`.
+    /// Three-dimensional shape of the body, if the file describes it; contacts use the disc of `diameter`.
     pub colliders: Vec<Collider>,
     /// Reflection properties of the body.
     pub surface: Surface,
@@ -153,13 +153,13 @@ pub struct RobiSpec {
     pub friction: f64,
     /// Legs of a robot with [`DriveKind::Legged`]; `None` if no file describes them.
     pub legs: Option<LegsSpec>,
-    /// Hull of a robot with [`DriveKind::Thrusters`]; without meaning for others.
+    /// Hull of a robot with [`DriveKind::Thrusters`]; meaningless for other drives.
     pub hull: HullSpec,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.
     pub bumpers: Vec<BumperSpec>,
-    /// Servos other than those of camera and steering; also camera and steering servos that the companion file
+    /// Servos that are not camera or steering servos, and the camera and steering servos that the companion file
     /// describes.
     pub servos: Vec<ServoSpec>,
     /// The compass.
@@ -180,7 +180,7 @@ pub struct RobiSpec {
 pub struct ServoRef<'r> {
     /// Name of the servo.
     pub name: &'r str,
-    /// Number by which programs address it, if the files give one.
+    /// Number by which programs address it, if the files state it.
     pub id: Option<i32>,
     /// Angles at positions 0 and 255, in radians.
     pub swing: [f64; 2],
@@ -237,7 +237,7 @@ impl RobiSpec {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
-    /// Name of range sensor `index`: PSDs come first, then the others; empty if there is no such sensor.
+    /// Name of range sensor `index`: PSDs come first, then the other range sensors; empty if the sensor does not exist.
     pub fn range_name(&self, index: usize) -> &str {
         match self.psds.get(index) {
             Some(psd) => &psd.name,

@@ -19,22 +19,22 @@ pub struct ObjectLine {
     pub kind: TypeRef,
     /// Pose in the world frame.
     pub pose: Pose,
-    /// Friction given by the line (classic `object` lines); `None`: that of the type.
+    /// Friction given by the line (classic `object` lines); `None` for the friction of the type.
     pub friction: Option<f64>,
     /// Name of the line within the scene.
     pub name: Option<String>,
     /// Path of the line in a scene in TOML, such as `object.2`, by which its random numbers are drawn.
     pub path: String,
-    /// The pose is drawn.
+    /// Random placement, if the pose is drawn.
     pub scatter: Option<Scatter>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
 /// A passive object of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectSpec {
-    /// Type of the object, shared by objects of one type.
+    /// Type of the object, shared by all objects of this type.
     pub kind: Arc<ObjectType>,
     /// Pose in the world frame.
     pub pose: Pose,
@@ -42,7 +42,7 @@ pub struct ObjectSpec {
     pub friction: f64,
     /// Path of its line in a scene in TOML, such as `object.2`; otherwise empty.
     pub line: String,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -53,16 +53,16 @@ pub struct MarkerSpec {
     pub position: DVec2,
     /// Red, green, blue and opacity.
     pub colour: [u8; 4],
-    /// Place of its line in the file.
+    /// Location of its line in the file.
     pub span: Span,
 }
 
 /// Reference of a line to the type of a robot or an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TypeRef {
-    /// By its file.
+    /// The file of the type.
     File(PathRef),
-    /// By its name: a built-in type or one that the scene has loaded.
+    /// The name of a built-in type or of a type that the scene has loaded.
     Name(PathRef),
 }
 
@@ -97,7 +97,7 @@ pub struct WorldLine {
     pub kind: WorldKind,
     /// The file.
     pub path: PathRef,
-    /// Side of a maze's cells in metres, in place of what its file says.
+    /// Side of a maze's cells in metres, which overrides the maze file.
     pub cell: Option<f64>,
     /// Looks of the world, from the scene; world files have none.
     pub looks: LooksSpec,
@@ -115,7 +115,7 @@ pub enum StartRef {
     Letter {
         /// The letter, in upper case.
         letter: char,
-        /// Heading in radians; `None`: that of the letter.
+        /// Heading in radians; `None` for the heading that the letter implies.
         heading: Option<f64>,
     },
     /// A group of robots that differ only in their start.
@@ -130,10 +130,10 @@ pub enum StartRef {
 /// Arrangement of a group of robots. Lengths in metres, angles in radians, world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Layout {
-    /// Each at the next start of the world that no earlier robot has taken.
+    /// Each robot takes the next start of the world that no earlier robot has taken.
     #[default]
     Starts,
-    /// On a line at equal distances, the first and the last at its ends.
+    /// The robots are on a line at equal distances, the first and the last at its ends.
     Line {
         /// Position of the first robot.
         from: DVec2,
@@ -142,18 +142,18 @@ pub enum Layout {
         /// Heading of all robots.
         heading: f64,
     },
-    /// In rows along x, each filled from left to right, with the next row above.
+    /// The robots are in rows along x, each filled from left to right, with the next row above.
     Grid {
         /// Position of the first robot.
         from: DVec2,
         /// Distance between columns and between rows.
         spacing: DVec2,
-        /// Number of robots in a row; `None`: chosen for a square.
+        /// Number of robots in a row; `None` for a square arrangement.
         columns: Option<u32>,
         /// Heading of all robots.
         heading: f64,
     },
-    /// On a circle at equal angles, counter-clockwise.
+    /// The robots are on a circle at equal angles, counter-clockwise.
     Circle {
         /// Centre of the circle.
         centre: DVec2,
@@ -164,18 +164,18 @@ pub enum Layout {
         /// Heading of each robot relative to its direction from the centre: 0 faces outwards, pi inwards.
         facing: f64,
     },
-    /// At random free positions, drawn from the seed.
+    /// The robots are at random free positions, drawn from the seed.
     Random(Scatter),
 }
 
-/// Random placement of robots, objects or walls where there is room. Lengths in metres, angles in radians, world frame.
+/// Random placement of robots, objects or walls in free space. Lengths in metres, angles in radians, world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scatter {
-    /// Lower left and upper right corner of the rectangle that contains the bodies; `None`: the floor.
+    /// Lower left and upper right corner of the rectangle that contains the bodies; `None` for the floor.
     pub area: Option<[DVec2; 2]>,
     /// Smallest distance from walls and other bodies.
     pub clearance: f64,
-    /// Heading of all; `None`: random.
+    /// Heading of all bodies; `None` for random headings.
     pub heading: Option<f64>,
 }
 
@@ -188,12 +188,12 @@ pub struct Drawn {
     pub value: serde_json::Value,
 }
 
-/// A place of a scene that a demand refers to.
+/// A position in a scene that a demand refers to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Whereabouts {
     /// A point in the world frame, in metres.
     Point(DVec2),
-    /// Where the robot or object with this path starts, such as `robot.1`.
+    /// The start of the robot or object with this path, such as `robot.1`.
     Thing(PathRef),
 }
 
@@ -203,16 +203,16 @@ impl Default for Whereabouts {
     }
 }
 
-/// A demand that a disc can move from one place of a scene to another without touching walls and objects.
+/// A demand that a disc can move between two positions of a scene without touching walls and objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReachableSpec {
-    /// Start of the way.
+    /// Start of the route.
     pub from: Whereabouts,
-    /// End of the way.
+    /// End of the route.
     pub to: Whereabouts,
-    /// Diameter of the disc in metres; `None`: that of the robot at the start.
+    /// Diameter of the disc in metres; `None` for the diameter of the robot at the start.
     pub width: Option<f64>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -257,21 +257,21 @@ pub struct RunSpec {
     pub until: Option<Time>,
     /// Virtual time that calls take.
     pub costs: Option<CostsRef>,
-    /// Functions of RoBIOS that fail for all programs: names, in which `*` stands for any letters.
+    /// RoBIOS functions that fail for all programs: names, in which `*` matches any letters.
     pub forbid: Vec<PathRef>,
     /// Generation of the RoBIOS API for which the robots' programs are written: 6 or 7.
     pub api: Option<u32>,
-    /// EyeSim whose conventions the scene and its programs follow.
+    /// The EyeSim version whose conventions the scene and its programs follow.
     pub dialect: Option<Dialect>,
     /// Noise profile of devices and drives.
     pub noise: Option<NoiseRef>,
     /// Motion of a robot that is pushed against a wall.
     pub contact: Option<ContactKind>,
-    /// Coefficient of friction of the walls. Between a robot and a wall, the lower one of the two coefficients applies.
+    /// Coefficient of friction of the walls. Between a robot and a wall, the smaller coefficient applies.
     pub wall_friction: Option<f64>,
 }
 
-/// EyeSim whose conventions a scene and its programs follow. See `docs/dialects.md`.
+/// The EyeSim version whose conventions a scene and its programs follow. See `docs/dialects.md`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dialect {
     /// EyeSim 5 and 6.
@@ -311,7 +311,7 @@ pub enum ContactKind {
     /// The robot slides if it is pushed outside the friction cone, while its wheels slip over the floor.
     #[default]
     Slide,
-    /// The robot rests, its wheels stall, and the command stays in force.
+    /// The robot is at rest, its wheels stall, and the command stays in force.
     Stall,
 }
 
@@ -355,18 +355,18 @@ pub struct CostEntry {
     pub function: String,
     /// Duration of a call, 1 us to an hour.
     pub cost: Time,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
-/// Descriptions within a scene, in place of files.
+/// Descriptions within a scene that replace files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InlineSpec {
     /// The world.
     pub world: Option<WorldSpec>,
-    /// Robot types, each with the place of its description.
+    /// Robot types, each with the location of its description.
     pub robot_types: Vec<(RobiSpec, Span)>,
-    /// Object types, each with the place of its description.
+    /// Object types, each with the location of its description.
     pub object_types: Vec<(ObjectType, Span)>,
 }
 
@@ -374,7 +374,7 @@ pub struct InlineSpec {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotLine {
     /// Number given by the scene, unique among its lines. Robots without a number take the free numbers from 1, in the
-    /// order of the file. A group has none.
+    /// order of the file. A group has no number.
     pub id: Option<RobotId>,
     /// Type of the robot.
     pub kind: TypeRef,
@@ -384,7 +384,7 @@ pub struct RobotLine {
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None`: the scene's generation.
     pub api: Option<u32>,
-    /// Noise profile of devices and drive; `None`: the scene's profile.
+    /// Noise profile of devices and drive; `None` for the scene's profile.
     pub noise: Option<NoiseRef>,
     /// Start pose.
     pub start: StartRef,
@@ -392,7 +392,7 @@ pub struct RobotLine {
     pub name: Option<String>,
     /// Path of the line in a scene in TOML, such as `robot.2`, by which its random numbers are drawn.
     pub path: String,
-    /// Place of its line in the file.
+    /// Location of its line in the file.
     pub span: Span,
 }
 
@@ -449,7 +449,7 @@ pub struct SimSpec {
     pub checks: Vec<CheckSpec>,
     /// Faults in the order of the file; only in our own format.
     pub faults: Vec<FaultSpec>,
-    /// Demands on places; only in our own format.
+    /// Demands on reachability; only in our own format.
     pub reachable: Vec<ReachableSpec>,
     /// Values of the text that were drawn; only in our own format.
     pub drawn: Vec<Drawn>,
@@ -460,7 +460,7 @@ pub struct SimSpec {
 /// A robot of a scene, ready to be built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
-    /// Number from 1: given by the scene, otherwise the position among the robots of the file.
+    /// Number from 1: stated by the scene, otherwise the position among the robots of the file.
     pub id: RobotId,
     /// Type of the robot, shared by robots of one file.
     pub robi: Arc<RobiSpec>,
@@ -470,16 +470,16 @@ pub struct RobotSpec {
     pub program: Option<PathRef>,
     /// Command-line arguments of the program.
     pub arguments: Vec<String>,
-    /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not give it.
+    /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not state it.
     pub api: Option<u32>,
     /// Noise profile of devices and drive, from the robot's line, otherwise from the scene. A profile in a file has been read.
     pub noise: Option<NoiseRef>,
     /// Dialect of the robot's line, as the generation of the RoBIOS API of the simulator that uses it: 6 for `robi`
-    /// lines, 7 for lines of EyeSim VR; in our own format that of the scene's dialect.
+    /// lines, 7 for lines of EyeSim VR; in our own format the generation of the scene's dialect.
     pub dialect: Option<u32>,
     /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,
-    /// Place of its line in the sim file.
+    /// Location of its line in the sim file.
     pub span: Span,
 }
 
@@ -495,7 +495,7 @@ impl RobotSpec {
 pub struct SceneSpec {
     /// Name of the sim file.
     pub file: String,
-    /// Folder of the sim file, against which program references are resolved first; empty: the working folder.
+    /// Folder of the sim file, against which program references are resolved first; if empty, the working folder.
     pub folder: String,
     /// The world.
     pub world: WorldSpec,
@@ -513,7 +513,7 @@ pub struct SceneSpec {
     pub radio: radio::RadioModel,
     /// Checks on a run of the scene, in the order of the file.
     pub checks: Vec<CheckSpec>,
-    /// Faults on purpose, in the order of the file.
+    /// Injected faults, in the order of the file.
     pub faults: Vec<FaultSpec>,
     /// Values that were drawn from the seed, in the order of the file.
     pub drawn: Vec<Drawn>,

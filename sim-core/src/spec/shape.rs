@@ -66,7 +66,7 @@ pub enum Collider {
 }
 
 impl Default for Collider {
-    /// A point.
+    /// Returns a collider that is a point.
     fn default() -> Self {
         Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }
     }
@@ -85,7 +85,7 @@ impl Collider {
         }
     }
 
-    /// This collider, higher by `lift` metres.
+    /// This collider, raised by `lift` metres.
     pub fn raised(mut self, lift: f64) -> Self {
         let (Self::Box { centre, .. }
         | Self::Sphere { centre, .. }

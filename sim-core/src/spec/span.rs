@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-/// A place in a text: bytes `start..end`, and line and column of its first character.
+/// A location in a text: bytes `start..end`, and line and column of its first character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Span {
     /// First byte, counted in the decoded text (the file's own bytes unless it is not UTF-8).
     pub start: usize,
-    /// End: the first byte after the place.
+    /// End: the first byte after the span.
     pub end: usize,
-    /// Line, from 1; 0 if the span stands for a file as a whole.
+    /// Line, from 1; 0 if the span denotes the whole file.
     pub line: u32,
     /// Column in characters, from 1; a byte order mark does not count.
     pub column: u32,

@@ -33,9 +33,9 @@ pub struct WallSpec {
     pub colour: Option<[u8; 3]>,
     /// Reflection properties; `None`: the world's properties.
     pub surface: Option<Surface>,
-    /// The wall has this length, in metres, and its place is drawn.
+    /// Length in metres and random placement, if the wall's position is drawn.
     pub scatter: Option<(f64, Scatter)>,
-    /// Place of the wall's line (in a maze: of its first character).
+    /// Location of the wall's line (in a maze: of its first character).
     pub span: Span,
 }
 
@@ -46,7 +46,7 @@ pub struct StartSpec {
     pub pose: Pose,
     /// The maze's letter, in upper case; `None` for a `position` line.
     pub letter: Option<char>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 
@@ -59,7 +59,8 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
-    /// The image is turned by 180 degrees, so that its upper left pixel lies at (width, 0), as in worlds of EyeSim VR.
+    /// True if the image is turned by 180 degrees, so that its upper left pixel lies at (width, 0), as in worlds of
+    /// EyeSim VR.
     pub texture_is_turned: bool,
     /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
@@ -71,8 +72,8 @@ pub struct WorldSpec {
     pub looks: LooksSpec,
     /// Side of a maze's cells, in metres; `None` for a `.wld`.
     pub cell: Option<f64>,
-    /// Walls in the order of the file; in a maze, the vertical ones from left to right, then the horizontal ones from
-    /// top to bottom.
+    /// Walls in the order of the file; in a maze, vertical walls from left to right, then horizontal walls from top to
+    /// bottom.
     pub walls: Vec<WallSpec>,
     /// Start poses in the order of the file.
     pub starts: Vec<StartSpec>,
@@ -81,7 +82,7 @@ pub struct WorldSpec {
 }
 
 impl WorldSpec {
-    /// Lower left and upper right corner of the rectangle around floor and walls, in metres.
+    /// Lower left and upper right corner of the bounding rectangle of floor and walls, in metres.
     pub fn bounds(&self) -> (DVec2, DVec2) {
         let ends = self.walls.iter().flat_map(|wall| [wall.from, wall.to]);
         ends.fold((DVec2::ZERO, self.floor), |(low, high), end| (low.min(end), high.max(end)))
@@ -97,7 +98,7 @@ pub struct TerrainSpec {
     pub mesh: Option<Arc<Mesh>>,
     /// The surface as a height field, for legs; `None` for a mesh file, and until it has been generated.
     pub field: Option<Arc<HeightField>>,
-    /// Place in the file.
+    /// Location in the file.
     pub span: Span,
 }
 

@@ -1,7 +1,7 @@
 //! Conversion of millimetres, degrees and hundredths of seconds to SI units and back; no other code does this.
 //!
-//! The readers of files and the RoBIOS functions of the host use these units, and people set the numbers of noise
-//! profiles in them. All other code of the core uses SI units.
+//! The readers of files, the RoBIOS functions of the host and noise profiles use these units. All other code of the
+//! core uses SI units.
 
 mod quantity;
 
@@ -19,7 +19,7 @@ pub fn mm_from_metres(metres: f64) -> f64 {
     metres * 1000.0
 }
 
-/// Radians from degrees; multiples of 90 give the double nearest to the exact angle.
+/// Radians from degrees; multiples of 90 give the `f64` nearest to the exact angle.
 pub fn radians_from_degrees(degrees: f64) -> f64 {
     degrees / 180.0 * PI
 }

@@ -1,4 +1,4 @@
-//! Numbers as people write them: in millimetres, degrees and percent, within bounds.
+//! Numbers as users write them: in millimetres, degrees and percent, within bounds.
 
 /// Meaning of a number in a file, with its unit and its bounds in that unit.
 #[derive(Clone, Copy, Debug)]
@@ -8,7 +8,7 @@ pub struct Quantity {
     unit: Unit,
     low: f64,
     high: f64,
-    /// The number has no effect on the scene, so a value out of bounds only causes a warning.
+    /// True if the number has no effect on the scene, so that a value out of bounds only causes a warning.
     is_minor: bool,
 }
 
@@ -115,7 +115,7 @@ impl Quantity {
         Self { is_minor: true, ..self }
     }
 
-    /// Converts `value` from the quantity's unit to SI units, without a check of the bounds.
+    /// Converts `value` from the quantity's unit to SI units without checking the bounds.
     pub fn si(&self, value: f64) -> f64 {
         (self.unit.to_si)(value)
     }

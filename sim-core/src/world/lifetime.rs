@@ -47,7 +47,7 @@ impl World {
     /// is its shape for rays in space (default: an upright cylinder of unlimited height).
     ///
     /// # Panics
-    /// If its id is not the next one.
+    /// If the robot's id is not the next one.
     pub fn add_robot(&mut self, motion: &mut Motion, figure: Option<Arc<Figure>>) {
         assert_eq!(motion.id().index(), self.tracks.len(), "ids of robots go on after the last");
         if let Some(figure) = figure {
@@ -64,7 +64,7 @@ impl World {
     /// must not be passed to [`World::advance`] again.
     ///
     /// # Panics
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn remove_robot(&mut self, robot: RobotId) {
         let track = &mut self.tracks[robot.index()];
         if track.lifetime.until < Time::NEVER {
@@ -113,7 +113,7 @@ impl World {
     /// Removes a movable object from the world from the start of the present slot on.
     ///
     /// # Panics
-    /// If there is no such object.
+    /// If the object does not exist.
     pub fn remove_object(&mut self, object: ObjectId) {
         let now = self.now;
         self.objects.as_mut().expect("the scene has this object").remove(object, now);
@@ -127,7 +127,7 @@ impl World {
     /// Lifetime of a robot in the world.
     ///
     /// # Panics
-    /// If there never was such a robot.
+    /// If the robot never existed.
     pub fn robot_lifetime(&self, robot: RobotId) -> Lifetime {
         self.tracks[robot.index()].lifetime
     }
@@ -135,7 +135,7 @@ impl World {
     /// Lifetime of a movable object in the world.
     ///
     /// # Panics
-    /// If there never was such an object.
+    /// If the object never existed.
     pub fn object_lifetime(&self, object: ObjectId) -> Lifetime {
         self.objects().lifetime(object)
     }
@@ -151,8 +151,8 @@ impl World {
     }
 
     /// The first obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present
-    /// slot: a wall or fixed body (also if the disc is wholly inside it), otherwise a robot, otherwise a movable
-    /// object. Touching is no overlap.
+    /// slot: a wall or fixed body (also if the disc is wholly inside it), then a robot, then a movable object. Touching
+    /// does not count as overlap.
     pub fn overlapped(&self, centre: DVec2, radius: f64) -> Option<Thing> {
         let inner = (radius - TOUCH).max(0.0);
         let mut wall = self.surrounding(centre);

@@ -1,4 +1,4 @@
-//! Geometry of the bodies and walls near a place.
+//! Geometry of the bodies and walls near a point.
 
 use std::sync::Arc;
 
@@ -48,8 +48,8 @@ impl World {
         figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
     }
 
-    /// Returns true if all walls and bodies that a level ray at height `z` may meet are prisms that stand on the floor
-    /// and reach up to `z`. Then no point above or below is nearer than the obstacle at that height. For the floor see
+    /// Returns true if all walls and bodies that a level ray at height `z` may meet are prisms from the floor up to at
+    /// least `z`. Then no point above or below is nearer than the obstacle at that height. For the floor see
     /// [`Space::floor`](super::Space).
     pub(crate) fn is_upright_at(&self, z: f64) -> bool {
         z >= 0.0 && z <= self.indexed_space.plain_below
@@ -66,7 +66,7 @@ impl World {
     }
 
     /// Visits, in a fixed order, the point nearest to `point` of the floor, of each wall and of each convex part of a
-    /// body that may come within `reach` metres at the instant `at`. Meshes and robot `by` are left out.
+    /// body that may come within `reach` metres at the instant `at`. Skips meshes and robot `by`.
     pub(crate) fn for_each_nearest(
         &self,
         by: RobotId,
@@ -82,8 +82,8 @@ impl World {
         self.for_each_geometry(by, near, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
     }
 
-    /// Visits each obstacle that may reach into `near` at the instant `at`, in a fixed order; the floor and robot `by`
-    /// are left out.
+    /// Visits each obstacle that may reach into `near` at the instant `at`, in a fixed order; skips the floor and robot
+    /// `by`.
     pub(super) fn for_each_geometry(
         &self,
         by: RobotId,

@@ -26,7 +26,7 @@ struct ObjectTrack {
     publications: VecDeque<(Time, ObjectTrajectory)>,
     /// Bounds of the object over the published history and the present slot.
     bounds: Bounds,
-    /// The object has been at rest, or removed, throughout the published history.
+    /// True if the object has been at rest, or removed, throughout the published history.
     is_resting: bool,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Objects {
     moved: Vec<ObjectId>,
     /// Pending placements for the end of the slot, in the order of the calls.
     placements: Vec<(ObjectId, Pose)>,
-    /// Objects that were placed and have not slept since; they may still be pushed out of an overlap.
+    /// Objects that have not slept since they were placed; they may still be pushed out of an overlap.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
     /// Steps of the objects, if they are kept.

@@ -18,7 +18,7 @@ pub(super) const TOE_OFF: f64 = 0.6;
 /// degrees in between. Our choice.
 const FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
-/// Phase from which the heel rises as fast as in the source.
+/// Phase from which the foot's pitch is the source's.
 const RISEN: f64 = 0.42;
 /// Phase from which the hip sinks to the height at which the other leg, almost straight, takes over. Our choice.
 const SINKING: f64 = 0.4;

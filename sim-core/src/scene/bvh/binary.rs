@@ -10,7 +10,7 @@ const BINS: usize = 32;
 /// A binary tree over boxes, with single boxes as leaves.
 pub(super) struct Binary {
     subtrees: Vec<Subtree>,
-    /// Indices of the boxes, ordered so that those below a fork are contiguous.
+    /// Indices of the boxes, ordered so that the boxes of each subtree are contiguous.
     order: Vec<usize>,
 }
 
@@ -27,16 +27,17 @@ struct Subtree {
 /// The cheapest way to collapse a subtree.
 #[derive(Default)]
 struct Collapse {
-    /// Expected cost of the subtree as at most 1, 2, ... 7 children of a wide node.
+    /// Expected costs of the subtree as at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
-    /// How many of at most 2, 3, ... 8 children the left subtree gets; 0 if one child fewer in all is as good.
+    /// Number of children of the left subtree out of at most 2, 3, ... 8; 0 if one child fewer in total is as good.
     left_parts: [usize; WIDTH - 1],
-    /// The subtree, as one child, is cheapest as a batch of triangles.
+    /// True if the subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
 }
 
 impl Binary {
-    /// The tree over `boxes`, at least one; testing a batch costs `batch_cost` times as much as testing a node.
+    /// The tree over `boxes`, which must not be empty; testing a batch costs `batch_cost` times as much as testing a
+    /// node.
     pub fn new(boxes: &[Box3], batch_cost: f32) -> Self {
         let mut order: Vec<usize> = (0..boxes.len()).collect();
         let mut subtrees = vec![Subtree::new(boxes, &order, 0..boxes.len())];
@@ -83,7 +84,7 @@ impl Binary {
         }
     }
 
-    /// Source: Ylitie, Karras and Laine 2017, section 3.1.
+    /// Computes the cheapest collapse of a subtree. Source: Ylitie, Karras and Laine 2017, section 3.1.
     fn cheapest_collapse(&self, place: usize, batch_cost: f32) -> Collapse {
         let fork = &self.subtrees[place];
         let area = fork.bounds.half_area();

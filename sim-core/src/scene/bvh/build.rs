@@ -9,7 +9,7 @@ use super::node::{Box3, Child, Node, PADDING, Tree, TriangleBatch, WIDTH};
 /// Maximum depth of a tree.
 pub(super) const MAX_DEPTH: usize = 24;
 
-/// Depth from which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
+/// Depth below which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
 const BALANCED_FROM: usize = 14;
 
 /// Cost of testing a batch relative to a node.
@@ -59,7 +59,7 @@ impl Builder<'_> {
         self.fill(node, &children)
     }
 
-    /// Adds triangles as one child, split by count alone.
+    /// Adds triangles as one child, split only by count.
     fn balanced(&mut self, mut positions: Vec<usize>, depth: usize) -> (Child, Box3) {
         if positions.len() <= WIDTH {
             return self.batch(positions);
@@ -105,7 +105,7 @@ impl Builder<'_> {
     /// Adds an empty node at `depth` (0: the root) and returns its index.
     fn reserve(&mut self, depth: usize) -> usize {
         self.tree.depth = self.tree.depth.max(depth + 1);
-        // The entry of these boxes is at infinity, so no ray enters them.
+        // Rays enter these boxes at infinity, that is, never.
         let planes = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
         self.tree.nodes.push(Node { planes, children: [Child::default(); WIDTH] });
         self.tree.nodes.len() - 1

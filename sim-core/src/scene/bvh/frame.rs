@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh. So the
-/// rounding of `f32` is the same for every mesh, and nothing overflows.
+/// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh. The
+/// rounding of `f32` is then the same for every mesh, and nothing overflows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     /// Bounds of the mesh.
@@ -21,9 +21,9 @@ pub(super) struct Frame {
 
 /// Start of the traversal of a ray.
 pub(super) struct Entry {
-    /// Metres from the ray's origin.
+    /// Distance from the ray's origin, m.
     pub distance: f64,
-    /// In the mesh's frame; within or next to the mesh's bounds.
+    /// Starting point in the mesh's frame, within or next to the mesh's bounds.
     pub origin: DVec3,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Entry {
 const MARGIN: f64 = 1.0 / (1 << 20) as f64;
 
 impl Frame {
-    /// The frame of a mesh with these corners; `None` without any.
+    /// The frame of a mesh with these corners; `None` without corners.
     pub fn around(mut corners: impl Iterator<Item = DVec3>) -> Option<Self> {
         let first = corners.next()?;
         let (low, high) = corners.fold((first, first), |(low, high), corner| (low.min(corner), high.max(corner)));

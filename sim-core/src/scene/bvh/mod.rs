@@ -1,8 +1,8 @@
 //! The nearest triangle along a ray, for meshes that are solid to sensors.
 //!
-//! [`ray`] decides each hit in `f64`, from the ray and one triangle alone. The tree (`binary`, `build`, `node`) and its
+//! [`ray`] decides each hit in `f64`, from only the ray and one triangle. The tree (`binary`, `build`, `node`) and its
 //! traversal eight boxes at a time (`walk`) only cull triangles, in `f32` and with margins wider than all rounding. So
-//! the result has the same bits for every tree, order and processor.
+//! the result is bit-identical for every tree, order and processor.
 
 mod binary;
 mod build;
@@ -25,7 +25,7 @@ use ray::Ray;
 pub struct MeshHit {
     /// Metres from the ray's origin to the triangle; not negative.
     pub distance: f64,
-    /// Number of the triangle; of several at the same distance, the lowest number.
+    /// Number of the triangle; among triangles at the same distance, the lowest.
     pub triangle: u32,
     /// Unit normal of the triangle on the side from which the ray comes. For a ray within the triangle's
     /// plane, the side from which its corners are counter-clockwise.
@@ -39,11 +39,11 @@ pub struct MeshHit {
 /// hit.
 ///
 /// # Definition of a hit
-/// Both sides of a triangle can be hit, edges and corners included. Where triangles share corners (equal bit for bit),
-/// no ray slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is
-/// the same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which
-/// hits both. A ray within a triangle's plane hits the triangle where it enters it. A ray that starts on a triangle
-/// hits it at distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
+/// Both sides of a triangle can be hit, edges and corners included. Where triangles share bit-identical corners, no ray
+/// slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is the
+/// same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which hits
+/// both. A ray within a triangle's plane hits the triangle at its point of entry. A ray that starts on a triangle hits
+/// it at distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
 ///
 /// Distances are exact within rounding (some 10^-15 of the mesh's extent, over the cosine of the incidence angle). A
 /// ray from outside the mesh's bounds is followed from its entry into them, so a distant origin adds only its own
@@ -61,7 +61,7 @@ pub struct MeshIndex {
 }
 
 impl MeshIndex {
-    /// The `triangles`, numbered in their order: three corners each, in metres.
+    /// An index over `triangles`, numbered in their order: three corners each, in metres.
     ///
     /// # Panics
     /// If there are 2^28 triangles or more.
@@ -87,7 +87,7 @@ impl MeshIndex {
         self.count == 0
     }
 
-    /// Lowest and highest corner of the box around all triangles that a ray can hit; `None` without any.
+    /// Lowest and highest corner of the box around all triangles that a ray can hit; `None` if there are none.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.frame.map(|frame| (frame.low, frame.high))
     }

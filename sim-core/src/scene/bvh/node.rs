@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 pub(super) const WIDTH: usize = 8;
 
 /// Margin of the boxes around their triangles on all sides, in tree units: 24 u, where u = 2^-24 is the maximum
-/// rounding error of an `f32` next to 1.
+/// rounding error of an `f32` near 1.
 ///
 /// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts the entry along that axis by at
 /// most 8.3 u: 1 u for the bound, 1 u for the origin, 2.1 u for the reciprocal, and 4.2 u for the difference (at most
@@ -30,7 +30,7 @@ pub(super) struct Tree {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// By axis and by side (low, high).
+    /// Planes by axis and by side (low, high).
     pub planes: [[[f32; WIDTH]; 2]; 3],
     pub children: [Child; WIDTH],
 }
@@ -61,7 +61,7 @@ impl Child {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct TriangleBatch {
-    /// By axis and corner, in tree coordinates; unused places are NaN, which no ray hits.
+    /// Corners by axis and corner, in tree coordinates; unused lanes are NaN, which no ray hits.
     pub tree_corners: [[[f32; WIDTH]; 3]; 3],
     /// Numbers of the triangles.
     pub numbers: [u32; WIDTH],

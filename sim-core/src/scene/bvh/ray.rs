@@ -1,4 +1,4 @@
-//! The exact test of a ray against a triangle, in `f64`; it alone decides which triangles are hit.
+//! The exact test of a ray against a triangle, in `f64`; only this test decides which triangles are hit.
 
 use glam::DVec3;
 
@@ -110,8 +110,8 @@ impl Ray {
         Some(&self.nearest).filter(|nearest| nearest.triangle != NO_TRIANGLE)
     }
 
-    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `place` lets the
-    /// caller find the triangle again.
+    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `place` tells
+    /// the caller where the triangle is stored.
     #[inline(always)]
     pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, place: (usize, usize)) {
         let Nearest { distance: least, triangle: first, .. } = self.nearest;
@@ -126,8 +126,8 @@ impl Ray {
     #[inline(always)]
     pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
         let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
-        // The sign of a difference of two products is never wrong, because rounding is monotonic. The products
-        // of an edge are the same for both triangles that share it.
+        // The sign of a difference of two products is never wrong, because rounding is monotonic. The products of an
+        // edge are the same for both triangles that share this edge.
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
         let w = b.x * a.y - b.y * a.x;

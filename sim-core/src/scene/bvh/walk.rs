@@ -7,8 +7,8 @@ use super::ray::Ray;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 
-/// Limit to which reciprocals of a direction's components are clamped, so that none is infinite. Over the whole mesh
-/// the clamping shifts the ray sideways by less than 2^-38 tree units.
+/// Limit to which reciprocals of a direction's components are clamped, so that all are finite. Over the whole mesh the
+/// clamping shifts the ray sideways by less than 2^-38 tree units.
 pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
 /// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
@@ -120,9 +120,10 @@ impl<S: Simd> Probe<S> {
 
     /// Bit mask of the triangles of a batch that the ray's line may hit.
     ///
-    /// In units u of rounding of 1: a corner relative to the origin has an error of 4.1 u, and 17 u on each axis after
-    /// shearing. Let m, at most 4.2, be the maximum of these coordinates. Then the offset of an edge has an error of 4
-    /// (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128 u (m + 2^-18).
+    /// In units of u, the rounding error near 1: a corner relative to the origin has an error of 4.1 u, and 17 u on
+    /// each axis after shearing. Let m, at most 4.2, be the maximum of these coordinates. Then the offset of an edge
+    /// has an error of 4 (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128
+    /// u (m + 2^-18).
     #[inline(always)]
     fn triangles(&self, simd: S, batch: &TriangleBatch) -> u32 {
         let (ax, ay) = self.seen(simd, batch, 0);
@@ -189,7 +190,7 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
                     met &= met - 1;
                     let farther = nearest.max(next);
                     nearest = nearest.min(next);
-                    // Insertion sort, the nearest last.
+                    // Insertion sort with the nearest entry last.
                     let mut at = count;
                     while at > start && waiting[at - 1] < farther {
                         waiting[at] = waiting[at - 1];

@@ -10,8 +10,8 @@ impl HeightField {
     /// Distance of the segment between two points of the world from the ground, in metres; 0 if they touch. For a
     /// segment below the ground, the result is minus the maximum height of the ground above a point of the segment.
     ///
-    /// The distance is exact up to `within`; if it is greater, the result is some value of at least `within`. Beyond
-    /// the rectangle the height above the ground replaces the distance. NaN if a coordinate is NaN.
+    /// The distance is exact up to `within`; if it is larger, the result is a value of at least `within`. Beyond the
+    /// rectangle the height above the ground replaces the distance. NaN if a coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         let (gap, _) = self.least_gap(ends);
         if gap.is_nan() || gap <= 0.0 {

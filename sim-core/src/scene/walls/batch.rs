@@ -1,4 +1,4 @@
-//! Walls by cell, four at a time in `f32`: conservative culling along a ray.
+//! Conservative culling along a ray: the walls of a cell are tested in `f32`, four at a time.
 //!
 //! Culling uses margins wider than all rounding; the exact test in `ray`, in `f64`, decides which walls are hit.
 
@@ -34,7 +34,7 @@ pub(super) struct WallBatches {
     slack: f32,
 }
 
-/// Up to four walls of a cell, coordinate by coordinate; unused places are NaN and compare as false.
+/// Up to four walls of a cell, coordinate by coordinate; unused lanes are NaN and compare as false.
 #[derive(Clone, Debug)]
 struct WallBatch {
     ax: Vec4,
@@ -57,10 +57,10 @@ const NO_WALL: u32 = u32::MAX;
 const EMPTY: WallBatch =
     WallBatch { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
 
-/// Rounding constant: added to a position in cells, it leaves the nearest whole number in the lowest bits.
+/// Rounding constant: adding it to a position in cells puts the nearest whole number into the lowest bits.
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
 
-/// Prevents 0 times infinity from giving NaN; too small to change any result.
+/// Keeps 0 times infinity from becoming NaN; too small to change any result.
 const ANY: f64 = 1e-300;
 
 impl WallBatches {
@@ -142,12 +142,12 @@ impl WallBatches {
                     break;
                 }
             }
-            // Not `min`, which has extra code for NaN.
+            // Not `min`, which needs extra code for NaN.
             let exit = if exits.x < exits.y { exits.x } else { exits.y };
             if limit <= exit {
                 return;
             }
-            // Bit masks replace a branch that could not be predicted, because either border may come first.
+            // Bit masks replace an unpredictable branch: either border may come first.
             let is_column = u64::from(exits.x < exits.y).wrapping_neg();
             cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
             exits.x += f64::from_bits(per.x.to_bits() & is_column);

@@ -1,4 +1,4 @@
-//! Lower bounds of the distance from places to the nearest wall, by cell: a ray that is shorter meets no wall.
+//! Lower bounds, by cell, of the distance to the nearest wall: a shorter ray cannot hit a wall.
 
 use glam::DVec2;
 
@@ -8,7 +8,7 @@ use super::super::{
 };
 use super::for_each_cell;
 
-/// Number of cells beside the number of walls; one byte each.
+/// Number of cells in addition to the number of walls; one byte each.
 const CELLS: f64 = 4096.0;
 
 /// For each cell of a grid over the walls' bounds, the number of cells to the nearest cell with a wall.
@@ -26,7 +26,7 @@ impl Clearance {
         let count = walls.len() as f64 + CELLS;
         let rounding = rounding_margin(&bounds);
         let cell = (size.x * size.y / count).sqrt().max((size.x + size.y) / count).max(1e6 * rounding).max(1e-9);
-        // As for the cells of rays: larger than all rounding.
+        // Larger than all rounding, as for the cells of rays.
         let margin = (1e-6 * cell).max(rounding);
         let grid = Grid::new(bounds.grown(2.0 * margin), cell);
         let (columns, rows) = (grid.columns(), grid.rows());
@@ -35,7 +35,7 @@ impl Clearance {
         for wall in walls {
             for_each_cell(&grid, margin, wall, |cell| cells[(cell / columns + 1) * width + cell % columns + 1] = 0);
         }
-        // Two passes give the Chebyshev distance: each looks at the neighbours that it has passed already.
+        // Two passes give the Chebyshev distance: each pass reads the neighbours that it has already processed.
         let mut approach = |cell: usize, passed: [usize; 4]| {
             let nearest = passed.into_iter().fold(u8::MAX, |least, other| least.min(cells[other]));
             cells[cell] = cells[cell].min(nearest.saturating_add(1));
@@ -52,7 +52,7 @@ impl Clearance {
         if !self.grid.bounds().contains(point) {
             return 0.0;
         }
-        // All cells that are fewer steps away are empty.
+        // All cells at fewer steps are empty.
         let (column, row) = (self.grid.column(point.x), self.grid.row(point.y));
         let steps = self.cells[(row + 1) * (self.grid.columns() + 2) + column + 1];
         f64::from(steps.saturating_sub(1)) * self.grid.cell()

@@ -1,4 +1,4 @@
-//! The exact test of a ray against a wall, in `f64`; it alone decides which walls are hit.
+//! The exact test of a ray against a wall, in `f64`; only this test decides which walls are hit.
 
 use glam::DVec2;
 
@@ -33,7 +33,7 @@ impl Ray {
     }
 
     /// Distance to a wall on the ray's line, without the limit of the range; negative if the ray misses the wall.
-    // `|` joins conditions where a branch would be mispredicted half of the time.
+    // `|` joins conditions where branch prediction would fail half of the time.
     #[inline(always)]
     pub fn distance(self, segment: &Segment) -> f64 {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
@@ -96,7 +96,7 @@ impl Nearest {
         Self { distance: range, wall: NO_WALL }
     }
 
-    /// Records a hit at `distance` if it is the nearest; a negative distance is no hit.
+    /// Records a hit at `distance` if it is the nearest; a negative distance means no hit.
     #[inline(always)]
     pub fn offer(&mut self, wall: WallId, distance: f64, counts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)
